@@ -254,7 +254,7 @@ def _engine(options: argparse.Namespace) -> Engine:
     if options.dask:
         from logical_robots_tui.lab.engines import ClusterEngine
 
-        return ClusterEngine(options.dask)
+        return ClusterEngine(options.dask, lambda said: print(harmless(said), file=sys.stderr))
     from logical_robots_tui.lab.engines import LocalEngine
 
     return LocalEngine(options.workers)

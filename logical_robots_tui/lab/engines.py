@@ -10,7 +10,7 @@ import signal
 import sys
 import threading
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
@@ -177,25 +177,30 @@ _COUNT_SECONDS = 2.0  # for which the number of threads is good
 _FETCH_SECONDS = 1.0
 _CONNECT_SECONDS = 30.0
 _RECONNECT_SECONDS = 600.0
+_RETRY_SECONDS = 5.0
 
 
 class ClusterEngine:
     """Tasks on a Dask scheduler, such as ``tcp://HOST:8786``; raises InputError without one.
 
-    Each future is released as soon as its answer is there.
+    Each future is released as soon as its answer is there. `say` is told when the scheduler is
+    lost, and when another one is found.
     """
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, say: Callable[[str], None] = lambda _: None) -> None:
         try:
             import distributed
         except ImportError:
             hint = "Install it with: pip install 'logical-robots-tui[dask]'"
             raise InputError("a cluster needs Dask", hint=hint) from None
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # losses are expected
+        for name in ("distributed", "distributed.client"):  # the second has a level of its own
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # losses are expected
         self._dask: Any = distributed
         self._address = address
         self._tasks: dict[Any, tuple[object, Task]] = {}
         self._lost: deque[tuple[object, Task]] = deque()
+        self._lost_since: float | None = None
+        self._say = say
         self._client: Any = None
         self._threads, self._counted_at = 1, -math.inf
         self._connect(_CONNECT_SECONDS)
@@ -222,8 +227,9 @@ class ClusterEngine:
             self._tasks[future] = key, task
 
     def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
-        if self._client.status != "running" or self._lost:
-            self._reconnect()
+        is_lost = self._client.status != "running" or self._lost
+        if is_lost and not self._reconnected(max(seconds, _RETRY_SECONDS)):
+            return
         with suppress(TimeoutError, CancelledError, ValueError):  # or there are none
             self._dask.wait(list(self._tasks), timeout=seconds, return_when="FIRST_COMPLETED")
         for future in [future for future in self._tasks if future.done()]:
@@ -254,20 +260,28 @@ class ClusterEngine:
             hint = "Start one with `dask scheduler`, and check the address and the keys."
             raise InputError(message, place=self._address, hint=hint) from error
 
-    def _reconnect(self) -> None:
-        """Resubmit lost work once a scheduler is back; raises InputError if that takes long."""
-        until = monotonic() + _RECONNECT_SECONDS
+    def _reconnected(self, seconds: float) -> bool:
+        """Try to connect again and resubmit lost work; raises InputError after ten minutes."""
+        if self._lost_since is None:
+            self._lost_since = monotonic()
+            self._say(
+                f"{self._address}: the Dask scheduler is lost. Waiting ten minutes for one at the "
+                "same address; what was computed is kept."
+            )
         left = [*self._lost, *self._tasks.values()]
         self._lost.clear()
         self._tasks.clear()
-        while True:
-            with suppress(Exception):
-                self._client.close(timeout=1)
-            try:
-                self._connect(_CONNECT_SECONDS)
-                break
-            except InputError:
-                if monotonic() > until:
-                    raise
+        with suppress(Exception):
+            self._client.close(timeout=1)
+        try:
+            self._connect(seconds)
+        except InputError:
+            if monotonic() > self._lost_since + _RECONNECT_SECONDS:
+                raise
+            self._lost.extend(left)
+            return False
+        self._lost_since = None
+        self._say(f"{self._address}: connected to a Dask scheduler again.")
         for key, task in left:
             self.submit(key, task)
+        return True

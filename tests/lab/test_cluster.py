@@ -102,6 +102,9 @@ def test_a_cluster_gives_the_same_files_whatever_is_killed(
     machines.start_worker()
     status, said = running.finish()
     assert status == 0, said
+    assert "the Dask scheduler is lost" in said
+    assert "connected to a Dask scheduler again" in said
+    assert "Traceback" not in said
     assert Command(capsys)("sweep", file, "-o", here, "--workers", 1).status == 0
     assert exported(there) == exported(here)
 
