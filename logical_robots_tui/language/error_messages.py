@@ -38,12 +38,21 @@ _TOO_MANY_EQUALS = (
     "this needs exactly one '='",
 )
 _NO_EXPRESSION = "this is not an expression"
-_UNREAD = (
-    _NO_CONDITION,
-    _NO_EXPRESSION,
-    "this is not a predicate with arguments",
-    "this 'if' can't be read",
-)
+_NO_CALL = "this is not a predicate with arguments"
+_NO_IF = "this 'if' can't be read"
+_NO_COPY = "this is not a predicate made from another"
+_UNREAD = (_NO_CONDITION, _NO_EXPRESSION, _NO_CALL, _NO_IF)
+
+_IF = "(if a < b then c else d)"
+_LOOK = "Look for a missing comma, quote or operator."
+_ENDS = "Rules end with ';'."
+_BRACES = "Aggregates use braces: Sum{x :- Item(x)}."
+_HEADS = "Heads aggregate like this: P(x, best? Max= v)."
+_TO_THE_END = "Move it to the end."
+_LOWER = "Use lower case letters and '_'."
+_COPY = "Write New := Old(Used: Other); a rule has ':-', and a value '='."
+_START = "Add a rule of it that does not mention itself."
+_ELEMENT = "An element of a list is Element(list, 0), Element(list, 1) ..."
 _PREDICATE = re.compile(r"[A-Z]\w*")
 _FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
 _INSTEAD_OF_SIGN = re.compile(r"<-|[{:]|(if|when|where)\b")
@@ -68,7 +77,7 @@ def explain(
         return diagnostic_at(source.original, start, 0, "the program is nested too deeply", hint)
     if names := unbound_variables(error):
         return _without_value(names, source, start, end)
-    message = plain_message(error)
+    message, hint = _plain(error)
     at, length = _place(error, source, start, end)
     for sign, what in _AT_SIGN.items():
         where = source.text if sign == "${" else source.skeleton
@@ -81,14 +90,20 @@ def explain(
         at, length, message = made, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
     else:
-        message, hint = _with_hint(message, value, source, (at, at + length), (start, end))
+        place, rule = (at, at + length), (start, end)
+        message, hint = _fitting(message, hint, value, source, place, rule)
     return diagnostic_at(source.original, at, length, message, hint)
 
 
-def _with_hint(
-    message: str, value: str, source: Prepared, place: tuple[int, int], statement: tuple[int, int]
+def _fitting(
+    message: str,
+    usual: str,
+    value: str,
+    source: Prepared,
+    place: tuple[int, int],
+    statement: tuple[int, int],
 ) -> tuple[str, str]:
-    """Return a message as it fits a value at a place in a statement, and a hint or ""."""
+    """Return a message and a hint as they fit a value at a place in a statement."""
     if message == _NO_FIELD and re.search(r"[^\w.]", value):
         message = _NO_EXPRESSION
     if message in _UNREAD:
@@ -104,24 +119,29 @@ def _with_hint(
         before, _, compared = value.partition("=")
         return message, f"Put the comparison in parentheses: {before}= ({compared.strip()[:60]})."
     if message.startswith(_TWO_SIGNS) and not _HEAD.search(source.skeleton, statement[0], place[0]):
-        return f"{_TWO_SIGNS} in one rule", "Aggregates use braces: Sum{x :- Item(x)}."
+        return f"{_TWO_SIGNS} in one rule", _BRACES
     if message == _NOT_IN_HEAD and _INSTEAD_OF_SIGN.match(value):
         return message, "Write ':-' between the head and the body."
     if message == _NO_HEAD and (constant := _CONSTANT.match(value)):
         return message, f"A predicate has parentheses, also a constant: {constant[1]}() = 0.5;"
     if message == _NO_HEAD and statement[0] and _IN_BODY.search(source.skeleton, *statement):
         return message, "A ';' ends a rule; write ',' between its conditions."
-    return message, _hint(message)
+    return message, usual
 
 
 def plain_message(error: BaseException) -> str:
+    return _plain(error)[0]
+
+
+def _plain(error: BaseException) -> tuple[str, str]:
+    undo = "Undo your last changes to find the cause."
     if not isinstance(error, _OWN):
-        return "Logica can't compile this"
+        return "Logica can't compile this", undo
     message = _plain_text(error)
-    for pattern, plain in _PLAIN:
+    for pattern, plain, hint in _PLAIN:
         if found := re.search(pattern, message):
-            return found.expand(plain)
-    return message[:1].lower() + message[1:300]
+            return found.expand(plain), hint
+    return message[:1].lower() + message[1:300], undo
 
 
 def unbound_variables(error: BaseException) -> list[str]:
@@ -142,8 +162,7 @@ def _without_value(names: list[str], source: Prepared, start: int, end: int) -> 
     """Return the diagnostic for variables without a value; those mentioned once are the cause."""
     rule = source.skeleton[start:end]
     culprits = [name for name in names if len(_mentions(name, rule)) == 1] or names
-    what = " and ".join(culprits) + (" is" if len(culprits) == 1 else " are")
-    message = f"nothing says what {what}"
+    message = f"{' and '.join(culprits)} {'has' if len(culprits) == 1 else 'have'} no value"
     others = {*re.findall(r"(?<![\w.`@])[a-z_]\w*(?![\w(])", rule)} - {*names} - _WORDS
     close = closest(culprits[0], others)
     places = _mentions(culprits[0], rule) or [0]
@@ -160,7 +179,7 @@ def _value_hint(name: str, before: str) -> str:
         return f"Take it from {table}({', '.join(f'{column}:' for column in INPUTS[table])})."
     if re.search(r"(label|object|robot_name)\s*(!=|==?)\s*$", before):
         return f'A text is written in quotes: "{name}".'
-    return _hint("nothing says what")
+    return "Give it a value in the body, or take it from a predicate."
 
 
 def _mentions(name: str, rule: str) -> list[int]:
@@ -174,99 +193,84 @@ _AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "a text can't hold
 _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null", "true", "false"})
 
 _PLAIN = (
-    (r"^Could not parse expression", _NO_EXPRESSION),
-    (r"^Could not parse proposition", _NO_CONDITION),
-    (r"^Could not parse predicate call", "this is not a predicate with arguments"),
-    (r"^Found no call in rule head", _NO_HEAD),
-    (r"^Too many :-", "there are two ':-' in one rule; is a ';' missing before the second?"),
-    (r"should have been split by :- ", "there are two ':-' here"),
-    (r"^Unexpected :- in record", "a ':-' can't be used in parentheses"),
-    (r"^Can not parse rule head|^Too many distinct", "the head of this rule can't be understood"),
-    (r"^Denotation (\w+) should go last", r"the word \1 comes last in the head"),
-    (r"split by (else|then)", "this 'if' can't be read"),
-    (r"^If-then-else clause", "an 'if' gives a value; it is not a condition"),
-    (r"split by =", "this needs exactly one '='"),
-    (r"split by : in", "there is more than one value here"),
-    (r"^Aggregating predicate must be", "a head that aggregates needs the word distinct"),
-    (r"^Aggregation of fields is only", "only the head of a rule can aggregate with '?'"),
-    (r"^Aggregated fields have to", "what is aggregated needs a name before the '?'"),
-    (r"^Unexpected text in the head", _NOT_IN_HEAD),
-    (r"^Too many '=' in predicate", "there is more than one '=' in the head of this rule"),
-    (r"^Variables starting with x_", "names of variables can't start with x_"),
-    (r"^Record fields may not start", "names of fields start with a lower case letter"),
-    (r"^Backticks in variable", "give this column a variable"),
-    (r"^Positional argument can not", "arguments without a name come before those with one"),
-    (r"^Field \.\.<rest_of> must", "'..' comes last"),
-    (r"^Field \.\.<rest_of> in record", "'..' can't be used in a record"),
-    (r"^Subscript must be", _NO_FIELD),
-    (r"^Array subscription must", "an index is a number, without a name"),
-    (r"^Negation", "'~' goes before what it negates"),
-    (r"^Incorrect syntax for functor", "this is not a predicate made from another"),
-    (r"^Disjunction is disallowed", "'|' can't be used in an aggregate or a negation"),
-    (r"^Tables with no columns", "a predicate needs at least one column"),
-    (r"circular dependency of In", "these lists depend on each other"),
-    (r"^Could not create record", "a whole row can't be used as a value"),
-    (r"^Built-in function (\S+) takes", r"\1 has the wrong number of arguments"),
-    (r"^Unsupported supposedly built-in function: (\S+)", r"\1 can't be used as a function"),
-    (r"^Expected field (\S+) missing in a record", r"not all branches of this 'if' have \1"),
-    (r"^Predicate (\S+) was proven", r"the recursion of \1 has nothing to start from"),
-    (r"^All rules contain nil for predicate", "this recursion has nothing to start from"),
-    (r"^Failed to eliminate recursion of (\S+)", r"\1 can't be recursive in this way"),
-    (r"^Functor (\S+) is applied to arguments (\S+),", r"\1 does not use \2"),
-    (r"^Rules for (\S+) when making", r"there is no predicate \1 to make this from"),
-    (r"^Could not resolve Make", "these predicates are made from each other"),
-    (r"^Bad functor call", "this is not a predicate made from another"),
-    (r"^Signature differs for bodies of ([^\s.]+)", r"the rules of \1 aggregate differently"),
-    (r"^Inconsistency in distinct", "some rules of this predicate are distinct and some are not"),
-    (r"^Either all rules of a", "some rules of this predicate are distinct and some are not"),
-    (r"^Parameters .* are undefined", "a text can't hold ${...}"),
-    (r"^Cast must have", "Cast needs a value and the name of a type in quotes"),
-    (r"^Unspecified flag: (\S+)", r"there is no flag \1"),
+    (r"^Could not parse expression", _NO_EXPRESSION, _LOOK),
+    (r"^Could not parse proposition", _NO_CONDITION, _LOOK),
+    (r"^Could not parse predicate call", _NO_CALL,
+     "Rules and facts start with a name: Robot(...)."),
+    (r"^Found no call in rule head", _NO_HEAD, "Names of predicates start with a capital letter."),
+    (r"^Too many :-", f"{_TWO_SIGNS} in one rule; is a ';' missing before the second?", _ENDS),
+    (r"should have been split by :- ", f"{_TWO_SIGNS} here", _ENDS),
+    (r"^Unexpected :- in record", "a ':-' can't be used in parentheses", _BRACES),
+    (r"^Can not parse rule head|^Too many distinct", "the head of this rule can't be understood",
+     "The word distinct comes last in a head, before ':-'."),
+    (r"^Denotation (\w+) should go last", r"the word \1 comes last in the head", _TO_THE_END),
+    (r"split by (else|then)", _NO_IF, f"Put it in parentheses: x = {_IF}."),
+    (r"^If-then-else clause", "an 'if' gives a value; it is not a condition",
+     f"Write x = {_IF}, or join conditions with ','."),
+    (r"split by =", _TOO_MANY_EQUALS[1], _HEADS),
+    (r"split by : in", "expected a comma", "A comma or a ';' seems to be missing."),
+    (r"^Aggregating predicate must be", "a head that aggregates needs the word distinct",
+     "Write it before ':-': P(x, best? Max= v) distinct :- ..."),
+    (r"^Aggregation of fields is only", "only the head of a rule can aggregate with '?'", _HEADS),
+    (r"^Aggregated fields have to", "what is aggregated needs a name before the '?'", _HEADS),
+    (r"^Unexpected text in the head", _NOT_IN_HEAD, "Is a ';' missing before it?"),
+    (r"^Too many '=' in predicate", _TOO_MANY_EQUALS[0], "A head has one value: F(x) = y :- ..."),
+    (r"^Variables starting with x_", "names of variables can't start with x_",
+     "Choose another name."),
+    (r"^Record fields may not start", "names of fields start with a lower case letter", _LOWER),
+    (r"^Backticks in variable", "give this column a variable", "For example: `my column`: x."),
+    (r"^Positional argument can not", "arguments without a name come before those with one",
+     "Name all that follow, or move this one to the front."),
+    (r"^Field \.\.<rest_of> must", "'..' comes last", _TO_THE_END),
+    (r"^Field \.\.<rest_of> in record", "'..' can't be used in a record",
+     "Name its fields instead."),
+    (r"^Subscript must be", _NO_FIELD, _LOWER),
+    (r"^Array subscription must", "an index is a number, without a name", _ELEMENT),
+    (r"^Negation", "'~' goes before what it negates", "Write ~P(x) or ~(a == b)."),
+    (r"^Incorrect syntax for functor", _NO_COPY, _COPY),
+    (r"^Disjunction is disallowed", "'|' can't be used in an aggregate or a negation",
+     "Give the alternatives a predicate of their own."),
+    (r"^Tables with no columns", "a predicate needs at least one column",
+     "Give it an argument or a value."),
+    (r"circular dependency of In", "these lists depend on each other",
+     "Take one of them from a predicate."),
+    (r"^Could not create record", "a whole row can't be used as a value",
+     "Name the columns that you need."),
+    (r"^Built-in function (\S+) takes", r"\1 has the wrong number of arguments",
+     "The list of functions says what it takes."),
+    (r"^Unsupported supposedly built-in function: (\S+)", r"\1 can't be used as a function",
+     "Give it a value with '=', or use it as a condition."),
+    (r"^Expected field (\S+) missing in a record", r"not all branches of this 'if' have \1",
+     "Give every branch the same fields."),
+    (r"^Predicate (\S+) was proven", r"the recursion of \1 has nothing to start from", _START),
+    (r"^All rules contain nil for predicate", "this recursion has nothing to start from", _START),
+    (r"^Failed to eliminate recursion of (\S+)", r"\1 can't be recursive in this way",
+     "Recursion works for predicates, not for functions."),
+    (r"^Functor (\S+) is applied to arguments (\S+),", r"\1 does not use \2",
+     "Name a predicate that its rules mention."),
+    (r"^Rules for (\S+) when making", r"there is no predicate \1 to make this from",
+     "Define it, or correct its name."),
+    (r"^Could not resolve Make", "these predicates are made from each other",
+     "Define one of them by rules."),
+    (r"^Bad functor call", _NO_COPY, _COPY),
+    (r"^Signature differs for bodies of ([^\s.]+)", r"the rules of \1 aggregate differently",
+     "Use the same aggregate in all of them."),
+    (r"^Inconsistency in distinct|^Either all rules of a",
+     "some rules of this predicate are distinct and some are not",
+     "Write distinct in all of its heads, or in none."),
+    (r"^Parameters .* are undefined", "a text can't hold ${...}", "Separate '$' and '{'."),
+    (r"^Cast must have", "Cast needs a value and the name of a type in quotes",
+     'For example: Cast("12", "INTEGER").'),
+    (r"^Unspecified flag: (\S+)", r"there is no flag \1",
+     'Define it: @DefineFlag("name", "value");'),
     (r"^Annotation (\S+) must be applied to an existing predicate.*predicate (\S+)$",
-     r"\1 refers to \2, which is not defined"),
-    (r"Bad annotation|annotation", "this annotation can't be understood"),
+     r"\1 refers to \2, which is not defined", "Define it, or remove the annotation."),
+    (r"[Aa]nnotation", "this annotation can't be understood",
+     'For example: @Recursive(P, 50); @OrderBy(P, "col0"); @Limit(P, 3);'),
 )  # fmt: skip
-
-_HINTS = (
-    (r"nothing says what", "Give it a value in the body, or take it from a predicate."),
-    (r"^this is not an? (expression|condition)", "Look for a missing comma, quote or operator."),
-    (r"not a predicate with arguments", "Rules and facts start with a name: Robot(...)."),
-    (r"'if' can't be read", "Put it in parentheses: x = (if a < b then c else d)."),
-    (r"'if' gives a value", "Write x = (if a < b then c else d), or join conditions with ','."),
-    (r"more than one value", "A comma or a ';' seems to be missing."),
-    (r"belong in the head", "Is a ';' missing before it?"),
-    (r"needs the word distinct", "Write it between the head and ':-'."),
-    (r"distinct and some", "Write distinct in all of its heads, or in none."),
-    (r"can't compile this", "Undo your last changes to find the cause."),
-    (r"missing before|two ':-'", "Rules end with ';'."),
-    (r"in parentheses", "Aggregates use braces: Sum{x :- Item(x)}."),
-    (r"starts with a predicate", "Names of predicates start with a capital letter."),
-    (r"fields start with a lower|fields are lower", "Use lower case letters and '_'."),
-    (r"can't start with x_", "Choose another name."),
-    (r"without a name come before", "Name all that follow, or move this one to the front."),
-    (r"only the head|aggregated needs a name", "Heads aggregate like this: P(x, best? Max= v)."),
-    (r"made from another", "Write New := Old(Used: Other); a rule has ':-', and a value '='."),
-    (r"in an aggregate or a negation", "Give the alternatives a predicate of their own."),
-    (r"nothing to start from", "Add a rule of it that does not mention itself."),
-    (r"can't be recursive", "Recursion works for predicates, not for functions."),
-    (r"exactly one '='", "Heads aggregate like this: P(x, best? Max= v)."),
-    (r"whole row", "Name the columns that you need."),
-    (r"at least one column", "Give it an argument or a value."),
-    (r"head of this rule can't", "The word distinct comes last in a head, before ':-'."),
-    (r"not all branches", "Give every branch the same fields."),
-    (r"aggregate differently", "Use the same aggregate in all of them."),
-    (r"does not use", "Name a predicate that its rules mention."),
-    (r"more than one '='", "A head has one value: F(x) = y :- ..."),
-    (r"a text can't hold", "Separate '$' and '{'."),
-    (r"'~' stands before", "Write ~P(x) or ~(a == b)."),
-    (r"comes last", "Move it to the end."),
-    (r"annotation can't", "For example: @Recursive(P, 50); @OrderBy(P, \"col0\"); @Limit(P, 3);"),
-    (r"there is no flag", 'Define it: @DefineFlag("name", "value");'),
-    (r"which is not defined", "Define it, or remove the annotation."),
-)  # fmt: skip
+"""Patterns for what the package says, the same in plain words, and what to do about it."""
 
 
-_IF = "(if a < b then c else d)"
 _FOREIGN = (
     (r"[\u2018\u2019\u201c\u201d]", "Write plain quotes: '...' or \"...\"."),
     (r"\A(//|--|/\*)", "Comments begin with '#'."),
@@ -281,7 +285,7 @@ _FOREIGN = (
     (r"\?.*:|\S\s+if\b", f"Write {_IF}."),
     (r"\A(for|let|var|where)\b", "Leave this word out."),
     (r"\bfor\b", "A body follows ':-', as in List{x :- x in [1, 2]}."),
-    (r"[\w)]\[", "An element of a list is Element(list, 0), Element(list, 1) ..."),
+    (r"[\w)]\[", _ELEMENT),
 )
 """Syntax of other languages, or forgotten parts, in a piece of text that can't be parsed."""
 
@@ -317,10 +321,6 @@ def _foreign(piece: str) -> str:
         if found := re.search(pattern, piece, re.DOTALL):
             return hint.format(**found.groupdict()) if found.groupdict() else hint
     return ""
-
-
-def _hint(message: str) -> str:
-    return next((hint for pattern, hint in _HINTS if re.search(pattern, message)), "")
 
 
 def rule_of(error: BaseException, source: Prepared) -> tuple[int, int]:

@@ -337,7 +337,7 @@ def explain(error: BaseException, source: Prepared, program: Sequence[Statement]
     elif isinstance(rule.body, tree.Disjunction):
         hint = "A '|' divides the whole body: put the alternatives in brackets, (a | b)."
         at = next(n.span.start for n in _uses_of(name, rule) if n.span)
-        message = f"nothing says what {name} is in one of the alternatives"
+        message = f"{name} has no value in one of the alternatives"
         return diagnostic_at(source.original, at, len(name), message, hint)
     takers = [
         e.name for e in called for v in tree.operands(e.arguments) if tree.variable_of(v) == name

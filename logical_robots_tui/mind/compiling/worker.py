@@ -137,6 +137,8 @@ def answer(
         return {"diagnostics": shown}
     except MemoryError:
         raise
+    except SystemError:  # without memory, CPython may lose the exception that says so
+        raise MemoryError from None
     except RecursionError:
         nested = "the program is nested too deeply"
         deep = Diagnostic(1, 1, nested, "Give parts of it names of their own.")
