@@ -125,7 +125,7 @@ def _check(options: argparse.Namespace) -> int:
       logical-robots level check *.toml *.json      check several levels
       logical-robots level check maze.toml --json   output for scripts
 
-    Positions are x:y in map units from the upper left corner.
+    Positions are x, y in map units from the upper left corner.
 
     exit status: 0 no errors (there may be warnings), 2 a level can't be loaded
     """
@@ -156,7 +156,7 @@ def _findings(name: str) -> list[LevelFinding]:
 
 
 def _line(name: str, finding: LevelFinding) -> str:
-    place = "" if finding.x is None else f":{finding.x:.0f}:{finding.y:.0f}"
+    place = "" if finding.x is None else f": at {finding.x:.0f}, {finding.y:.0f}"
     return f"{name}{place}: {'error' if finding.forbids else 'warning'}: {finding.text}"
 
 

@@ -369,7 +369,7 @@ def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
     found = definitions(program).get(MAIN, [])
     if not found:
         message = "there is no Robot predicate"
-        close = next((n for n in definitions(program) if n.lower() == MAIN.lower()), "")
+        close = next((n for n in definitions(program) if closest(n, [MAIN])), "")
         if close:
             yield diagnostic_for(text, close, message, f"Write {MAIN} instead of {close}.")
         else:

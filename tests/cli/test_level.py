@@ -130,7 +130,7 @@ def test_what_looks_wrong_is_told_with_its_place(command: Command, level: Path) 
     level.write_text(level.read_text().replace("#..........#", "#....#.....#"))
     told = command("level", "check", level)
     assert told.status == 0
-    assert told.out == f'{level}:42:12: warning: Pip can\'t reach the goal "Door".\n'
+    assert told.out == f'{level}: at 42, 12: warning: Pip can\'t reach the goal "Door".\n'
 
 
 def test_a_level_that_can_not_be_loaded_is_told_with_its_line(

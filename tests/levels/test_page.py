@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from logical_robots_tui.editing.checks import check
 from logical_robots_tui.world import Level, LevelError, Score, Team, load_level
 from tests.levels.playing import ticks_to_win
 
@@ -41,8 +42,12 @@ def level(file: Path) -> Level:
 
 def test_the_example_is_a_level(level: Level) -> None:
     assert (level.name, level.title) == ("gate", "Two at the gate")
-    assert (level.width, level.height) == (300, 70)
+    assert (level.width, level.height) == (300, 90)
     assert [robot.name for robot in level.robots] == ["Ann", "Bob"]
+
+
+def test_the_example_has_no_likely_mistake(level: Level) -> None:
+    assert check(level) == []
 
 
 def test_the_example_with_teams_is_a_level(file: Path) -> None:
