@@ -185,7 +185,9 @@ def _graded(folder: Path, out: str, workers: int) -> float:
         f"-m logical_robots_tui grade assignment.toml submissions -o {out} --workers {workers}"
     )
     before = getrusage(RUSAGE_CHILDREN)
-    status = subprocess.run([sys.executable, *command.split()], cwd=folder, check=False).returncode
+    status = subprocess.run(
+        [sys.executable, *command.split()], cwd=folder, check=False, timeout=7_200
+    ).returncode
     after = getrusage(RUSAGE_CHILDREN)
     assert status == 0, status
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
