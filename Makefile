@@ -55,9 +55,8 @@ bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	@$(BIN)/python -m compileall -q logical_robots_tui
 	$(BIN)/python -m benchmarks $(ARGS)
 
-screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
-	$(BIN)/python -m docs.screenshot 04-everybody-home everybody-home 330
-	$(BIN)/python -m docs.screenshot levels
+screenshot: $(VENV)/.dev ## Draw the README's pictures anew
+	$(BIN)/python -m docs.screenshot
 
 reference: $(VENV)/.dev ## Regenerate the tables of functions, fields and settings in docs
 	$(BIN)/python -m docs.reference

@@ -1,31 +1,39 @@
-"""Draw ``docs/screenshot.svg``: the game plays in a terminal, and its cells become a picture.
+"""Draw the README's pictures: the game plays in a terminal, and its cells become SVG.
 
-With the one argument ``levels`` draw ``docs/levels.svg``, the level screen after some victories.
+``python -m docs.screenshot playing`` draws the first program of the README winning the first level,
+as a moving picture; ``levels`` draws the level screen after some victories.
 
 Block and line characters become rectangles, so that the picture has no seams in any font.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 import tempfile
+from collections import defaultdict
+from copy import deepcopy
 from html import escape
-from itertools import groupby
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game import reference_for
+from logical_robots_tui.game.measuring import play_through
+from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import list_levels, load_level
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     import pyte
 
-TARGET = Path(__file__).with_name("screenshot.svg")
+DOCS = Path(__file__).parent
 SIZE = (120, 40)
+FRAMES, FRAME_SECONDS, REST_SECONDS = 24, 0.4, 3.0
+NEAR = 4  # cells between changed ones that are drawn with them
 WIDTH, HEIGHT, FONT = 8.4, 18.0, 14.0
 INK, PAPER = "c9d1d9", "0d1117"
 FONTS = "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace"
@@ -51,7 +59,7 @@ SHAPES: dict[str, Shape] = {
         char: [STROKES[side] for side in sides]
         for char, sides in {
             "│": "ns",
-            "─": "ew",
+            "─": "we",
             "╭": "se",
             "╮": "sw",
             "╰": "ne",
@@ -62,25 +70,39 @@ SHAPES: dict[str, Shape] = {
 
 
 def main() -> None:
-    """Play the game to a good moment and draw it."""
-    if sys.argv[1:] == ["levels"]:
-        draw_levels()
-        return
-    level, program, ticks = sys.argv[1], sys.argv[2], int(sys.argv[3])
-    with tempfile.TemporaryDirectory() as data_dir:
-        game = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
-        with Terminal([*game, "--data-dir", data_dir], size=SIZE) as terminal:
+    """Draw the pictures that are named, or all."""
+    for name in sys.argv[1:] or PICTURES:
+        (DOCS / f"{name}.svg").write_text(PICTURES[name](), encoding="utf-8")
+
+
+def draw_playing() -> str:
+    """Let the program of the README win the first level, and draw frames on the way."""
+    text = (DOCS.parent / "README.md").read_text(encoding="utf-8")
+    program = re.findall(r"^```prolog\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)[0]
+    level = load_level(list_levels()[0])
+    ticks = play_through(level, Program.compile(program), 5_000).won_at
+    assert ticks is not None
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "bend.l"
+        file.write_text(program, encoding="utf-8")
+        game = [sys.executable, "-m", "logical_robots_tui", "play", level.name, str(file)]
+        with Terminal([*game, "--data-dir", f"{folder}/data"], size=SIZE) as terminal:
             terminal.wait_for("· applied")
-            for tick in range(1, ticks + 1):
-                terminal.send("n")
-                terminal.wait_for(f"tick {tick} ")
-            terminal.wait_for_quiet()
-            terminal.send(" ")
-            terminal.wait_for("RUNNING")
-            TARGET.write_text(svg(terminal.screen), encoding="utf-8")
+            frames = [deepcopy(terminal.screen)]
+            for tick in (ticks * number // FRAMES for number in range(1, FRAMES + 1)):
+                terminal.send("U")
+                terminal.wait_for("Run until tick")
+                terminal.send(f"{tick}\r")
+                terminal.wait_for("★ won" if tick == ticks else f"tick {tick} of {tick}")
+                if tick == ticks:
+                    terminal.wait_for("Again")
+                    terminal.press_until("\x1b", lambda: "Again" not in terminal.text)
+                terminal.wait_for_quiet()
+                frames.append(deepcopy(terminal.screen))
+    return moving(frames)
 
 
-def draw_levels() -> None:
+def draw_levels() -> str:
     """Win some levels, begin another, and draw the level screen."""
     with tempfile.TemporaryDirectory() as data_dir:
         progress = Progress(Path(data_dir) / FILE_NAME)
@@ -95,51 +117,115 @@ def draw_levels() -> None:
             terminal.send("l")
             terminal.wait_for("LEVELS")
             terminal.wait_for_quiet()
-            TARGET.with_name("levels.svg").write_text(svg(terminal.screen), encoding="utf-8")
+            return svg(terminal.screen)
+
+
+PICTURES = {"playing": draw_playing, "levels": draw_levels}
 
 
 def svg(screen: pyte.Screen) -> str:
     """A terminal's screen as SVG."""
+    return "\n".join([*_head(screen), *_drawn(screen, _whole(screen)), "</svg>", ""])
+
+
+def moving(frames: Sequence[pyte.Screen]) -> str:
+    """Screens one after the other as SVG; after the first, only cells that have changed.
+
+    What a frame draws stays until all begin again. Without motion, it is the last frame.
+    """
+    seconds = (len(frames) - 1) * FRAME_SECONDS + REST_SECONDS
+    pieces = [*_head(frames[0]), *_drawn(frames[0], _whole(frames[0]))]
+    rules = [f"g[class]{{animation:{seconds:g}s step-end infinite}}"]
+    for number, (before, after) in enumerate(pairwise(frames), 1):
+        begin = 100 * number * FRAME_SECONDS / seconds
+        rules.append(
+            f"@keyframes f{number}{{0%{{visibility:hidden}}{begin:.2f}%{{visibility:visible}}}}"
+        )
+        rules.append(f".f{number}{{animation-name:f{number}}}")
+        pieces += [f'<g class="f{number}">', *_drawn(after, _changed(before, after)), "</g>"]
+    rules.append("@media (prefers-reduced-motion){g[class]{animation:none}}")
+    return "\n".join([pieces[0], "<style>", *rules, "</style>", *pieces[1:], "</svg>", ""])
+
+
+def _head(screen: pyte.Screen) -> Iterator[str]:
     width, height = screen.columns * WIDTH, screen.lines * HEIGHT
     box = f"-8 -8 {width + 16:.0f} {height + 16:.0f}"
-    head = (
+    yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}"'
         f' font-family="{FONTS}" font-size="{FONT}">'
-        f'<rect x="-8" y="-8" width="100%" height="100%" rx="8" fill="#{PAPER}"/>'
     )
-    rows = range(screen.lines)
-    papers = [piece for y in rows for piece in _papers(screen, y)]
-    shapes = [piece for y in rows for piece in _shapes(screen, y)]
-    texts = [piece for y in rows for piece in _texts(screen, y)]
-    crisp = ['<g shape-rendering="crispEdges">', *papers, *shapes, "</g>"]
-    return "\n".join([head, *crisp, *texts, "</svg>", ""])
+    yield f'<rect x="-8" y="-8" width="100%" height="100%" rx="8" fill="#{PAPER}"/>'
 
 
-def _papers(screen: pyte.Screen, y: int) -> Iterator[str]:
-    for paper, xs in groupby(range(screen.columns), lambda x: _colors(screen, x, y)[1]):
+Strip: TypeAlias = tuple[int, range]
+"""Cells side by side: a line, and its columns."""
+
+
+def _whole(screen: pyte.Screen) -> list[Strip]:
+    return [(y, range(screen.columns)) for y in range(screen.lines)]
+
+
+def _changed(before: pyte.Screen, after: pyte.Screen) -> list[Strip]:
+    """The strips of cells that differ; those with few cells between them are one."""
+    strips: list[Strip] = []
+    for y in range(after.lines):
+        xs = [x for x in range(after.columns) if before.buffer[y][x] != after.buffer[y][x]]
+        for x in xs:
+            if strips and strips[-1][0] == y and x - strips[-1][1].stop < NEAR:
+                strips[-1] = y, range(strips[-1][1].start, x + 1)
+            else:
+                strips.append((y, range(x, x + 1)))
+    return strips
+
+
+Rectangle: TypeAlias = tuple[str, float, float, float, float]
+"""A color, and x, y, width and height in cells."""
+
+
+def _drawn(screen: pyte.Screen, strips: Sequence[Strip]) -> Iterator[str]:
+    yield f'<g shape-rendering="crispEdges" transform="scale({WIDTH:g} {HEIGHT:g})">'
+    for pieces in (_papers, _shapes):
+        yield from _paths(each for strip in strips for each in pieces(screen, *strip))
+    yield "</g>"
+    for strip in strips:
+        yield from _texts(screen, *strip)
+
+
+def _paths(rectangles: Iterable[Rectangle]) -> Iterator[str]:
+    """One path for each color."""
+    paths = defaultdict(list)
+    for color, x, y, width, height in rectangles:
+        x, y, width, height = (round(n, 3) for n in (x, y, width, height))
+        paths[color].append(f"M{x:g} {y:g}h{width:g}v{height:g}h-{width:g}z")
+    for color, outlines in paths.items():
+        yield f'<path fill="#{color}" d="{"".join(outlines)}"/>'
+
+
+def _papers(screen: pyte.Screen, y: int, columns: range) -> Iterator[Rectangle]:
+    for paper, xs in groupby(columns, lambda x: _colors(screen, x, y)[1]):
         run = list(xs)
-        if paper != PAPER:
-            yield _rectangle(run[0], y, len(run), 1, paper)
+        if paper != PAPER or len(columns) < screen.columns:
+            yield paper, run[0], y, len(run), 1
 
 
-def _shapes(screen: pyte.Screen, y: int) -> Iterator[str]:
+def _shapes(screen: pyte.Screen, y: int, columns: range) -> Iterator[Rectangle]:
     """Rectangles for block and line characters; those that touch become one."""
     open_ends: dict[tuple[float, float, str], tuple[float, float]] = {}
-    for x in range(screen.columns):
+    for x in columns:
         ink = _colors(screen, x, y)[0]
         for left, top, width, height in SHAPES.get(screen.buffer[y][x].data, []):
             key = top, height, ink
             begin, end = open_ends.pop(key, (0.0, -1.0))
             if end != x + left:
                 if end >= 0:
-                    yield _rectangle(begin, y + top, end - begin, height, ink)
+                    yield ink, begin, y + top, end - begin, height
                 begin = x + left
             open_ends[key] = begin, x + left + width
     for (top, height, ink), (begin, end) in open_ends.items():
-        yield _rectangle(begin, y + top, end - begin, height, ink)
+        yield ink, begin, y + top, end - begin, height
 
 
-def _texts(screen: pyte.Screen, y: int) -> Iterator[str]:
+def _texts(screen: pyte.Screen, y: int, columns: range) -> Iterator[str]:
     row = screen.buffer[y]
 
     def look(x: int) -> tuple[str, bool] | None:
@@ -147,7 +233,7 @@ def _texts(screen: pyte.Screen, y: int) -> Iterator[str]:
         is_text = cell.data != " " and cell.data not in SHAPES
         return (_colors(screen, x, y)[0], cell.bold) if is_text else None
 
-    for found, xs in groupby(range(screen.columns), look):
+    for found, xs in groupby(columns, look):
         run = list(xs)
         if found is None:
             continue
@@ -158,13 +244,6 @@ def _texts(screen: pyte.Screen, y: int) -> Iterator[str]:
             f'<text x="{run[0] * WIDTH:.1f}" y="{(y + 0.75) * HEIGHT:.1f}" fill="#{ink}"'
             f'{weight} textLength="{len(run) * WIDTH:.1f}">{text}</text>'
         )
-
-
-def _rectangle(x: float, y: float, columns: float, lines: float, color: str) -> str:
-    return (
-        f'<rect x="{x * WIDTH:.1f}" y="{y * HEIGHT:.1f}" width="{columns * WIDTH:.1f}"'
-        f' height="{lines * HEIGHT:.1f}" fill="#{color}"/>'
-    )
 
 
 def _colors(screen: pyte.Screen, x: int, y: int) -> tuple[str, str]:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.diagnosing import Diagnosis
 
 FOUND, NOTHING = 0, 1
-DEFAULT_TICKS, TICKS_TO_SCAN = 5000, 3000
+DEFAULT_TICKS = 5000
 NARROWEST, WIDEST = 40, 96  # columns of a diagnosis
 
 _WIDEST_CELL = 60  # characters of a value in a table
@@ -199,7 +199,7 @@ def _data(question: str, found: game.Matches) -> dict[str, Any]:
 
 
 @command.declare(
-    "diagnose", of_run(ticks=(TICKS_TO_SCAN, "stop after this many ticks, or at victory"))
+    "diagnose", of_run(ticks=(DEFAULT_TICKS, "stop after this many ticks, or at victory"))
 )
 def diagnose(options: argparse.Namespace) -> int:
     """scan a whole run for likely mistakes

@@ -106,6 +106,7 @@ BEFORE: dict[str, Callable[[Path], None]] = {
     f"{PROGRAM} level check": _write_maze,
     "docs/lab.md": _write_files_of_lab,
     "docs/arena.md": _write_files_of_lab,
+    "docs/teaching.md": _write_files_of_lab,
     PROGRAM: _write_files_of_lab,
     f"{PROGRAM} sweep": _write_files_of_lab,
     f"{PROGRAM} grade": _write_files_of_lab,
@@ -121,6 +122,7 @@ OF_MANY_RUNS = {
     *(f"{PROGRAM} {command}" for command in ("grade", "lab", "sweep", "tournament")),
     "docs/lab.md",
     "docs/arena.md",
+    "docs/teaching.md",
 }
 
 

@@ -40,7 +40,12 @@ def complaint(text: str) -> tuple[int, int, str, str]:
         ("A(1);\n" + ROBOT + "m = 1, A;", 2, M + 7, "A is named without its arguments"),
         (ROBOT + "m = 1, sensor.clock + 1;", 1, M + 7, "+ gives a value; it is not a condition"),
         (ROBOT + "m = 1, Abs(m);", 1, M + 7, "Abs gives a value; it is not a condition"),
-        (ROBOT + "m = 1 | A(m), m > 1;\nA(1);", 1, 7, "robot_name has no value in one of the alternatives"),
+        (
+            ROBOT + "m = 1 | A(m), m > 1;\nA(1);",
+            1,
+            7,
+            "robot_name has no value in one of the alternatives",
+        ),
         ("A(1);\nRobot(desire: 1, memory: 1);", 2, 1, "Robot has no robot_name"),
         ("A(1);\nRobot(robot_name: 1, memory: 1);", 2, 1, "Robot has no desire"),
         ("lower(x);", 1, 1, "Robot predicate"),
