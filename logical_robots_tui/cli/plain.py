@@ -230,7 +230,7 @@ class LineGame(SessionListener):
         """Return whom to ask, a program, a robot that thinks with it, and the tick."""
         game, robot = self._game, self._named("")
         if not game.frame.tick:
-            raise InputError("Nobody has thought yet: run or step first.")
+            raise InputError("No decision yet: run or step first.")
         return self._asked(), game.program.for_team(game.level.team_of(robot)), robot, game.frame
 
     def _asked(self) -> Inquiry:

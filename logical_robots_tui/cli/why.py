@@ -41,7 +41,7 @@ def _column_value(text: str) -> tuple[str, Any]:
 
 
 _OF_ROW = (
-    of_run(first_tick=1, robot="in whose mind", needs_robot=True),
+    of_run(first_tick=1, robot="the robot to ask", needs_robot=True),
     command.option(
         "--predicate",
         "P",

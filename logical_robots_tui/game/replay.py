@@ -231,14 +231,14 @@ def load_replay(path: Path) -> Replay:
     except (ValueError, lzma.LZMAError, RecursionError, LevelError) as error:
         reason = error.message if isinstance(error, LevelError) else str(error)
         hint = "Make a new one: logical-robots replay record"
-        raise InputError(f"is no replay: {reason}", place=str(path), hint=hint) from error
+        raise InputError(f"is not a replay file: {reason}", place=str(path), hint=hint) from error
     return replay
 
 
 def _read(content: bytes) -> Replay:
     line, _, rest = content.partition(b"\n")
     if not line.startswith(_MAGIC):
-        raise ValueError("it does not begin like one")
+        raise ValueError("its first line is another")
     if len(content) > _MOST_BYTES:
         raise ValueError(f"it has more than {_MOST_BYTES:,} bytes")
     number = line.removeprefix(_MAGIC)

@@ -75,7 +75,7 @@ class Progress(Store):
                 goal for (goals,) in connection.execute(_GOALS, (level,)) for goal in _split(goals)
             }
             bests = Bests(ticks, size, distance, wins, starts, tuple(sorted(reached)), rules)
-            state: State = "won" if won else "in work" if begun else "new"
+            state: State = "won" if won else "started" if begun else "new"
             answers = connection.execute(_ANSWERS, (level,)).fetchall()
             return LevelRecord(state, hints or 0, bests, versions, tuple(answers))
 

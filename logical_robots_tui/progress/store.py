@@ -20,7 +20,7 @@ from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.records import texts_of
 
-State: TypeAlias = Literal["new", "in work", "won"]
+State: TypeAlias = Literal["new", "started", "won"]
 
 
 class Measures(NamedTuple):

@@ -147,7 +147,7 @@ def test_a_victory_is_kept_but_for_that_of_the_reference_program(
     progress.close()
     assert (mine.state, mine.bests.size) == ("won", 11)
     assert f"Won after {mine.bests.ticks} ticks." in told
-    assert (reference.state, reference.bests.ticks) == ("in work", None)
+    assert (reference.state, reference.bests.ticks) == ("started", None)
 
 
 def test_batteries_and_switches_are_told(level: Path) -> None:
@@ -270,7 +270,7 @@ def test_a_player_inspects_in_lines(typed: TypedCommand) -> None:
         *("ask Speed(30)", "ask Speed(", "origin", "origin desire.right_engine", "origin 1+"),
         *("diagnose", "program", "robot Pip", "robot Pop"),
     ).out
-    assert "Nobody has thought yet: run or step first." in told
+    assert "No decision yet: run or step first." in told
     assert "Around Pip:\nahead: wall at 40; 30° left: wall at 16; " in told
     assert "\nahead: area Door at " in told
     assert "Robot for Pip at tick 3\n+ line 2: " in told

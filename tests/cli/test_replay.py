@@ -119,4 +119,4 @@ def test_what_is_no_replay_is_refused(command: Command, ahead: Path) -> None:
         told = command("replay", what, ahead)
         assert told.status == 2
         assert "Traceback" not in told.err
-    assert "is no replay" in told.err
+    assert "is not a replay file" in told.err

@@ -108,7 +108,7 @@ def test_in_a_terminal_it_is_told_line_by_line(level: Path, two: Path) -> None:
     assert told.status == 0
     assert "Robot for Pip at tick 3" in told.text
     assert "(gives this row)" in told.text
-    assert "- d <= 20  (in no way)" in told.text
+    assert "- d <= 20  (no match)" in told.text
     assert "--predicate 'Speed(" in told.text
 
 

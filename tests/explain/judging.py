@@ -147,7 +147,7 @@ class _Judge:
         for node in branch.failing:
             failing = self._failing(node)
             bound = {*names(", ".join([*steps, failing]))}
-            is_anyhow = node.said.startswith("in no way") and not self._is_open
+            is_anyhow = node.said.startswith("no match") and not self._is_open
             here = [] if is_anyhow else [c for c in known if bound.issuperset(names(c))]
             said = f"said to fail: {failing}, after {steps} for {here}"
             yield Claim((*steps, *here, failing), made, False, said)

@@ -62,7 +62,7 @@ MISTAKES = [
     Mistake(
         "m = (if sensor.clock = 3 then 1 else 2)",
         "3:11 '=' does not compare here ... Compare with '==': sensor.clock == 3.",
-        ("- sensor.clock = 3 (in no way)", "sensor.clock = 1"),
+        ("- sensor.clock = 3 (no match)", "sensor.clock = 1"),
     ),
     Mistake(
         'm = 1, sensor.forward_label = "wall" && sensor.clock = 1',
@@ -108,16 +108,16 @@ MISTAKES = [
     Mistake(
         "m = 1, memory.count == null",
         "3:10 never holds ... Write memory.count is null.",
-        ("- memory.count == null (in no way)", "memory.count = null"),
+        ("- memory.count == null (no match)", "memory.count = null"),
     ),
     Mistake("m = memory.count + 1", "", ("+ m = memory.count + 1 = null", "memory.count = null")),
-    Mistake("m = sensor.clock / 2, m == 1", "", ("- m == 1 (in no way)", "m = 0.5")),
-    Mistake("m = 1, memory == 0", "", ("- memory == 0 (in no way)", 'memory = ""')),
+    Mistake("m = sensor.clock / 2, m == 1", "", ("- m == 1 (no match)", "m = 0.5")),
+    Mistake("m = 1, memory == 0", "", ("- memory == 0 (no match)", 'memory = ""')),
     # Variables and rows.
     Mistake(
         "m = 1, n = sensor.clock, n = n + 1",
         "3:28 never holds ... a name of its own: new_n = n + 1.",
-        ("- n = n + 1 (in no way)",),
+        ("- n = n + 1 (no match)",),
     ),
     Mistake(
         "ray in sensor.radar, m = ray.angle",

@@ -176,17 +176,17 @@ def packed(body: bytes, number: int = 2) -> bytes:
 
 
 FALSE = {
-    "nothing": (b"", "does not begin like one"),
-    "a text": (b"hello", "does not begin like one"),
+    "nothing": (b"", "its first line is another"),
+    "a text": (b"hello", "its first line is another"),
     "a newer one": (b"logical-robots replay 3\nabc", "another version"),
     "no end": (b"logical-robots replay 2\n" + bytes(40), "damaged"),
     "not packed": (
         b"logical-robots replay 2\n" + sha256(b"abc").digest() + b"abc",
-        "is no replay",
+        "is not a replay file",
     ),
     "too long": (b"logical-robots replay 2\n" + bytes(64_000_000), "more than 64,000,000 bytes"),
-    "of another kind": (packed(msgspec.msgpack.encode([1, 2])), "is no replay"),
-    "deep": (packed(b"\x91" * 100_000), "is no replay"),
+    "of another kind": (packed(msgspec.msgpack.encode([1, 2])), "is not a replay file"),
+    "deep": (packed(b"\x91" * 100_000), "is not a replay file"),
 }
 
 
@@ -299,13 +299,13 @@ def moved(replay: Replay, x: float) -> Replay:
         (lambda it: with_values(it, hashes={it.last: b"short"}), "hashes don't belong"),
         (lambda it: with_values(it, texts=()), "out of order"),
         (lambda it: with_values(it, texts=(it.texts[0], it.texts[0])), "out of order"),
-        (lambda it: first_stage(it, level="[[robots]]"), "is no replay"),
+        (lambda it: first_stage(it, level="[[robots]]"), "is not a replay file"),
         (lambda it: first_stage(it, desires=()), "don't act"),
         (lambda it: first_stage(it, desires=(b"1", b"2")), "don't act"),
         (lambda it: first_stage(it, is_decided=True), "does not fit"),
         (lambda it: first_stage(it, memories="{}"), "does not fit"),
-        (lambda it: first_stage(it, memories="[1"), "is no replay"),
-        (lambda it: first_stage(it, memories="[" * 100_000), "is no replay"),
+        (lambda it: first_stage(it, memories="[1"), "is not a replay file"),
+        (lambda it: first_stage(it, memories="[" * 100_000), "is not a replay file"),
         (lambda it: moved(it, float("nan")), "does not fit"),
     ],
 )

@@ -197,7 +197,7 @@ async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
         assert session.levels is not levels
         assert session.frame.tick == 0
         await virtual_loop().settled()
-        assert (t.recorder.record.state, t.recorder.record.versions) == ("in work", 1)
+        assert (t.recorder.record.state, t.recorder.record.versions) == ("started", 1)
         draft = t.drafts.get(("level", str(tmp_path / "short.toml")))
         assert draft is not None
         assert alike(read_native(draft.text, "short", ""), levels.edited)
@@ -236,7 +236,7 @@ async def test_a_level_changed_by_hand_is_won_for_nothing(tmp_path: Path) -> Non
         assert victory.verdict == "edited"
         assert "not kept" in victory.refusal
         assert t.recorder.latest is None
-        await t.until(lambda: t.recorder.record.state == "in work")
+        await t.until(lambda: t.recorder.record.state == "started")
 
 
 async def test_what_is_looked_at_does_not_change(tmp_path: Path) -> None:
@@ -270,7 +270,7 @@ async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: P
         await t.until(lambda: t.recorder.record.state == "won")
     kept = Progress(t.data_dir / FILE_NAME)
     assert kept.record(str(tmp_path / "other.toml")).state == "won"
-    assert kept.record(str(tmp_path / "short.toml")).state == "in work"
+    assert kept.record(str(tmp_path / "short.toml")).state == "started"
     kept.close()
 
 

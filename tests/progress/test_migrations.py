@@ -29,7 +29,7 @@ def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
     assert (record.bests.ticks, record.bests.size, record.bests.wins) == (1255, 2, 19)
     assert record.bests.rules == 1
     assert record.bests.goals == ()
-    assert progress.record("02-open-space").state == "in work"
+    assert progress.record("02-open-space").state == "started"
     assert progress.newest("01-first-steps") == "Robot(later);"
     assert progress.fact("tour") == "seen"
     progress.keep("02-open-space", "new")

@@ -48,7 +48,7 @@ def test_a_level_is_new_then_in_work_then_won(file: Path) -> None:
     progress.reveal("one", 1)
     assert progress.record("one").state == "new"
     progress.begin("one")
-    assert progress.record("one").state == "in work"
+    assert progress.record("one").state == "started"
     progress.win("one", "text", MEASURED)
     assert progress.record("one").state == "won"
     assert progress.record("two") == NEW

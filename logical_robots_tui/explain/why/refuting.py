@@ -206,7 +206,8 @@ class Refuting:
     def _held(self, clause: Clause, reached: _Reached, way: Way | None) -> tuple[Node, ...]:
         nodes = self.telling.derivation(clause, way or {}, reached.steps)
         if reached.ways > 1 and nodes:
-            said = f"one of {number_of(reached.ways, 'way', is_all=reached.ways < _MOST_WAYS)}"
+            is_all = reached.ways < _MOST_WAYS
+            said = f"1 of {reached.ways:,}{'' if is_all else ' or more'} matches"
             nodes = (*nodes[:-1], replace(nodes[-1], said=said))
         return nodes
 
@@ -234,7 +235,7 @@ class Refuting:
         return Node(
             "call" if step.kind == "function" else step.kind,
             text,
-            said or "in no way",
+            said or "no match",
             False,
             span=step.span,
             asked=asked,

@@ -120,7 +120,7 @@ async def _origin_of(past: _Past, robot: str, subject: Subject, tick: int) -> Or
     if is_memory(subject):
         await tracing.memory(robot, subject.path, tick)
     elif tick < 1:
-        raise QueryError("Nobody has thought yet.")
+        raise QueryError("No decision yet.")
     else:
         source = await past.source(tick, robot, subject)
         column = subject.column or source.name.rpartition(".")[2]
@@ -347,7 +347,7 @@ class _PastOfGame:
         except NoSuchTickError:
             raise QueryError(f"Tick {tick} is no longer in the timeline.") from None
         if not known.moment.decisions:
-            raise QueryError("Nobody has thought in this tick.")
+            raise QueryError("No robot has decided in this tick.")
         program = history.program_at(tick) or self._game.program
         program = program.for_team(known.level.team_of(robot))
 

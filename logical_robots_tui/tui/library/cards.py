@@ -34,10 +34,10 @@ DAILY = "daily"
 LINES_AROUND = 4
 """Lines of a card without the picture: two of the frame, the idea and the results."""
 
-SIGNS: dict[State, str] = {"new": "○ new", "in work": "◐ in work", "won": "★ won"}
+SIGNS: dict[State, str] = {"new": "○ new", "started": "◐ started", "won": "★ won"}
 
-_COLOURS: dict[State, str] = {"new": INK.dim, "in work": INK.warn, "won": INK.good}
-_UNMEASURED: dict[State, str] = {"new": "", "in work": "not won yet", "won": "won"}
+_COLOURS: dict[State, str] = {"new": INK.dim, "started": INK.warn, "won": INK.good}
+_UNMEASURED: dict[State, str] = {"new": "", "started": "not won yet", "won": "won"}
 _PAPER = "on $surface"
 
 

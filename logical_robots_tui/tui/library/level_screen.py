@@ -193,7 +193,7 @@ class LevelScreen(Dialog["Level | Wish"]):
             Content.assemble(
                 ("LEVELS", f"bold {INK.title}"),
                 (f"   {won} of {len(to_win)} won", INK.text),
-                ("   ○ new   ◐ in work   ★ won   ▸ you are here", INK.dim),
+                ("   ○ new   ◐ started   ★ won   ▸ you are here", INK.dim),
             )
         )
 

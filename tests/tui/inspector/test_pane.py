@@ -305,7 +305,7 @@ async def test_a_decision_is_told_on_one_page(data_dir: Path) -> None:
         await game.ready()
         game.inspector.inspect("decision")
         view = game.main.query_one("#decision", LinesView)
-        await game.until(lambda: "Nobody has thought yet." in view.plain)
+        await game.until(lambda: "No decision yet: press space." in view.plain)
         await game.press("n")
         await game.sees("Decision of Solo · tick 1")
         await game.until(lambda: "on the way" in view.plain and "as given" in view.plain)

@@ -212,7 +212,7 @@ async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short
         await game.ready()
         await game.press(*["plus"] * 6, "space")
         await game.sees("Won by a reference program")
-    assert record_of(data_dir).record(str(short)).state == "in work"
+    assert record_of(data_dir).record(str(short)).state == "started"
     assert record_of(data_dir).versions(str(short)) == []
 
 

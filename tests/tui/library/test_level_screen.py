@@ -85,7 +85,7 @@ async def test_cards_tell_the_state_and_the_bests(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await open_levels(game)
         await game.until(lambda: game.shows(f"1 of {len(COURSE)} won"))
-        for words in ("★ won", "◐ in work", "○ new", "not won yet"):
+        for words in ("★ won", "◐ started", "○ new", "not won yet"):
             await game.sees(words)
         await game.sees("1,255 ticks size 1 973 driven 19/20")
 
@@ -223,7 +223,7 @@ def fits(cards: LevelCards, name: str) -> bool:
 
 RECORDS = st.builds(
     LevelRecord,
-    st.sampled_from(["new", "in work", "won"]),
+    st.sampled_from(["new", "started", "won"]),
     bests=st.builds(
         Bests, st.integers(1, 10**6), st.integers(1, 99), st.floats(0, 1e7), st.integers(0, 20)
     )

@@ -81,7 +81,7 @@ def _told(
     yield from _on_the_way(program, robot, survey)
     decision = frame.decision_of(robot)
     if decision is None:
-        yield Content.styled("Nobody has thought yet.", INK.dim)
+        yield Content.styled("No decision yet: press space.", INK.dim)
         return
     yield _titled("desire")
     if decision.desire is not None:
