@@ -69,18 +69,22 @@ def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]
     named = {name for cell in manifest.cells for name in (cell.level, cell.program, *cell.parts)}
     for name in sorted(named - {""}):
         folder.text(name)
-    done = list(done_runs(manifest, ledger))
-    tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
-    if manifest.asked:
-        tables["series"] = _series(manifest, done)
     written = []
-    for name, table in tables.items():
+    for name, table in tables_of_runs(manifest, ledger).items():
         folder.put(folder.path / f"{name}.csv", csv_of(table))
         written.append(f"{name}.csv")
         if (content := _parquet(table)) is not None:
             folder.put(folder.path / f"{name}.parquet", content)
             written.append(f"{name}.parquet")
     return written
+
+
+def tables_of_runs(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
+    done = list(done_runs(manifest, ledger))
+    tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
+    if manifest.asked:
+        tables["series"] = _series(manifest, done)
+    return tables
 
 
 def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
@@ -180,14 +184,24 @@ def has_extra(module: str) -> bool:
 def _parquet(table: Table) -> bytes | None:
     if not has_extra("pyarrow"):
         return None
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
-    columns = list(zip(*table.rows, strict=True)) or [()] * len(table.columns)
-    arrays = [pa.array(_of_one_type(values)) for values in columns]
     out = io.BytesIO()
-    pq.write_table(pa.table(arrays, names=list(table.columns)), out)
+    pq.write_table(arrow_of(table), out)
     return out.getvalue()
+
+
+def arrow_of(table: Table) -> Any:
+    import pyarrow as pa
+
+    return pa.table(columns_of(table))
+
+
+def columns_of(table: Table) -> dict[str, list[Any]]:
+    """Return the values by column, those of one column of one type."""
+    columns = list(zip(*table.rows, strict=True)) or [()] * len(table.columns)
+    found = zip(table.columns, columns, strict=True)
+    return {name: _of_one_type(values) for name, values in found}
 
 
 def _of_one_type(values: Sequence[Any]) -> list[Any]:

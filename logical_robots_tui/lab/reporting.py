@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from logical_robots_tui.lab.exporting import (
     Done,
+    Table,
     as_code,
     as_page,
     as_percent,
@@ -23,11 +24,17 @@ from logical_robots_tui.lab.exporting import (
     failed_runs,
     harmless_text,
     shade,
+    tables_of_runs,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
-from logical_robots_tui.lab.grading import duplicates, export_grades, grades_of
+from logical_robots_tui.lab.grading import duplicates, export_grades, gradebook, grades_of
 from logical_robots_tui.lab.submissions import account_of
-from logical_robots_tui.lab.tournament import export_tournament, tournament_lines, tournament_parts
+from logical_robots_tui.lab.tournament import (
+    export_tournament,
+    tournament_lines,
+    tournament_parts,
+    tournament_tables,
+)
 
 _WIDTH = 78
 _MOST_BARS = 40
@@ -147,6 +154,14 @@ def export(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
     elif manifest.kind == "tournament":
         written += export_tournament(folder, manifest, ledger)
     return written
+
+
+def tables_of(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
+    """Return all tables by name, the one of most interest first."""
+    runs = tables_of_runs(manifest, ledger)
+    if manifest.kind == "grade":
+        return {"gradebook": gradebook(grades_of(manifest, ledger)), **runs}
+    return (tournament_tables(manifest, ledger) if manifest.kind == "tournament" else {}) | runs
 
 
 def _interval(share: Share) -> str:

@@ -20,7 +20,7 @@ from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, digest
 from logical_robots_tui.lab.running import Asked
 from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.toml_files import Bounds, Path_, TomlFile
+from logical_robots_tui.toml_files import Bounds, Given, Path_, TomlFile
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES, is_of_web, read_level, read_text
 
@@ -91,8 +91,14 @@ class Experiment(msgspec.Struct, frozen=True):
 
 
 def read_experiment(spec: TomlFile) -> Experiment:
-    """Return an experiment, without looking up names, or raise TomlFileError."""
-    found = spec.read(Experiment)
+    """Return an experiment, without looking up names; raises TomlFileError if there is none.
+
+    What is wrong with parts of it is reported only.
+    """
+    found: Experiment | None = spec.value(Experiment, spec.data, ())
+    if found is None:
+        spec.refuse()
+    assert found is not None
     for number, vary in enumerate(found.vary):
         path = ("vary", number)
         if bool(vary.constant) == bool(vary.level):
@@ -114,7 +120,6 @@ def read_experiment(spec: TomlFile) -> Experiment:
                 else f'write {name} = {{query = "...", every = 10}}; measured without a query are '
                 + ", ".join(BUILT_IN),
             )
-    spec.refuse()
     return found
 
 
@@ -139,7 +144,7 @@ def _check_texts(spec: TomlFile, path: Path_, values: Iterable[Scalar]) -> None:
         spec.problem(path, "a text must be on one line, without double quotes")
 
 
-def plan_sweep(file: Path) -> tuple[Manifest, dict[str, str]]:
+def plan_sweep(file: Given) -> tuple[Manifest, dict[str, str]]:
     """Return what to run, and levels and programs by digest, or raise TomlFileError."""
     spec = TomlFile(file)
     return _Plan(spec, read_experiment(spec)).manifest()
@@ -204,8 +209,8 @@ class _Plan:
             place = ("experiment", "level"), name, ("experiment", "ticks")
             if (found := level_to_run(self._spec, *place, table.ticks)) is not None:
                 self._levels[name] = found
-        for name in _several(table.program):
-            self._load_program(name)
+        for number, name in enumerate(_several(table.program), 1):
+            self._load_program(name, number)
         self._spec.refuse()
         asked = tuple(self._asked())
         combinations = list(self._combinations())
@@ -234,11 +239,14 @@ class _Plan:
         )
         return manifest, self._inputs
 
-    def _load_program(self, name: str) -> None:
+    def _load_program(self, name: str, number: int) -> None:
         path: Path_ = ("experiment", "program")
-        file = self._spec.folder / name
         try:
-            text = load_program(file if file.is_file() else name).text
+            if ";" in name or "\n" in name:
+                name, text = f"program {number}", name
+            else:
+                file = self._spec.folder / name
+                text = load_program(file if file.is_file() else name).text
             Program.compile(text)
         except InputError as error:
             self._spec.problem(path, str(error))
@@ -315,7 +323,8 @@ class _Plan:
 
 
 def _several(names: str | list[str]) -> list[str]:
-    return list(dict.fromkeys([names] if isinstance(names, str) else names))
+    found = [names] if isinstance(names, str) else [each for each in names if each is not None]
+    return list(dict.fromkeys(found))
 
 
 def _literal(value: Scalar) -> str:

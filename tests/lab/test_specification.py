@@ -79,6 +79,21 @@ def test_names_are_looked_up_with_the_line_that_names_them(tmp_path: Path) -> No
     assert found[2].startswith('e.toml:4: "ticks" is a number or like')
 
 
+def test_unknown_keys_and_wrong_programs_are_said_together(tmp_path: Path) -> None:
+    (tmp_path / "wrong.l").write_text("Robot(robot_name:) :- Snesor(robot_name:);\n")
+    found = problems(
+        tmp_path,
+        '[experiment]\ntics = 3\nlevel = ["01-first-steps", 2]\nprogram = "wrong.l"\n'
+        "[[vary]]\nvalues = [1, []]\n",
+    )
+    assert [problem.split(": ")[0] for problem in found] == [
+        *("e.toml:2", "e.toml:3"),
+        *["e.toml:4"] * (len(found) - 4),
+        *("e.toml:5", "e.toml:6"),
+    ]
+    assert any("wrong.l:1:" in problem and "Snesor" in problem for problem in found)
+
+
 def test_a_constant_a_field_and_a_question_must_exist(tmp_path: Path) -> None:
     begin = '[experiment]\nlevel = "01-first-steps"\nprogram = "first.l"\n'
     assert (
