@@ -135,6 +135,7 @@ class TomlFile:
         file = Path("untitled") if isinstance(given, Mapping) else Path(given)
         self.file, self.folder = file, file.parent
         self._problems: set[tuple[int, str]] = set()
+        self._wrong: set[Path_] = set()
         if isinstance(given, Mapping):
             import tomlkit
 
@@ -164,11 +165,16 @@ class TomlFile:
 
     def problem(self, path: Path_, message: str) -> None:
         said = message if message[-1] in ".?" else f"{message}."
+        self._wrong.add(path)
         if not self._is_file and (name := _name(path)) not in said:
             said = f"{name}: {said}"
         while path and path not in self._lines:
             path = path[:-1]
         self._problems.add((self._lines.get(path, 1), said))
+
+    def is_wrong(self, path: Path_) -> bool:
+        """Return whether there is a problem with a value or a part of it."""
+        return any(each[: len(path)] == path for each in self._wrong)
 
     def refuse(self) -> None:
         """Raise TomlFileError if something is wrong."""

@@ -82,7 +82,7 @@ def starts_due(
         return [0], []
     done: list[int] = []
     left: list[int] = []
-    for start in range(manifest.starts + 1):
+    for start in manifest.all_starts:
         (done if manifest.job(cell, start) in outcomes else left).append(start)
     return done, left
 
@@ -192,6 +192,7 @@ class Coordinator:
             manifest.given_first,
             fingerprint(),
             manifest.run_steps,
+            manifest.until,
         )
 
     def _take(self, group: _Group, answer: Answer) -> None:

@@ -84,12 +84,12 @@ def test_unknown_keys_and_wrong_programs_are_said_together(tmp_path: Path) -> No
     found = problems(
         tmp_path,
         '[experiment]\ntics = 3\nlevel = ["01-first-steps", 2]\nprogram = "wrong.l"\n'
-        "[[vary]]\nvalues = [1, []]\n",
+        "[[vary]]\nvalues = [1]\n[[vary]]\nbetween = [1, []]\n",
     )
     assert [problem.split(": ")[0] for problem in found] == [
         *("e.toml:2", "e.toml:3"),
         *["e.toml:4"] * (len(found) - 4),
-        *("e.toml:5", "e.toml:6"),
+        *("e.toml:5", "e.toml:8"),
     ]
     assert any("wrong.l:1:" in problem and "Snesor" in problem for problem in found)
 
