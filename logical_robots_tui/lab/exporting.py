@@ -121,6 +121,21 @@ _WAYS: dict[str, Callable[[list[float]], float]] = {
 }
 
 
+def measures_of(manifest: Manifest) -> dict[str, Callable[[Done], float | None]]:
+    """Return what was measured of each run, by name, besides whether it was won."""
+
+    def asked_for(how: tuple[Asked, str]) -> Callable[[Done], float | None]:
+        return lambda done: reduced(done.result, *how)
+
+    own: dict[str, Callable[[Done], float | None]] = {
+        "ticks": lambda done: done.result.ticks if done.result.outcome == "won" else None,
+        "distance": lambda done: done.result.distance,
+        "size": lambda done: done.result.size or None,
+    }
+    found = {name: own[name] for name in manifest.measures if name in own}
+    return found | {name: asked_for(how) for name, how in reductions(manifest).items()}
+
+
 def _varied(manifest: Manifest) -> tuple[str, ...]:
     """Return the columns of what is varied, which stand in every table of runs."""
     return ("level", "program", *settings_of(manifest), "start")

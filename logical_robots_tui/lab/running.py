@@ -11,13 +11,12 @@ import sqlite3
 from collections import Counter
 from functools import cache, lru_cache
 from pathlib import Path
-from statistics import fmean
 from time import perf_counter, thread_time
 from typing import Any, Literal, TypeAlias
 
 import msgspec
 
-from logical_robots_tui.game.debugging.breakpoints import matching_rows
+from logical_robots_tui.game.debugging.breakpoints import matching_rows, number_of
 from logical_robots_tui.game.frame import Frame, standing
 from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
@@ -403,20 +402,6 @@ class _Watcher:
 
 
 _UNTIL = Asked("until", "", 0)
-
-
-def number_of(question: Question, table: Table) -> int | float | None:
-    """Return one number for an answer, or None.
-
-    For an expression it is its value, the mean of those of several minds; else the number of rows,
-    or of the minds in which the conditions hold.
-    """
-    if table.truncated:
-        return None
-    if question.gives != "value":
-        return len(matching_rows(question, table).rows)
-    values = [row[0] for row in table.rows if row and isinstance(row[0], int | float)]
-    return values[0] if len(values) == 1 else fmean(values) if values else None
 
 
 def _exactly(frame: Frame) -> str:
