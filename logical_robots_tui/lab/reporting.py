@@ -332,6 +332,9 @@ def _courses(
     return found
 
 
+_INTERVAL = "95 %"
+
+
 def _variation(manifest: Manifest, done: list[Done]) -> str:
     names = _varied(manifest)
     parts = []
@@ -339,7 +342,7 @@ def _variation(manifest: Manifest, done: list[Done]) -> str:
         groups = _by_value(name, done)
         parts.append(f"<h2>Over {html.escape(harmless_text(name))}</h2>")
         won = {"won": [_share(runs) for runs in groups.values()]}
-        parts.append(_chart(f"% of starts won, over {name}", name, [*groups], won, "95 %"))
+        parts.append(_chart(f"% of starts won, over {name}", name, [*groups], won, _INTERVAL))
         for what, measure in measures_of(manifest).items():
             spreads = [_spread(map(measure, runs)) for runs in groups.values()]
             if len({spread for spread in spreads if spread}) > 1:
@@ -359,10 +362,12 @@ def _chart(
     lines: Mapping[str, Sequence[Spread | None]],
     band: str = "quartiles",
 ) -> str:
-    chart = _pygal().Line(**_style(title), x_title=harmless_text(across), x_label_rotation=30)
+    chart = _pygal().Line(**_style(title), x_title=harmless_text(across))
+    chart.range = (0, 100) if band == _INTERVAL else None
     chart.x_labels = [harmless_text(label) for label in labels]
     if len(labels) > _MOST_VALUES:
-        chart.x_labels_major_count, chart.show_minor_x_labels = _PARTS, False
+        chart.x_labels_major_count = _PARTS
+        chart.show_minor_x_labels = chart.show_dots = False
     for label, spreads in lines.items():
         chart.add(harmless_text(label), [spread and spread[0] for spread in spreads])
     for label, spreads in lines.items() if len(lines) <= _MOST_BANDS else ():
@@ -403,7 +408,6 @@ def _ticks(done: list[Done]) -> str:
         width = max(1, -(-(ticks[-1] + 1 - ticks[0]) // _BARS))
         counts = Counter((tick - ticks[0]) // width for tick in ticks)
         chart = _pygal().Bar(**_style(level), show_legend=False, x_title="ticks", y_title="runs")
-        chart.x_label_rotation = 40
         chart.x_labels = [f"{ticks[0] + n * width:,}" for n in range(max(counts) + 1)]
         chart.y_labels = range(0, max(counts.values()) + 1, max(1, max(counts.values()) // 5))
         chart.add("runs", [counts[n] for n in range(max(counts) + 1)])
@@ -482,6 +486,9 @@ def _style(title: str) -> dict[str, Any]:
         "disable_xml_declaration": True,
         "height": 400,
         "explicit_size": True,
+        "x_label_rotation": 30,
+        "legend_at_bottom": True,
+        "truncate_legend": -1,
     }
 
 
