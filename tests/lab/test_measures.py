@@ -16,7 +16,7 @@ from logical_robots_tui.lab.running import Asked, Result, Series
 from logical_robots_tui.lab.sweeping import Sample, plan_sweep, sampled
 from logical_robots_tui.toml_files import TomlFileError
 from logical_robots_tui.world.levels.load import read_level
-from tests.lab.laboratory import FIRST_STEPS
+from tests.lab.laboratory import FIRST_STEPS, exported
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -193,6 +193,8 @@ def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
     assert ours["final"].notna().sum() == 1
     means = results.to_pandas("series").query("measure == 'clock'").groupby("Near").number.mean()
     assert list(means) == pytest.approx(list(runs["clock_mean"]))
+    sweep(given, tmp_path / "another", workers=2, progress=False)
+    assert exported(tmp_path / "another") == exported(tmp_path / "out")
 
 
 def test_what_is_reduced_anew_is_not_run_again(tmp_path: Path) -> None:
