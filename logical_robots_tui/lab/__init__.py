@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from logical_robots_tui.errors import InputError
 
@@ -107,15 +107,23 @@ class Results:
         return f"<Results of {self.title} in {self.path}: {said}>"
 
 
-def sweep(
-    experiment: Given,
-    folder: str | Path,
-    *,
-    workers: int | None = None,
-    dask: str = "",
-    mixed: bool = False,
-    progress: bool = True,
-) -> Results:
+class How(TypedDict, total=False):
+    """How the work is done.
+
+    Attributes:
+        workers: Processes on this machine, by default one per processor.
+        dask: The address of a Dask scheduler instead, such as ``tcp://HOST:8786``.
+        mixed: Whether results of another version count, too.
+        progress: Whether standard error says how far it is; so by default.
+    """
+
+    workers: int | None
+    dask: str
+    mixed: bool
+    progress: bool
+
+
+def sweep(experiment: Given, folder: str | Path, **how: Unpack[How]) -> Results:
     """Run an experiment; what was computed before is not computed again.
 
     After an interruption do the same once more: it goes on. Blocks until everything is done.
@@ -123,10 +131,7 @@ def sweep(
     Args:
         experiment: A file as described in ``docs/lab.md``, or a mapping with what would be in it.
         folder: Where all results go.
-        workers: Processes on this machine, by default one per processor.
-        dask: The address of a Dask scheduler instead, such as ``tcp://HOST:8786``.
-        mixed: Whether results of another version count, too.
-        progress: Whether standard error says how far it is.
+        how: As in `How`, such as ``workers=2``.
 
     Raises:
         TomlFileError: The experiment is wrong; `problems` has all that is.
@@ -134,50 +139,35 @@ def sweep(
     """
     from logical_robots_tui.lab.sweeping import plan_sweep
 
-    return _carry_out(plan_sweep(experiment), folder, workers, dask, mixed, progress)
+    return _carry_out(plan_sweep(experiment), folder, **how)
 
 
 def grade(
-    assignment: Given,
-    submissions: str | Path,
-    folder: str | Path,
-    *,
-    workers: int | None = None,
-    dask: str = "",
-    mixed: bool = False,
-    progress: bool = True,
+    assignment: Given, submissions: str | Path, folder: str | Path, **how: Unpack[How]
 ) -> Results:
     """Grade the programs of a class, in a folder or an archive; else as `sweep`."""
     from logical_robots_tui.lab.submissions import plan_grading
 
-    plan = plan_grading(assignment, Path(submissions))
-    return _carry_out(plan, folder, workers, dask, mixed, progress)
+    return _carry_out(plan_grading(assignment, Path(submissions)), folder, **how)
 
 
 def tournament(
-    arena: Given,
-    players: str | Path,
-    folder: str | Path,
-    *,
-    workers: int | None = None,
-    dask: str = "",
-    mixed: bool = False,
-    progress: bool = True,
+    arena: Given, players: str | Path, folder: str | Path, **how: Unpack[How]
 ) -> Results:
     """Let the programs of a folder play against each other; else as `sweep`."""
     from logical_robots_tui.lab.tournament import plan_tournament
 
-    plan = plan_tournament(arena, Path(players))
-    return _carry_out(plan, folder, workers, dask, mixed, progress)
+    return _carry_out(plan_tournament(arena, Path(players)), folder, **how)
 
 
 def _carry_out(
     plan: tuple[Manifest, dict[str, str]],
     path: str | Path,
-    workers: int | None,
-    dask: str,
-    mixed: bool,
-    progress: bool,
+    *,
+    workers: int | None = None,
+    dask: str = "",
+    mixed: bool = False,
+    progress: bool = True,
 ) -> Results:
     from logical_robots_tui.lab.folder import Folder
     from logical_robots_tui.lab.reporting import export
