@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import cell_to_run, starts_due
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest
-from logical_robots_tui.lab.running import Asked, Result
+from logical_robots_tui.lab.running import Asked, Result, Way
 from logical_robots_tui.language.diagnostics import printable
 
 Row: TypeAlias = "tuple[Any, ...]"
@@ -94,9 +94,9 @@ def settings_of(manifest: Manifest) -> list[str]:
     return list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
 
 
-def reductions(manifest: Manifest) -> dict[str, tuple[Asked, str]]:
+def reductions(manifest: Manifest) -> dict[str, tuple[Asked, Way]]:
     """Return how a question's numbers become one number of a run, by the name of its column."""
-    found = {}
+    found: dict[str, tuple[Asked, Way]] = {}
     for asked in manifest.asked:
         if not asked.every:
             found[asked.name] = asked, "last"
@@ -104,7 +104,7 @@ def reductions(manifest: Manifest) -> dict[str, tuple[Asked, str]]:
     return found
 
 
-def reduced(result: Result, asked: Asked, how: str) -> float | None:
+def reduced(result: Result, asked: Asked, how: Way) -> float | None:
     """Return one number of a run; None if there is none, or if not all could be measured."""
     series = result.series.get(asked.name)
     numbers = [number for _, number in series.numbers if number is not None] if series else []
@@ -124,7 +124,7 @@ _WAYS: dict[str, Callable[[list[float]], float]] = {
 def measures_of(manifest: Manifest) -> dict[str, Callable[[Done], float | None]]:
     """Return what was measured of each run, by name, besides whether it was won."""
 
-    def asked_for(how: tuple[Asked, str]) -> Callable[[Done], float | None]:
+    def asked_for(how: tuple[Asked, Way]) -> Callable[[Done], float | None]:
         return lambda done: reduced(done.result, *how)
 
     own: dict[str, Callable[[Done], float | None]] = {

@@ -117,7 +117,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     most_rounds: Index = 1
     strays: tuple[str, ...] = ()
     run_steps: Index = 0
-    first_start: Index = 1
+    first_start: Annotated[int, msgspec.Meta(ge=1, le=10**9)] = 1
     until: str = ""
     wide: bool = False
     engine: dict[str, str] = {}

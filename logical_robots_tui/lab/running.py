@@ -56,6 +56,9 @@ Outcome: TypeAlias = Literal[
 `infrastructure` could not be done."""
 
 
+Way: TypeAlias = Literal["last", "min", "max", "mean", "sum"]
+
+
 class Asked(msgspec.Struct, frozen=True):
     """A question asked as a measure every so many ticks, in the first and in the last one.
 
@@ -65,7 +68,7 @@ class Asked(msgspec.Struct, frozen=True):
     name: str
     query: str
     every: int
-    reduce: tuple[str, ...] = ()
+    reduce: tuple[Way, ...] = ()
 
 
 class Task(msgspec.Struct, frozen=True):

@@ -20,7 +20,7 @@ from logical_robots_tui.game.measuring import patience_for
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, digest
-from logical_robots_tui.lab.running import Asked
+from logical_robots_tui.lab.running import Asked, Way
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.toml_files import Bounds, Given, Path_, TomlFile
 from logical_robots_tui.world import Level, load_level
@@ -50,9 +50,6 @@ class RunLimit(Limit, frozen=True):
     """The same with the steps of all thoughts of a run, which affect the result; 0 is no limit."""
 
     run_steps: Annotated[int, Bounds(0)] = 0
-
-
-Way: TypeAlias = Literal["last", "min", "max", "mean", "sum"]
 
 
 class Query(msgspec.Struct, frozen=True):
@@ -96,7 +93,7 @@ class ExperimentTable(msgspec.Struct, frozen=True):
     level: Name | Annotated[list[Name], Bounds(1)]
     program: Name | Annotated[list[Name], Bounds(1)]
     title: str = ""
-    starts: Starts | Annotated[list[Positive], Bounds(2, 2)] = 0
+    starts: Starts | Annotated[list[Annotated[int, Bounds(1, 10**9)]], Bounds(2, 2)] = 0
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = False
     until: str = ""

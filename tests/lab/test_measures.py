@@ -7,12 +7,12 @@ from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.lab import Results, sweep
 from logical_robots_tui.lab.exporting import reduced
-from logical_robots_tui.lab.running import Asked, Result, Series
+from logical_robots_tui.lab.running import Asked, Result, Series, Way
 from logical_robots_tui.lab.sweeping import Sample, plan_sweep, sampled
 from logical_robots_tui.toml_files import TomlFileError
 from logical_robots_tui.world.levels.load import read_level
@@ -31,7 +31,7 @@ def plan(*vary: dict[str, Any], level: str = "01-first-steps", **more: Any) -> A
     return plan_sweep({"experiment": table, "vary": list(vary), **more})
 
 
-def settings(*vary: dict[str, Any], **more: Any) -> list[dict[str, Any]]:
+def varied(*vary: dict[str, Any], **more: Any) -> list[dict[str, Any]]:
     manifest, _ = plan(*vary, **more)
     return [cell.settings for cell in manifest.cells]
 
@@ -70,7 +70,7 @@ def test_between_whole_numbers_are_whole_numbers_and_both_ends(
 
 
 def test_what_is_sampled_is_sampled_together_and_crossed_with_the_rest() -> None:
-    found = settings(
+    found = varied(
         {"constant": "Near", "between": [20, 80]},
         {"level": "robots.*.heading", "between": [0.0, 90.0]},
         {"level": "title", "values": ["a", "b"]},
@@ -83,11 +83,35 @@ def test_what_is_sampled_is_sampled_together_and_crossed_with_the_rest() -> None
     assert [each["title"] for each in found] == ["a"] * 5 + ["b"] * 5
 
 
+@given(
+    st.lists(st.integers(0, 99) | st.floats(0, 99), min_size=1, max_size=3, unique=True),
+    st.text("abc é€#'", max_size=9),
+    st.booleans(),
+)
+@settings(max_examples=20, deadline=None)
+def test_a_mapping_means_what_a_file_would(
+    tmp_path_factory: pytest.TempPathFactory,
+    values: list[float],
+    text: str,
+    wide: bool,
+) -> None:
+    table = {"level": "01-first-steps", "program": FIRST_STEPS, "wide": wide, "title": "t"}
+    data = {
+        "experiment": table,
+        "vary": [{"constant": "Near", "values": values}],
+        "case": [{"constants": {"Near": text}}],
+    }
+    manifest, inputs = plan_sweep(data)
+    file = tmp_path_factory.mktemp("mapping") / "experiment.toml"
+    file.write_text(manifest.specification, "utf-8")
+    assert plan_sweep(file) == (manifest, inputs)
+
+
 def test_a_range_includes_its_end() -> None:
-    assert [each["Near"] for each in settings({"constant": "Near", "range": [0, 0.3, 0.1]})] == [
+    assert [each["Near"] for each in varied({"constant": "Near", "range": [0, 0.3, 0.1]})] == [
         *(0.0, 0.1, 0.2, 0.3)
     ]
-    assert [each["Near"] for each in settings({"constant": "Near", "range": [1, 4]})] == [
+    assert [each["Near"] for each in varied({"constant": "Near", "range": [1, 4]})] == [
         1,
         2,
         3,
@@ -141,7 +165,7 @@ def test_what_can_not_be_varied_or_measured_is_said(
 def test_a_series_is_reduced_to_one_number(numbers: list[float]) -> None:
     asked = Asked("a", "1", 1)
     result = Result("won", series={"a": Series((), (), "", tuple(enumerate(numbers, 1)))})
-    ways = ("last", "min", "max", "mean", "sum")
+    ways: tuple[Way, ...] = ("last", "min", "max", "mean", "sum")
     assert [reduced(result, asked, how) for how in ways] == [
         *(numbers[-1], min(numbers), max(numbers), fmean(numbers), sum(numbers))
     ]
