@@ -141,19 +141,19 @@ def _varied(manifest: Manifest) -> tuple[str, ...]:
     return ("level", "program", *settings_of(manifest), "start")
 
 
-def _varied_of(manifest: Manifest, done: Done) -> Row:
+def _varied_of(names: list[str], done: Done) -> Row:
     cell = done.cell
-    settings = (cell.settings.get(name) for name in settings_of(manifest))
+    settings = (cell.settings.get(name) for name in names)
     return (cell.level_name, cell.program_name, *settings, done.start)
 
 
 def _wide(manifest: Manifest, done: list[Done]) -> Table:
     """Return a row for each run and measured tick, and a column for each question."""
     rows: list[Row] = []
-    names = [asked.name for asked in manifest.asked]
+    names, settings = [asked.name for asked in manifest.asked], settings_of(manifest)
     for each in done:
         numbers = {n: dict(s.numbers) for n, s in each.result.series.items()}
-        first = (manifest.run(each.job), *_varied_of(manifest, each))
+        first = (manifest.run(each.job), *_varied_of(settings, each))
         for tick in sorted({tick for found in numbers.values() for tick in found}):
             values = (numbers.get(name, {}).get(tick) for name in names)
             rows.append((*first, tick, *values))
@@ -163,7 +163,7 @@ def _wide(manifest: Manifest, done: list[Done]) -> Table:
 def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
     engines = ledger.engines()
     who = ("student",) if manifest.kind == "grade" else ()
-    asked = reductions(manifest)
+    asked, settings = reductions(manifest), settings_of(manifest)
     columns = ("run", *who, *_varied(manifest), "outcome", *manifest.measures, *asked)
     columns += tuple(f"points_{team}" for team in manifest.teams)
     columns += ("forfeit",) * bool(manifest.teams)
@@ -187,7 +187,7 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
             (
                 manifest.run(job),
                 *((cell.student,) if who else ()),
-                *_varied_of(manifest, each),
+                *_varied_of(settings, each),
                 result.outcome,
                 *(measured[name] for name in manifest.measures),
                 *(reduced(result, *how) for how in asked.values()),
@@ -205,8 +205,9 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
 
 def _series(manifest: Manifest, done: list[Done]) -> Table:
     rows: list[Row] = []
+    settings = settings_of(manifest)
     for each in done:
-        first = (manifest.run(each.job), *_varied_of(manifest, each))
+        first = (manifest.run(each.job), *_varied_of(settings, each))
         for name, series in each.result.series.items():
             number = last = 0
             for tick, *values in series.rows:
