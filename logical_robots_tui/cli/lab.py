@@ -111,7 +111,7 @@ def _tournament(options: argparse.Namespace) -> int:
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
-    from logical_robots_tui.lab.tournament import plan_tournament
+    from logical_robots_tui.lab.competing import plan_tournament
 
     return _plan(options, lambda: plan_tournament(options.arena, options.players))
 

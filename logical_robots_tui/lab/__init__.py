@@ -155,7 +155,7 @@ def tournament(
     arena: Given, players: str | Path, folder: str | Path, **how: Unpack[How]
 ) -> Results:
     """Let the programs of a folder play against each other; else as `sweep`."""
-    from logical_robots_tui.lab.tournament import plan_tournament
+    from logical_robots_tui.lab.competing import plan_tournament
 
     return _carry_out(plan_tournament(arena, Path(players)), folder, **how)
 
@@ -220,9 +220,9 @@ def next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> 
     """Return the manifest with the next round of a tournament, or None."""
     if manifest.kind != "tournament" or not coordinator.tally().is_complete:
         return None
-    from logical_robots_tui.lab import tournament as rules
+    from logical_robots_tui.lab import competing
 
-    return rules.next_round(manifest, ledger)
+    return competing.next_round(manifest, ledger)
 
 
 _LINE_SECONDS = 5.0

@@ -11,6 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from statistics import NormalDist, median, quantiles
 from typing import Any, NamedTuple, TypeAlias
 
+from logical_robots_tui.lab.competing import (
+    export_tournament,
+    tournament_lines,
+    tournament_parts,
+    tournament_tables,
+)
 from logical_robots_tui.lab.exporting import (
     Done,
     Table,
@@ -31,12 +37,6 @@ from logical_robots_tui.lab.exporting import (
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
 from logical_robots_tui.lab.grading import duplicates, export_grades, gradebook, grades_of
 from logical_robots_tui.lab.submissions import account_of
-from logical_robots_tui.lab.tournament import (
-    export_tournament,
-    tournament_lines,
-    tournament_parts,
-    tournament_tables,
-)
 
 _WIDTH, _HEIGHT = 78, 18
 _MOST_BARS = 40

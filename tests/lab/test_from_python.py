@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from logical_robots_tui import lab
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab import Results, coordinating, grade, sweep, tournament
 from logical_robots_tui.toml_files import TomlFileError
@@ -143,6 +144,11 @@ def test_a_class_is_graded_to_a_gradebook(tmp_path: Path) -> None:
     assert list(frame["id"]) == ["ada"]
     assert frame["points"].notna().all()
     assert (tmp_path / "out" / "gradebook.csv").exists()
+
+
+def test_no_module_hides_a_function() -> None:
+    package = Path(lab.__file__).parent
+    assert {path.stem for path in package.glob("*.py")}.isdisjoint(lab.__all__)
 
 
 def test_a_tournament_plays_all_its_rounds(tmp_path: Path) -> None:
