@@ -6,7 +6,7 @@ import json
 import re
 import sys
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import datetime
 from inspect import Parameter, signature
 from pathlib import Path
@@ -30,6 +30,9 @@ from logical_robots_tui.wording import clip
 
 Path_: TypeAlias = tuple[str | int, ...]
 """Where a value is: keys, and indices of lists."""
+
+Given: TypeAlias = Path | str | Mapping[str, Any]
+"""A file, or what would be in one; names in that are relative to the working folder."""
 
 T = TypeVar("T")
 
@@ -127,9 +130,19 @@ _UNITS: dict[Any, str] = {str: " characters", list: " items"}
 class TomlFile:
     """A file and its problems; raises TomlFileError if it can't be read or is not TOML."""
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, given: Given) -> None:
+        self._is_file = not isinstance(given, Mapping)
+        file = Path("untitled") if isinstance(given, Mapping) else Path(given)
         self.file, self.folder = file, file.parent
         self._problems: set[tuple[int, str]] = set()
+        self._wrong: set[Path_] = set()
+        if isinstance(given, Mapping):
+            import tomlkit
+
+            self.data = _plain(given)
+            self.text = tomlkit.dumps(self.data)
+            self._lines = dict(_lines(self.text))
+            return
         try:
             self.text = read_text(file, _MOST_BYTES)
             self.data = parse_toml(self.text)
@@ -145,13 +158,23 @@ class TomlFile:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        return tuple(f"{self.file}:{line}: {said}" for line, said in sorted(self._problems))
+        found = sorted(self._problems)
+        return tuple(
+            f"{self.file}:{line}: {said}" if self._is_file else said for line, said in found
+        )
 
     def problem(self, path: Path_, message: str) -> None:
+        said = message if message[-1] in ".?" else f"{message}."
+        self._wrong.add(path)
+        if not self._is_file and (name := _name(path)) not in said:
+            said = f"{name}: {said}"
         while path and path not in self._lines:
             path = path[:-1]
-        said = message if message[-1] in ".?" else f"{message}."
         self._problems.add((self._lines.get(path, 1), said))
+
+    def is_wrong(self, path: Path_) -> bool:
+        """Return whether there is a problem with a value or a part of it."""
+        return any(each[: len(path)] == path for each in self._wrong)
 
     def refuse(self) -> None:
         """Raise TomlFileError if something is wrong."""
@@ -201,6 +224,17 @@ class TomlFile:
         for name in needed - data.keys():
             self.problem(path, f'"{_name((*path, name))}" is missing')
         return kind(**found) if needed <= found.keys() else None
+
+
+def _plain(value: Any) -> Any:
+    """Return what TOML can say of a value: paths as texts, and arrays and ranges as lists."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items() if each is not None}
+    if hasattr(value, "tolist"):  # of numpy
+        return value.tolist()
+    if isinstance(value, Iterable) and not isinstance(value, str | Path):
+        return [_plain(each) for each in value]
+    return value if isinstance(value, bool | int | float | str | datetime) else str(value)
 
 
 def _name(path: Path_) -> str:

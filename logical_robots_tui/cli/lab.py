@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import os
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from datetime import timedelta
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -20,14 +18,10 @@ from logical_robots_tui.cli.command import drawn_bar, harmless
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
-    from logical_robots_tui.lab.coordinating import Coordinator, Engine
+    from logical_robots_tui.lab.coordinating import Coordinator
     from logical_robots_tui.lab.folder import Folder, Ledger, Manifest
 
 COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 _ENGINE = (
@@ -37,7 +31,6 @@ _ENGINE = (
             "N",
             "processes on this machine (default: one per processor)",
             type=command.number_from(1),
-            default=_processors,
         ),
         command.option("--dask", "ADDRESS", "a Dask scheduler instead, such as tcp://HOST:8786"),
     ),
@@ -118,7 +111,7 @@ def _tournament(options: argparse.Namespace) -> int:
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
-    from logical_robots_tui.lab.tournament import plan_tournament
+    from logical_robots_tui.lab.competing import plan_tournament
 
     return _plan(options, lambda: plan_tournament(options.arena, options.players))
 
@@ -189,26 +182,26 @@ def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
     print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
 
 
-def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> int:
-    from logical_robots_tui.lab.coordinating import Coordinator
+def _work(options: argparse.Namespace, folder: Folder, planned: Manifest) -> int:
+    from logical_robots_tui.lab import engine_for, rounds
 
     student = getattr(options, "student", None)
     if student:
-        manifest = _only(manifest, student)
+        planned = _only(planned, student)
     with folder.ledger(mixed=options.mixed) as ledger:
         ledger.forget_failures()
-        coordinator = Coordinator(folder, manifest, ledger)
+        work = rounds(folder, planned, ledger)
+        manifest, coordinator = first = next(work)
         with _interruptible() as is_stopped:
-            engine = _engine(options)
+            engine = engine_for(
+                options.workers, options.dask, lambda said: print(harmless(said), file=sys.stderr)
+            )
             try:
-                while True:
+                for manifest, coordinator in chain([first], work):
                     with _progress(manifest, coordinator) as show:
                         coordinator.work(engine, is_stopped, show)
-                    further = _next_round(manifest, ledger, coordinator)
-                    if further is None or is_stopped():
+                    if is_stopped():
                         break
-                    manifest = folder.write(further, {})
-                    coordinator = Coordinator(folder, manifest, ledger)
             except InputError as error:  # such as a full disk
                 engine.close(at_once=True)
                 print(harmless(str(error)), file=sys.stderr)
@@ -242,25 +235,8 @@ def _only(manifest: Manifest, name: str) -> Manifest:
     return replace(manifest, students=tuple(found), cells=cells)
 
 
-def _next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> Manifest | None:
-    if manifest.kind != "tournament" or not coordinator.tally().is_complete:
-        return None
-    from logical_robots_tui.lab.tournament import next_round
-
-    return next_round(manifest, ledger)
-
-
-def _engine(options: argparse.Namespace) -> Engine:
-    if options.dask:
-        from logical_robots_tui.lab.engines import ClusterEngine
-
-        return ClusterEngine(options.dask, lambda said: print(harmless(said), file=sys.stderr))
-    from logical_robots_tui.lab.engines import LocalEngine
-
-    return LocalEngine(options.workers)
-
-
 def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:
+    from logical_robots_tui.lab import next_round
     from logical_robots_tui.lab.exporting import failed_runs
 
     tally = coordinator.tally()
@@ -277,10 +253,10 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
             "DEFECT: these runs gave different results when they were run twice. Please report it:"
         )
         print(*(f"  {run}" for run in ledger.differences()), sep="\n")
-    rounds = _next_round(manifest, ledger, coordinator) is not None
-    if rounds or not tally.is_complete:
+    is_next = next_round(manifest, ledger, coordinator) is not None
+    if is_next or not tally.is_complete:
         left = f"{tally.due:,} runs are left. " if tally.due else ""
-        left += f"Round {len(manifest.rounds) + 1} is next. " * rounds
+        left += f"Round {len(manifest.rounds) + 1} is next. " * is_next
         print(f"{left}Go on with: logical-robots lab resume {harmless(str(folder.path))}")
         return INCOMPLETE
     return COMPLETE
@@ -322,28 +298,20 @@ _LINE_SECONDS = 5.0
 
 @contextmanager
 def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable[[], None]]:
-    first, began = coordinator.tally(), monotonic()
-    if not first.due:
+    from logical_robots_tui.lab.coordinating import Pace
+
+    if not coordinator.tally().due:
         yield lambda: None
         return
-    due = began + _LINE_SECONDS
+    pace, due = Pace(manifest, coordinator), monotonic() + _LINE_SECONDS
     with drawn_bar(manifest.title) as draw:
 
         def show() -> None:
             nonlocal due
-            tally, now = coordinator.tally(), monotonic()
-            pace = (tally.done - first.done) / (now - began)
-            rest = f"{pace:.1f} runs/s"
-            rest += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
-            rest += f", {tally.failed:,} failed" if tally.failed else ""
-            seconds, cell = coordinator.longest() or (0.0, None)
-            if cell and seconds > _LINE_SECONDS:
-                rest += f", {harmless(manifest.called(cell))} for {seconds:.0f} s"
-            done, total = tally.done, tally.done + tally.due
-            count = f"{done:,} of {total:,} runs"
-            draw(done, total, count, rest)
-            if not sys.stderr.isatty() and now >= due:
-                due = now + _LINE_SECONDS
-                print(f"{count}, {rest}", file=sys.stderr, flush=True)
+            done, total, count, rest = pace.said()
+            draw(done, total, count, harmless(rest))
+            if not sys.stderr.isatty() and monotonic() >= due:
+                due = monotonic() + _LINE_SECONDS
+                print(harmless(f"{count}, {rest}"), file=sys.stderr, flush=True)
 
         yield show

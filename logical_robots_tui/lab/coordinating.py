@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from datetime import timedelta
 from time import monotonic
 from typing import NamedTuple, Protocol, cast
 
@@ -81,7 +82,7 @@ def starts_due(
         return [0], []
     done: list[int] = []
     left: list[int] = []
-    for start in range(manifest.starts + 1):
+    for start in manifest.all_starts:
         (done if manifest.job(cell, start) in outcomes else left).append(start)
     return done, left
 
@@ -191,6 +192,7 @@ class Coordinator:
             manifest.given_first,
             fingerprint(),
             manifest.run_steps,
+            manifest.until,
         )
 
     def _take(self, group: _Group, answer: Answer) -> None:
@@ -236,3 +238,24 @@ class Coordinator:
         if start == 0 and self._manifest.given_first:
             return group._replace(starts=())
         return group._replace(starts=tuple(each for each in group.starts if each != start))
+
+
+class Pace:
+    """How far the work of a coordinator is and how fast it goes, in numbers and words."""
+
+    def __init__(self, manifest: Manifest, coordinator: Coordinator) -> None:
+        self._manifest, self._coordinator = manifest, coordinator
+        self._first, self._began = coordinator.tally(), monotonic()
+
+    def said(self) -> tuple[int, int, str, str]:
+        """Return runs done and all runs, these in words, and what to say beside them."""
+        tally = self._coordinator.tally()
+        pace = (tally.done - self._first.done) / max(monotonic() - self._began, 0.001)
+        rest = f"{pace:.1f} runs/s"
+        rest += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
+        rest += f", {tally.failed:,} failed" if tally.failed else ""
+        seconds, cell = self._coordinator.longest() or (0.0, None)
+        if cell and seconds > _SLOW_SECONDS:
+            rest += f", {self._manifest.called(cell)} for {seconds:.0f} s"
+        total = tally.done + tally.due
+        return tally.done, total, f"{tally.done:,} of {total:,} runs", rest

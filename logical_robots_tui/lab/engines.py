@@ -13,10 +13,11 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from multiprocessing import resource_tracker
 from pathlib import Path
 from time import monotonic
+from types import ModuleType
 from typing import Any
 
 import msgspec
@@ -83,7 +84,8 @@ class _Worker:
             if self._pool is None:
                 spawn = multiprocessing.get_context("spawn")
                 self._pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=_begin)
-                self._pid = self._pool.submit(os.getpid)
+                with _no_main():
+                    self._pid = self._pool.submit(os.getpid)
             self.future = self._pool.submit(execute, task)
         except BrokenProcessPool as error:
             self.future = Future()
@@ -156,6 +158,17 @@ class _Worker:
         if self._pid is not None and self._pid.done() and self._pid.exception() is None:
             with suppress(ProcessLookupError):
                 os.kill(self._pid.result(), signal.SIGKILL)
+
+
+@contextmanager
+def _no_main() -> Iterator[None]:
+    """Let a process begin without running the script again that asked for the work."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 def _begin() -> None:

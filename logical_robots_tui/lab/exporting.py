@@ -6,13 +6,14 @@ import csv
 import html
 import io
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from statistics import fmean
 from typing import Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import cell_to_run, starts_due
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest
-from logical_robots_tui.lab.running import Result
+from logical_robots_tui.lab.running import Asked, Result, Way
 from logical_robots_tui.language.diagnostics import printable
 
 Row: TypeAlias = "tuple[Any, ...]"
@@ -57,7 +58,7 @@ def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
     outcomes = ledger.outcomes() if failures else {}
     for cell in manifest.cells if failures else ():
         cell = cell_to_run(manifest, cell, outcomes)
-        for start in range(manifest.starts + 1):
+        for start in manifest.all_starts:
             job = manifest.job(cell, start)
             if job in failures:
                 result = Result("infrastructure", first=(0, "", failures[job]))
@@ -69,12 +70,8 @@ def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]
     named = {name for cell in manifest.cells for name in (cell.level, cell.program, *cell.parts)}
     for name in sorted(named - {""}):
         folder.text(name)
-    done = list(done_runs(manifest, ledger))
-    tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
-    if manifest.asked:
-        tables["series"] = _series(manifest, done)
     written = []
-    for name, table in tables.items():
+    for name, table in tables_of_runs(manifest, ledger).items():
         folder.put(folder.path / f"{name}.csv", csv_of(table))
         written.append(f"{name}.csv")
         if (content := _parquet(table)) is not None:
@@ -83,17 +80,97 @@ def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]
     return written
 
 
+def tables_of_runs(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
+    done = list(done_runs(manifest, ledger))
+    tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
+    if manifest.asked or manifest.until:
+        tables["series"] = _series(manifest, done)
+    if manifest.wide:
+        tables["wide"] = _wide(manifest, done)
+    return tables
+
+
+def settings_of(manifest: Manifest) -> list[str]:
+    return list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
+
+
+def reductions(manifest: Manifest) -> dict[str, tuple[Asked, Way]]:
+    """Return how a question's numbers become one number of a run, by the name of its column."""
+    found: dict[str, tuple[Asked, Way]] = {}
+    for asked in manifest.asked:
+        if not asked.every:
+            found[asked.name] = asked, "last"
+        found |= {f"{asked.name}_{how}": (asked, how) for how in asked.reduce}
+    return found
+
+
+def reduced(result: Result, asked: Asked, how: Way) -> float | None:
+    """Return one number of a run; None if there is none, or if not all could be measured."""
+    series = result.series.get(asked.name)
+    numbers = [number for _, number in series.numbers if number is not None] if series else []
+    if series is None or not numbers or len(numbers) < len(series.numbers):
+        return None
+    return numbers[-1] if how == "last" else _WAYS[how](numbers)
+
+
+_WAYS: dict[str, Callable[[list[float]], float]] = {
+    "min": min,
+    "max": max,
+    "mean": fmean,
+    "sum": sum,
+}
+
+
+def measures_of(manifest: Manifest) -> dict[str, Callable[[Done], float | None]]:
+    """Return what was measured of each run, by name, besides whether it was won."""
+
+    def asked_for(how: tuple[Asked, Way]) -> Callable[[Done], float | None]:
+        return lambda done: reduced(done.result, *how)
+
+    own: dict[str, Callable[[Done], float | None]] = {
+        "ticks": lambda done: done.result.ticks if done.result.outcome == "won" else None,
+        "distance": lambda done: done.result.distance,
+        "size": lambda done: done.result.size or None,
+    }
+    found = {name: own[name] for name in manifest.measures if name in own}
+    return found | {name: asked_for(how) for name, how in reductions(manifest).items()}
+
+
+def _varied(manifest: Manifest) -> tuple[str, ...]:
+    """Return the columns of what is varied, which stand in every table of runs."""
+    return ("level", "program", *settings_of(manifest), "start")
+
+
+def _varied_of(names: list[str], done: Done) -> Row:
+    cell = done.cell
+    settings = (cell.settings.get(name) for name in names)
+    return (cell.level_name, cell.program_name, *settings, done.start)
+
+
+def _wide(manifest: Manifest, done: list[Done]) -> Table:
+    """Return a row for each run and measured tick, and a column for each question."""
+    rows: list[Row] = []
+    names, settings = [asked.name for asked in manifest.asked], settings_of(manifest)
+    for each in done:
+        numbers = {n: dict(s.numbers) for n, s in each.result.series.items()}
+        first = (manifest.run(each.job), *_varied_of(settings, each))
+        for tick in sorted({tick for found in numbers.values() for tick in found}):
+            values = (numbers.get(name, {}).get(tick) for name in names)
+            rows.append((*first, tick, *values))
+    return Table(("run", *_varied(manifest), "tick", *names), rows)
+
+
 def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
     engines = ledger.engines()
-    settings = list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
     who = ("student",) if manifest.kind == "grade" else ()
-    columns = ("run", *who, "level", "program", *settings, "start", "outcome", *manifest.measures)
+    asked, settings = reductions(manifest), settings_of(manifest)
+    columns = ("run", *who, *_varied(manifest), "outcome", *manifest.measures, *asked)
     columns += tuple(f"points_{team}" for team in manifest.teams)
     columns += ("forfeit",) * bool(manifest.teams)
     columns += ("last_tick", "notices", "first_notice", "engine", "replay")
     rows: list[Row] = []
     for each in done:
-        cell, start, job, result = each
+        cell, _, job, result = each
         measured = {
             "won": result.outcome == "won",
             "ticks": result.ticks if result.outcome == "won" else None,
@@ -110,12 +187,10 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
             (
                 manifest.run(job),
                 *((cell.student,) if who else ()),
-                cell.level_name,
-                cell.program_name,
-                *(cell.settings.get(name) for name in settings),
-                start,
+                *_varied_of(settings, each),
                 result.outcome,
                 *(measured[name] for name in manifest.measures),
+                *(reduced(result, *how) for how in asked.values()),
                 *(result.points.get(team) for team in manifest.teams),
                 *(", ".join(result.forfeit) for _ in manifest.teams[:1]),
                 result.ticks,
@@ -130,8 +205,9 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
 
 def _series(manifest: Manifest, done: list[Done]) -> Table:
     rows: list[Row] = []
+    settings = settings_of(manifest)
     for each in done:
-        run = manifest.run(each.job)
+        first = (manifest.run(each.job), *_varied_of(settings, each))
         for name, series in each.result.series.items():
             number = last = 0
             for tick, *values in series.rows:
@@ -140,11 +216,12 @@ def _series(manifest: Manifest, done: list[Done]) -> Table:
                     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
                     text = value if isinstance(value, str) else json.dumps(value)
                     rows.append(
-                        (run, name, tick, number, column, value if is_number else None, text)
+                        (*first, name, tick, number, column, value if is_number else None, text)
                     )
             if series.failure:
-                rows.append((run, name, None, None, "failure", None, series.failure))
-    return Table(("run", "measure", "tick", "row", "column", "number", "text"), rows)
+                rows.append((*first, name, None, None, "failure", None, series.failure))
+    columns = ("measure", "tick", "row", "column", "number", "text")
+    return Table(("run", *_varied(manifest), *columns), rows)
 
 
 def csv_of(table: Table) -> str:
@@ -180,14 +257,24 @@ def has_extra(module: str) -> bool:
 def _parquet(table: Table) -> bytes | None:
     if not has_extra("pyarrow"):
         return None
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
-    columns = list(zip(*table.rows, strict=True)) or [()] * len(table.columns)
-    arrays = [pa.array(_of_one_type(values)) for values in columns]
     out = io.BytesIO()
-    pq.write_table(pa.table(arrays, names=list(table.columns)), out)
+    pq.write_table(arrow_of(table), out)
     return out.getvalue()
+
+
+def arrow_of(table: Table) -> Any:
+    import pyarrow as pa
+
+    return pa.table(columns_of(table))
+
+
+def columns_of(table: Table) -> dict[str, list[Any]]:
+    """Return the values by column, those of one column of one type."""
+    columns = list(zip(*table.rows, strict=True)) or [()] * len(table.columns)
+    found = zip(table.columns, columns, strict=True)
+    return {name: _of_one_type(values) for name, values in found}
 
 
 def _of_one_type(values: Sequence[Any]) -> list[Any]:

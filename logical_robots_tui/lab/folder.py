@@ -92,7 +92,8 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     """Everything that is needed to repeat the work, beside the inputs.
 
     There are `starts` shifted starts, if `given_first` for programs that win from the given one.
-    A think has `steps` at most, a run `run_steps` unless that is 0, and `seconds` of a processor.
+    The first of them is `first_start`. A think has `steps` at most, a run `run_steps` unless that
+    is 0, and `seconds` of a processor; it ends when the question `until` holds, unless that is "".
     `rounds` are pairs of players by index, for each round of a tournament that is known so far.
     `strays` are files that nobody handed in.
     """
@@ -116,8 +117,15 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     most_rounds: Index = 1
     strays: tuple[str, ...] = ()
     run_steps: Index = 0
+    first_start: Annotated[int, msgspec.Meta(ge=1, le=10**9)] = 1
+    until: str = ""
+    wide: bool = False
     engine: dict[str, str] = {}
     format: int = _FORMAT
+
+    @property
+    def all_starts(self) -> tuple[int, ...]:
+        return 0, *range(self.first_start, self.first_start + self.starts)
 
     def called(self, cell: Cell) -> str:
         """Return whose program a cell runs where: ``Ada (1001): ada.l in 01-first-steps``."""
@@ -129,7 +137,8 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
         asked = [(each.name, each.query, each.every) for each in self.asked]
         program = cell.program or cell.parts
         what = (cell.level, program, start, cell.ticks, asked, self.steps)
-        return digest(repr((*what, self.run_steps) if self.run_steps else what))
+        more = (self.run_steps,) if self.run_steps else ()
+        return digest(repr((*what, *more, self.until) if self.until else (*what, *more)))
 
     def run(self, job: str) -> str:
         """Return the identity of a run on this engine."""

@@ -244,7 +244,7 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
             old.unlink()  # of an earlier class list
     if len(grades) == 1:
         folder.put(folder.path / "results.json", _json(_gradescope(grades[0], show)))
-    folder.put(folder.path / "gradebook.csv", csv_of(_gradebook(grades)))
+    folder.put(folder.path / "gradebook.csv", csv_of(gradebook(grades)))
     same = [(level, len(ids), ", ".join(ids), text) for level, text, ids in duplicates(manifest)]
     table = Table(("level", "students", "ids", "program"), list(same))
     folder.put(folder.path / "duplicates.csv", csv_of(table))
@@ -265,7 +265,7 @@ def _file_names(ids: list[str]) -> list[str]:
     return names
 
 
-def _gradebook(grades: list[Grade]) -> Table:
+def gradebook(grades: list[Grade]) -> Table:
     levels = [level.level for level in grades[0].levels] if grades else []
     head = ("id", "name", "submission", "late", "by_hand", "points", "most", "ungraded")
     rows = [

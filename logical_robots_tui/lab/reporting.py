@@ -8,11 +8,18 @@ import re
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from statistics import NormalDist, median
-from typing import Any, NamedTuple
+from statistics import NormalDist, median, quantiles
+from typing import Any, NamedTuple, TypeAlias
 
+from logical_robots_tui.lab.competing import (
+    export_tournament,
+    tournament_lines,
+    tournament_parts,
+    tournament_tables,
+)
 from logical_robots_tui.lab.exporting import (
     Done,
+    Table,
     as_code,
     as_page,
     as_percent,
@@ -22,15 +29,22 @@ from logical_robots_tui.lab.exporting import (
     export_runs,
     failed_runs,
     harmless_text,
+    measures_of,
+    settings_of,
     shade,
+    tables_of_runs,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
-from logical_robots_tui.lab.grading import duplicates, export_grades, grades_of
+from logical_robots_tui.lab.grading import duplicates, export_grades, gradebook, grades_of
 from logical_robots_tui.lab.submissions import account_of
-from logical_robots_tui.lab.tournament import export_tournament, tournament_lines, tournament_parts
 
-_WIDTH = 78
+_WIDTH, _HEIGHT = 78, 18
 _MOST_BARS = 40
+_MOST_VALUES = 20  # of what was varied, before they are taken together
+_PARTS = 10
+_MOST_LINES = 6  # of a plot
+_MOST_BANDS = 3
+_MOST_POINTS = 100  # of a line
 
 
 class Share(NamedTuple):
@@ -99,14 +113,26 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
         return (
             lines + _bars("Students by points", {str(n): counts[n] for n in sorted(counts)}) + left
         )
-    has_levels = len({cell.level_name for cell in manifest.cells}) > 1
-    has_programs = len({cell.program_name for cell in manifest.cells}) > 1
-    shares = {}
-    for cell, runs in by_cell(done)[:_MOST_BARS]:
-        names = [cell.level_name] * has_levels + [cell.program_name] * has_programs
-        label = " ".join([*names, setting_text(cell) or cell.program_name])
-        shares[label] = share_of(runs).share
-    return _bars("Starts won", shares)
+    return _sweep_lines(manifest, done)
+
+
+def _sweep_lines(manifest: Manifest, done: list[Done]) -> list[str]:
+    cells = _by_label(manifest, done)
+    ways = {"": cells}
+    if len(cells) > _MOST_BARS:
+        ways = {f", over {name}": _by_value(name, done) for name in _varied(manifest)}
+    lines = []
+    for over, groups in ways.items():
+        shares = {label: share_of(runs).share for label, runs in groups.items()}
+        lines += _bars(f"Starts won{over}", shares)
+        for name, measure in measures_of(manifest).items():
+            spreads = {label: _spread(map(measure, runs)) for label, runs in groups.items()}
+            medians = {label: spread[0] for label, spread in spreads.items() if spread}
+            if len({*medians.values()}) > 1:
+                lines += _bars(f"{name}, medians{over}", medians)
+    for name, (ticks, found) in _courses(manifest, done).items():
+        lines += _plot(name, ticks, found)
+    return lines
 
 
 def _bars(title: str, values: Mapping[str, float]) -> list[str]:
@@ -116,8 +142,27 @@ def _bars(title: str, values: Mapping[str, float]) -> list[str]:
         return []
     plotext.clear_figure()
     plotext.simple_bar(list(values), list(values.values()), width=_WIDTH, title=title)
+    return _built()
+
+
+def _built() -> list[str]:
+    import plotext
+
     text: str = plotext.uncolorize(plotext.build())
     return text.rstrip().split("\n")
+
+
+def _plot(title: str, ticks: list[int], lines: Mapping[str, list[Spread | None]]) -> list[str]:
+    import plotext
+
+    plotext.clear_figure()
+    plotext.plot_size(_WIDTH, _HEIGHT)
+    for label, spreads in lines.items():
+        points = [(tick, s[0]) for tick, s in zip(ticks, spreads, strict=True) if s]
+        if points:
+            plotext.plot(*zip(*points, strict=True), label=label)
+    plotext.title(f"{title} by tick, medians")
+    return _built()
 
 
 _BARS = 20
@@ -147,6 +192,14 @@ def export(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
     elif manifest.kind == "tournament":
         written += export_tournament(folder, manifest, ledger)
     return written
+
+
+def tables_of(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
+    """Return all tables by name, the one of most interest first."""
+    runs = tables_of_runs(manifest, ledger)
+    if manifest.kind == "grade":
+        return {"gradebook": gradebook(grades_of(manifest, ledger)), **runs}
+    return (tournament_tables(manifest, ledger) if manifest.kind == "tournament" else {}) | runs
 
 
 def _interval(share: Share) -> str:
@@ -194,49 +247,156 @@ def _grades(manifest: Manifest, ledger: Ledger) -> str:
     return text
 
 
+Spread: TypeAlias = tuple[float, float, float]
+"""A median and the two quartiles, or a share and its interval."""
+
+
+def _spread(values: Iterable[float | None]) -> Spread | None:
+    found = [value for value in values if value is not None]
+    if not found:
+        return None
+    low, middle, high = quantiles(found, method="inclusive") if len(found) > 1 else found * 3
+    return middle, low, high
+
+
+def _share(runs: list[Done]) -> Spread:
+    share = share_of(runs)
+    return 100 * share.share, 100 * share.low, 100 * share.high
+
+
+def _varied(manifest: Manifest) -> list[str]:
+    cells = manifest.cells
+    names = ["level"] * (len({cell.level_name for cell in cells}) > 1)
+    names += ["program"] * (len({cell.program_name for cell in cells}) > 1)
+    return [*names, *settings_of(manifest)]
+
+
+def _value_of(cell: Cell, name: str) -> bool | int | float | str:
+    own = {"level": cell.level_name, "program": cell.program_name}
+    return cell.settings.get(name, own.get(name, "as written"))
+
+
+def _by_value(name: str, done: list[Done]) -> dict[str, list[Done]]:
+    """Return runs by the value of what was varied, of many numbers by parts of their range."""
+    found: dict[Any, list[Done]] = {}
+    for each in done:
+        found.setdefault(_value_of(each.cell, name), []).append(each)
+    numbers = sorted(value for value in found if type(value) in (int, float))
+    others = {str(value): runs for value, runs in found.items() if type(value) not in (int, float)}
+    if len(numbers) <= _MOST_VALUES:
+        return {f"{value:.6g}": found[value] for value in numbers} | others
+    low, width = numbers[0], (numbers[-1] - numbers[0]) / _PARTS
+    parts: dict[str, list[Done]] = {}
+    for value in numbers:
+        begin = low + min(int((value - low) / width), _PARTS - 1) * width
+        parts.setdefault(f"{begin:.4g} to {begin + width:.4g}", []).extend(found[value])
+    return parts | others
+
+
+def _by_label(manifest: Manifest, done: list[Done]) -> dict[str, list[Done]]:
+    """Return runs by all that was varied."""
+    names = _varied(manifest)
+    found: dict[str, list[Done]] = {}
+    for each in done:
+        own = [_value_of(each.cell, name) for name in names if name in ("level", "program")]
+        label = " ".join(map(str, [*own, setting_text(each.cell)])).strip()
+        found.setdefault(label or each.cell.program_name, []).append(each)
+    return found
+
+
+def _courses(
+    manifest: Manifest, done: list[Done]
+) -> dict[str, tuple[list[int], dict[str, list[Spread | None]]]]:
+    """Return, for each question that is asked over time, ticks and what it gave at them."""
+    groups = _by_label(manifest, done)
+    if len(groups) > _MOST_LINES:
+        groups = {"all runs": done}
+    found = {}
+    for asked in manifest.asked:
+        if not asked.every:
+            continue
+        numbers = {
+            label: [dict(s.numbers) for r in runs if (s := r.result.series.get(asked.name))]
+            for label, runs in groups.items()
+        }
+        last = max((max(each, default=0) for runs in numbers.values() for each in runs), default=0)
+        step = asked.every * max(1, -(-last // asked.every // _MOST_POINTS))
+        ticks = sorted({1, *range(step, last + 1, step)})
+        found[asked.name] = (
+            ticks,
+            {
+                label: [_spread(each.get(tick) for each in runs) for tick in ticks]
+                for label, runs in numbers.items()
+            },
+        )
+    return found
+
+
+_INTERVAL = "95 %"
+
+
 def _variation(manifest: Manifest, done: list[Done]) -> str:
-    cells = by_cell(done)
-    names = list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
-    full = [(cell, runs) for cell, runs in cells if len(cell.settings) == len(names)]
-    groups: dict[str, list[tuple[Cell, list[Done]]]] = {}
-    for cell, runs in full:
-        groups.setdefault(f"{cell.program_name} in {cell.level_name}", []).append((cell, runs))
-    parts = [f"<h2>Share of starts won, over {html.escape(' and '.join(names))}</h2>"]
-    for title, group in groups.items():
-        if len(names) == 1:
-            parts.append(_curve(title, names[0], group))
-        elif len(names) == 2:
-            parts.append(f"<h3>{html.escape(harmless_text(title))}</h3>")
-            parts.append(_heat_map(names[0], names[1], group))
-    return "\n".join(parts) if names and len(parts) > 1 else ""
+    names = _varied(manifest)
+    parts = []
+    for name in names:
+        groups = _by_value(name, done)
+        parts.append(f"<h2>Over {html.escape(harmless_text(name))}</h2>")
+        won = {"won": [_share(runs) for runs in groups.values()]}
+        parts.append(_chart(f"% of starts won, over {name}", name, [*groups], won, _INTERVAL))
+        for what, measure in measures_of(manifest).items():
+            spreads = [_spread(map(measure, runs)) for runs in groups.values()]
+            if len({spread for spread in spreads if spread}) > 1:
+                parts.append(_chart(f"{what}, over {name}", name, [*groups], {"median": spreads}))
+    if len(names) == 2:
+        parts.append(_grid(manifest, names[0], names[1], done))
+    for name, (ticks, found) in _courses(manifest, done).items():
+        parts.append(f"<h2>{html.escape(harmless_text(name))} over time</h2>")
+        parts.append(_chart(f"{name}, medians", "tick", [f"{t:,}" for t in ticks], found))
+    return "\n".join(parts)
 
 
-def _curve(title: str, name: str, group: list[tuple[Cell, list[Done]]]) -> str:
-    chart = _pygal().Line(**_style(title), range=(0, 100), x_title=name, y_title="% won")
-    chart.x_labels = [str(cell.settings[name]) for cell, _ in group]
-    shares = [share_of(runs) for _, runs in group]
-    chart.add("won", [100 * share.share for share in shares])
-    for label, values in (
-        ("from (95 %)", [100 * share.low for share in shares]),
-        ("to (95 %)", [100 * share.high for share in shares]),
-    ):
-        chart.add(label, values, stroke_style={"dasharray": "4"})
+def _chart(
+    title: str,
+    across: str,
+    labels: list[str],
+    lines: Mapping[str, Sequence[Spread | None]],
+    band: str = "quartiles",
+) -> str:
+    chart = _pygal().Line(**_style(title), x_title=harmless_text(across))
+    chart.range = (0, 100) if band == _INTERVAL else None
+    chart.x_labels = [harmless_text(label) for label in labels]
+    if len(labels) > _MOST_VALUES:
+        chart.x_labels_major_count = _PARTS
+        chart.show_minor_x_labels = chart.show_dots = False
+    for label, spreads in lines.items():
+        chart.add(harmless_text(label), [spread and spread[0] for spread in spreads])
+    for label, spreads in lines.items() if len(lines) <= _MOST_BANDS else ():
+        for which, said in ((1, "from"), (2, "to")):
+            called = harmless_text(f"{label}, {said}" * (len(lines) > 1) or said) + f" ({band})"
+            values = [spread and spread[which] for spread in spreads]
+            chart.add(called, values, stroke_style={"dasharray": "4"}, show_dots=False)
     return _svg(chart, title)
 
 
-def _heat_map(across: str, down: str, group: list[tuple[Cell, list[Done]]]) -> str:
-    shares = {(c.settings[across], c.settings[down]): share_of(runs) for c, runs in group}
-    columns, lines = (list(dict.fromkeys(key[i] for key in shares)) for i in (0, 1))
+def _grid(manifest: Manifest, across: str, down: str, done: list[Done]) -> str:
+    columns, measures = _by_value(across, done), measures_of(manifest)
+    column_of = {id(each): name for name, runs in columns.items() for each in runs}
 
-    def cell(share: Share) -> str:
-        said = f"{as_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"
-        return shade(share.share, said)
+    def cell(runs: list[Done]) -> str:
+        if not runs:
+            return ""
+        share = share_of(runs)
+        said = [f"{as_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"]
+        spreads = {name: _spread(map(measure, runs)) for name, measure in measures.items()}
+        said += [f"{name} {spread[0]:,.6g}" for name, spread in spreads.items() if spread]
+        return shade(share.share, "; ".join(said))
 
     rows = [
-        (str(line), *(cell(shares[key]) if (key := (c, line)) in shares else "" for c in columns))
-        for line in lines
+        (line, *(cell([each for each in runs if column_of[id(each)] == c]) for c in columns))
+        for line, runs in _by_value(down, done).items()
     ]
-    return as_table((f"{down} \\ {across}", *map(str, columns)), rows)
+    said = "<h2>The grid</h2><p>Won, and medians of what was measured.</p>"
+    return said + as_table((f"{down} \\ {across}", *columns), rows)
 
 
 def _ticks(done: list[Done]) -> str:
@@ -248,7 +408,6 @@ def _ticks(done: list[Done]) -> str:
         width = max(1, -(-(ticks[-1] + 1 - ticks[0]) // _BARS))
         counts = Counter((tick - ticks[0]) // width for tick in ticks)
         chart = _pygal().Bar(**_style(level), show_legend=False, x_title="ticks", y_title="runs")
-        chart.x_label_rotation = 40
         chart.x_labels = [f"{ticks[0] + n * width:,}" for n in range(max(counts) + 1)]
         chart.y_labels = range(0, max(counts.values()) + 1, max(1, max(counts.values()) // 5))
         chart.add("runs", [counts[n] for n in range(max(counts) + 1)])
@@ -287,6 +446,9 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
 def _cells(manifest: Manifest, done: list[Done]) -> str:
     rows: list[Sequence[Any]] = []
     names = {student.id: student.called for student in manifest.students}
+    measures = measures_of(manifest)
+    if manifest.kind != "sweep":
+        measures = {"ticks": measures["ticks"]}
     for cell, runs in by_cell(done):
         share = share_of(runs)
         # A run that was lost, from a shifted start if there is one, else the given start.
@@ -299,11 +461,12 @@ def _cells(manifest: Manifest, done: list[Done]) -> str:
                 runs[0].result.outcome,
                 f"{share.won} of {share.tried}",
                 _interval(share),
-                share.ticks,
+                *((spread := _spread(map(each, runs))) and spread[0] for each in measures.values()),
                 as_code(shown.replay),
             )
         )
-    head = ("", "level", "program", "given start", "won", "95 % interval", "median ticks", "replay")
+    medians = [f"median {name}" for name in measures]
+    head = ("", "level", "program", "given start", "won", "95 % interval", *medians, "replay")
     said = "The commands are typed in this folder; why instead of play explains a tick."
     return f"<h2>Programs in levels</h2><p>{said}</p>" + as_table(head, rows)
 
@@ -323,6 +486,9 @@ def _style(title: str) -> dict[str, Any]:
         "disable_xml_declaration": True,
         "height": 400,
         "explicit_size": True,
+        "x_label_rotation": 30,
+        "legend_at_bottom": True,
+        "truncate_legend": -1,
     }
 
 

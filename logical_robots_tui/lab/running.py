@@ -16,6 +16,7 @@ from typing import Any, Literal, TypeAlias
 
 import msgspec
 
+from logical_robots_tui.game.debugging.breakpoints import matching_rows, number_of
 from logical_robots_tui.game.frame import Frame, standing
 from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
@@ -29,6 +30,7 @@ from logical_robots_tui.mind import (
     QueryError,
     Question,
     Stopped,
+    Table,
 )
 from logical_robots_tui.world import Level, WorldState
 from logical_robots_tui.world.levels.load import read_level
@@ -43,28 +45,38 @@ Outcome: TypeAlias = Literal[
     "won",
     "out of ticks",
     "played",
+    "stopped",
     "nothing changes",
     "too many steps",
     "too slow",
     "does not compile",
     "infrastructure",
 ]
-"""How a run ended: `played` to the end of a match; `infrastructure` could not be done."""
+"""How a run ended: `played` to the end of a match, `stopped` because a question held;
+`infrastructure` could not be done."""
+
+
+Way: TypeAlias = Literal["last", "min", "max", "mean", "sum"]
 
 
 class Asked(msgspec.Struct, frozen=True):
-    """A question asked as a measure every so many ticks; 0 means in the last one only."""
+    """A question asked as a measure every so many ticks, in the first and in the last one.
+
+    0 means in the last one only. `reduce` are the ways to make one number of many.
+    """
 
     name: str
     query: str
     every: int
+    reduce: tuple[Way, ...] = ()
 
 
 class Task(msgspec.Struct, frozen=True):
     """Runs in one level, of texts of programs by team, "" if all robots think alike.
 
     Start 0 is the given one; if `given_first`, a program that does not win from it is done. A
-    think has `steps` at most, a run `seconds` of a processor, and `run_steps` unless that is 0.
+    think has `steps` at most, a run `seconds` of a processor, and `run_steps` unless that is 0;
+    it ends when the question `until` holds, if there is one.
     `fingerprint` is of the engine that must run it.
     """
 
@@ -78,14 +90,19 @@ class Task(msgspec.Struct, frozen=True):
     given_first: bool
     fingerprint: str
     run_steps: int = 0
+    until: str = ""
 
 
 class Series(msgspec.Struct, frozen=True):
-    """The rows of a question, each starting with its tick; they may be cut off at a limit."""
+    """The rows of a question, each starting with its tick; they may be cut off at a limit.
+
+    `numbers` are ticks and what is one number of their rows, as of `number_of`, or None.
+    """
 
     columns: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
     failure: str = ""
+    numbers: tuple[tuple[int, int | float | None], ...] = ()
 
 
 class End(msgspec.Struct, frozen=True):
@@ -206,6 +223,7 @@ class _Prepared:
             self.size = sum(map(size_of, task.programs.values()))
             for asked in task.asked:
                 self.questions[asked] = self.program.question(asked.query)
+            self.until = self.program.question(task.until) if task.until else None
         except ProgramError as error:
             if error.is_unfinished:
                 raise
@@ -235,7 +253,7 @@ class _Prepared:
             self.size,
             dict(watcher.notices),
             watcher.first,
-            {asked.name: watcher.series(asked) for asked in self.questions},
+            {asked.name: watcher.series(asked) for asked in watcher.asked},
             points=watcher.points(),
             forfeit=watcher.forfeit(),
             ends=watcher.ends(),
@@ -263,7 +281,8 @@ class _Watcher:
         tuned = prepared.program.tuned.get("Robot")
         reads = {"clock"} if tuned is None else {*tuned.columns.get("Sensor", ())}
         reads_clock = not reads.isdisjoint({"clock", "sensor"})
-        self._can_repeat = not (questions or level.teams or reads_clock)
+        self._until = prepared.until
+        self._can_repeat = not (questions or self._until or level.teams or reads_clock)
         self._team_of = {robot.name: robot.team for robot in level.robots}
         self._robots = Counter(self._team_of.values())
         self._state: WorldState | None = None
@@ -273,9 +292,10 @@ class _Watcher:
         self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
         self._cells = self._steps = 0
         self._places = [(robot.x, robot.y, 0) for robot in level.robots]
-        self._until = thread_time() + prepared.task.seconds
+        self._latest = thread_time() + prepared.task.seconds
         self._columns: dict[Asked, tuple[str, ...]] = {}
         self._rows: dict[Asked, list[tuple[Any, ...]]] = {asked: [] for asked in questions}
+        self._numbers: dict[Asked, list[tuple[int, int | float | None]]] = {}
         self._failures: dict[Asked, str] = {}
         self.ended: Outcome | None = None
         self.notices: Counter[str] = Counter()
@@ -287,7 +307,7 @@ class _Watcher:
         Raises Stopped if the run has taken more than its seconds.
         """
         self._state = frame.after
-        if thread_time() > self._until and frame.after.won_at is None:
+        if thread_time() > self._latest and frame.after.won_at is None:
             raise Stopped
         if any(decision.notices for decision in frame.decisions):
             self._note(frame)
@@ -300,16 +320,25 @@ class _Watcher:
         self._steps += mind.steps
         if self._steps > self._task.run_steps > 0:
             self.ended = self.ended or "too slow"
+        tick, has_won = frame.tick, frame.after.won_at is not None
+        if self._until and not (self.ended or has_won):
+            table = self._answer(_UNTIL, self._until, frame, mind)
+            if table and matching_rows(self._until, table).rows:
+                self.ended = "stopped"
+        is_last = self.ended or has_won or tick >= self._task.ticks
         for asked, question in self._questions.items():
-            tick = frame.tick
-            is_last = self.ended or frame.after.won_at is not None or tick >= self._task.ticks
-            if is_last if not asked.every else tick % asked.every == 0:
-                self._ask(asked, question, tick, frame, mind)
+            if is_last or (asked.every and (tick == 1 or tick % asked.every == 0)):
+                self._ask(asked, question, frame, mind)
         return self.ended is not None
+
+    @property
+    def asked(self) -> list[Asked]:
+        return [*self._questions, *({_UNTIL} & {*self._failures})]
 
     def series(self, asked: Asked) -> Series:
         columns = ("tick", *self._columns.get(asked, ()))
-        return Series(columns, tuple(self._rows[asked]), self._failures.get(asked, ""))
+        rows, numbers = self._rows.get(asked, ()), self._numbers.get(asked, ())
+        return Series(columns, tuple(rows), self._failures.get(asked, ""), tuple(numbers))
 
     def points(self) -> dict[str, float]:
         return {} if self._state is None else standing(self._level, self._state)
@@ -350,11 +379,18 @@ class _Watcher:
             self._keep_at = 2 * state.tick
             self._kept = frame
 
-    def _ask(self, asked: Asked, question: Question, tick: int, frame: Frame, mind: Mind) -> None:
+    def _answer(self, asked: Asked, question: Question, frame: Frame, mind: Mind) -> Table | None:
         try:
-            table = mind.ask(question, frame.sensors, frame.memories_before)
+            return mind.ask(question, frame.sensors, frame.memories_before)
         except QueryError as error:
-            self._failures.setdefault(asked, f"tick {tick}: {error}")
+            self._failures.setdefault(asked, f"tick {frame.tick}: {error}")
+            return None
+
+    def _ask(self, asked: Asked, question: Question, frame: Frame, mind: Mind) -> None:
+        tick, table = frame.tick, self._answer(asked, question, frame, mind)
+        number = number_of(question, table) if table else None
+        self._numbers.setdefault(asked, []).append((tick, number))
+        if table is None:
             return
         columns, rows = table.columns, table.rows
         if table.viewers:
@@ -366,6 +402,9 @@ class _Watcher:
             self._failures.setdefault(asked, f"tick {tick}: there are too many rows to keep")
         if self._cells <= _MOST_CELLS:
             self._rows[asked] += [(tick, *row) for row in rows]
+
+
+_UNTIL = Asked("until", "", 0)
 
 
 def _exactly(frame: Frame) -> str:

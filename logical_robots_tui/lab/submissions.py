@@ -27,7 +27,7 @@ from logical_robots_tui.lab.sweeping import Name, Positive, RunLimit, Starts, le
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.paths import read_text
-from logical_robots_tui.toml_files import Bounds, TomlFile
+from logical_robots_tui.toml_files import Bounds, Given, TomlFile
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
 
@@ -109,7 +109,7 @@ def read_assignment(spec: TomlFile) -> Assignment:
     return found
 
 
-def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str]]:
+def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, str]]:
     """Return what to run for an assignment, and the texts of levels and programs by digest.
 
     `submissions` is a folder or an archive with one folder, file or archive per student. Raises

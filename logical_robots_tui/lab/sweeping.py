@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
+import random
 import re
 from collections.abc import Iterable
 from decimal import Decimal
@@ -18,9 +20,9 @@ from logical_robots_tui.game.measuring import patience_for
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, digest
-from logical_robots_tui.lab.running import Asked
+from logical_robots_tui.lab.running import Asked, Way
 from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.toml_files import Bounds, Path_, TomlFile
+from logical_robots_tui.toml_files import Bounds, Given, Path_, TomlFile
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES, is_of_web, read_level, read_text
 
@@ -54,16 +56,30 @@ class Query(msgspec.Struct, frozen=True):
     """A Logica question, asked every so many ticks; 0 means in the last tick only."""
 
     query: Name
+    at: Literal["end"] | None = None
     every: Annotated[int, Bounds(0)] = 0
+    reduce: Way | list[Way] = []
 
 
 class Vary(msgspec.Struct, frozen=True):
-    """``[[vary]]``: the values of one constant or one field of the level."""
+    """``[[vary]]``: the values of one constant or one field of the level.
+
+    What is `between` two numbers, both included, is sampled as ``[sample]`` says.
+    """
 
     constant: str = ""
     level: str = ""
     values: list[Scalar] = []
     range: Annotated[list[float], Bounds(2, 3)] | None = None
+    between: Annotated[list[int | float], Bounds(2, 2)] | None = None
+
+
+class Sample(msgspec.Struct, frozen=True):
+    """``[sample]``: how many values are taken of each range that is sampled, and how."""
+
+    count: Annotated[int, Bounds(1, _MOST_VALUES)]
+    method: Literal["latin hypercube", "random"] = "latin hypercube"
+    seed: int = 1
 
 
 class Case(msgspec.Struct, frozen=True):
@@ -77,49 +93,120 @@ class ExperimentTable(msgspec.Struct, frozen=True):
     level: Name | Annotated[list[Name], Bounds(1)]
     program: Name | Annotated[list[Name], Bounds(1)]
     title: str = ""
-    starts: Starts = 0
+    starts: Starts | Annotated[list[Annotated[int, Bounds(1, 10**9)]], Bounds(2, 2)] = 0
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = False
+    until: str = ""
+    wide: bool = False
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """The first and the last shifted start."""
+        return (
+            (1, self.starts) if isinstance(self.starts, int) else (self.starts[0], self.starts[1])
+        )
 
 
 class Experiment(msgspec.Struct, frozen=True):
     experiment: ExperimentTable
     vary: list[Vary] = []
     case: list[Case] = []
+    sample: Sample | None = None
     measure: dict[str, Literal["end"] | Query] = {}
     limits: RunLimit = RunLimit()
 
 
 def read_experiment(spec: TomlFile) -> Experiment:
-    """Return an experiment, without looking up names, or raise TomlFileError."""
-    found = spec.read(Experiment)
+    """Return an experiment, without looking up names; raises TomlFileError if there is none.
+
+    What is wrong with parts of it is reported only.
+    """
+    found: Experiment | None = spec.value(Experiment, spec.data, ())
+    if found is None:
+        spec.refuse()
+    assert found is not None
     for number, vary in enumerate(found.vary):
-        path = ("vary", number)
+        path: Path_ = ("vary", number)
+        if spec.is_wrong(path):
+            continue
         if bool(vary.constant) == bool(vary.level):
             spec.problem(path, 'name either a "constant" or a field of the "level" to vary')
-        if bool(vary.values) == (vary.range is not None):
-            spec.problem(path, 'give either "values" or a "range" [from, to, step]')
+        ways = (vary.values or None, vary.range, vary.between)
+        if sum(way is not None for way in ways) != 1:
+            said = 'give "values", a "range" [from, to, step], or what it is "between" [from, to]'
+            spec.problem(path, said)
+        elif vary.between is not None:
+            first, last = vary.between
+            if not -math.inf < first <= last < math.inf:
+                spec.problem((*path, "between"), "it is between [from, to], the smaller one first")
+            if "sample" not in spec.data:
+                said = "how it is sampled is missing: [sample] count = 20"
+                spec.problem((*path, "between"), said)
         elif vary.range is not None and not _in_range(vary.range):
             spec.problem((*path, "range"), f"a range is [from, to, step], at most {_MOST_VALUES:,}")
         _check_texts(spec, (*path, "values"), vary.values)
     for number, case in enumerate(found.case):
         _check_texts(spec, ("case", number, "constants"), case.constants.values())
         _check_texts(spec, ("case", number, "level"), case.level.values())
+    if found.sample and not any(vary.between for vary in found.vary):
+        spec.problem(("sample",), 'nothing is varied "between" two numbers')
+    first, last = found.experiment.span if not spec.is_wrong(("experiment", "starts")) else (1, 1)
+    if not -1 <= last - first < _MOST_VALUES:
+        said = f"shifted starts are [from, to], at most {_MOST_VALUES:,}"
+        spec.problem(("experiment", "starts"), said)
     for name, measure in found.measure.items():
+        path = ("measure", name)
+        if spec.is_wrong(path):
+            continue
+        if name in _COLUMNS:
+            spec.problem(path, f'a column of the tables is called "{name}": take another name')
+        if isinstance(measure, Query) and bool(measure.at) and measure.every:
+            spec.problem(path, 'it is measured either at = "end" or every so many ticks')
+        if isinstance(measure, Query) and measure.reduce and not measure.every:
+            spec.problem(path, 'only what is measured "every" so many ticks can be reduced')
         if (measure == "end") != (name in BUILT_IN):
             spec.problem(
-                ("measure", name),
+                path,
                 f'"{name}" is measured at the "end"'
                 if name in BUILT_IN
                 else f'write {name} = {{query = "...", every = 10}}; measured without a query are '
                 + ", ".join(BUILT_IN),
             )
-    spec.refuse()
     return found
 
 
+_COLUMNS = {
+    *("run", "level", "program", "start", "outcome", "last_tick", "notices", "first_notice"),
+    *("engine", "replay", "measure", "tick", "row", "column", "number", "text", "until"),
+}
+
+
 def _values_of(vary: Vary) -> list[Scalar]:
+    if vary.between is not None:
+        return [vary.between[0]]
     return _in_range(vary.range) if vary.range is not None else vary.values
+
+
+def sampled(
+    sample: Sample, ranges: dict[_Parameter, list[int | float]]
+) -> list[dict[_Parameter, Scalar]]:
+    """Return values of each range by its key, together `sample.count` times, always the same.
+
+    In a Latin hypercube each of as many equal parts of a range is hit once. Between whole numbers
+    are whole numbers.
+    """
+    chance, count = random.Random(sample.seed), sample.count  # noqa: S311 - not for security
+    columns: list[list[Scalar]] = []
+    for low, high in ranges.values():
+        shares = [chance.random() for _ in range(count)]
+        if sample.method != "random":
+            parts = chance.sample(range(count), count)
+            shares = [(part + share) / count for part, share in zip(parts, shares, strict=True)]
+        if isinstance(low, int) and isinstance(high, int):
+            columns.append([low + int(share * (high - low + 1)) for share in shares])
+        else:
+            columns.append([float(f"{low + share * (high - low):.12g}") for share in shares])
+    return [dict(zip(ranges, values, strict=True)) for values in zip(*columns, strict=True)]
 
 
 def _in_range(bounds: list[float]) -> list[Scalar]:
@@ -139,7 +226,7 @@ def _check_texts(spec: TomlFile, path: Path_, values: Iterable[Scalar]) -> None:
         spec.problem(path, "a text must be on one line, without double quotes")
 
 
-def plan_sweep(file: Path) -> tuple[Manifest, dict[str, str]]:
+def plan_sweep(file: Given) -> tuple[Manifest, dict[str, str]]:
     """Return what to run, and levels and programs by digest, or raise TomlFileError."""
     spec = TomlFile(file)
     return _Plan(spec, read_experiment(spec)).manifest()
@@ -189,6 +276,16 @@ _Combination: TypeAlias = tuple[Path_, dict[str, Scalar], dict[str, Scalar]]
 """Where it is said, and the values of constants and of fields of the level."""
 
 
+_Parameter: TypeAlias = tuple[str, bool]
+"""The name of what is varied, and whether it is a constant."""
+
+
+def _combination(path: Path_, values: dict[_Parameter, Scalar]) -> _Combination:
+    constants = {name: value for (name, is_constant), value in values.items() if is_constant}
+    fields = {name: value for (name, is_constant), value in values.items() if not is_constant}
+    return path, constants, fields
+
+
 class _Plan:
     """Plans an experiment, and reports everything that is wrong with it."""
 
@@ -204,8 +301,8 @@ class _Plan:
             place = ("experiment", "level"), name, ("experiment", "ticks")
             if (found := level_to_run(self._spec, *place, table.ticks)) is not None:
                 self._levels[name] = found
-        for name in _several(table.program):
-            self._load_program(name)
+        for number, name in enumerate(_several(table.program), 1):
+            self._load_program(name, number)
         self._spec.refuse()
         asked = tuple(self._asked())
         combinations = list(self._combinations())
@@ -217,13 +314,14 @@ class _Plan:
             for combination in combinations
         ]
         self._spec.refuse()
+        first, last = table.span
         measures = tuple(name for name in self._experiment.measure if name in BUILT_IN)
         limits = self._experiment.limits
         manifest = Manifest(
             "sweep",
             table.title or self._spec.file.stem,
             self._spec.text,
-            table.starts,
+            last - first + 1,
             table.given_first,
             measures or BUILT_IN,
             asked,
@@ -231,14 +329,20 @@ class _Plan:
             limits.seconds,
             tuple(cell for cell in cells if cell is not None),
             run_steps=limits.run_steps,
+            first_start=first,
+            until=table.until,
+            wide=table.wide,
         )
         return manifest, self._inputs
 
-    def _load_program(self, name: str) -> None:
+    def _load_program(self, name: str, number: int) -> None:
         path: Path_ = ("experiment", "program")
-        file = self._spec.folder / name
         try:
-            text = load_program(file if file.is_file() else name).text
+            if ";" in name or "\n" in name:
+                name, text = f"program {number}", name
+            else:
+                file = self._spec.folder / name
+                text = load_program(file if file.is_file() else name).text
             Program.compile(text)
         except InputError as error:
             self._spec.problem(path, str(error))
@@ -251,39 +355,43 @@ class _Plan:
     def _asked(self) -> list[Asked]:
         """Return the measures that are questions; report programs that can't answer one."""
         asked = []
+        if until := self._experiment.experiment.until:
+            self._check_question(("experiment", "until"), until)
         for name, measure in self._experiment.measure.items():
-            if not isinstance(measure, Query):
-                continue
-            asked.append(Asked(name, measure.query, measure.every))
-            for program, text in self._programs.items():
-                try:
-                    Program.compile(text).question(measure.query)
-                except ProgramError as error:
-                    said = "; ".join(found.message for found in error.diagnostics)
-                    self._spec.problem(("measure", name), f"{program}: {said}")
+            if isinstance(measure, Query):
+                ways = [measure.reduce] if isinstance(measure.reduce, str) else measure.reduce
+                asked.append(Asked(name, measure.query, measure.every, tuple(dict.fromkeys(ways))))
+                self._check_question(("measure", name), measure.query)
         return asked
+
+    def _check_question(self, path: Path_, query: str) -> None:
+        for program, text in self._programs.items():
+            try:
+                Program.compile(text).question(query)
+            except ProgramError as error:
+                said = "; ".join(found.message for found in error.diagnostics)
+                self._spec.problem(path, f"{program}: {said}")
 
     def _combinations(self) -> list[_Combination]:
         """Return all combinations of values; report those that can't be put in, one by one."""
-        varied = [
-            (vary.constant or vary.level, bool(vary.constant), _values_of(vary))
-            for vary in self._experiment.vary
-        ]
-        for number, (name, is_constant, values) in enumerate(varied):
-            if (name, is_constant) in [known[:2] for known in varied[:number]]:
-                self._spec.problem(("vary", number), f"{name} is varied twice")
-            one = {name: values[0]}
-            combination = ("vary", number), *((one, {}) if is_constant else ({}, one))
+        varied: dict[_Parameter, list[Scalar]] = {}
+        ranges: dict[_Parameter, list[int | float]] = {}
+        for number, vary in enumerate(self._experiment.vary):
+            key, values = (vary.constant or vary.level, bool(vary.constant)), _values_of(vary)
+            if key in varied:
+                self._spec.problem(("vary", number), f"{key[0]} is varied twice")
+            varied[key] = values
+            if vary.between is not None:
+                ranges[key] = vary.between
             for level, program in itertools.product(self._levels, self._programs):
-                self._cell(level, program, combination)
+                self._cell(level, program, _combination(("vary", number), {key: values[0]}))
         found: list[_Combination] = []
+        sample = self._experiment.sample
+        samples = sampled(sample, ranges) if sample and ranges else [{}]
         if varied or not self._experiment.case:
-            for each in itertools.product(*(values for *_, values in varied)):
-                constants: dict[str, Scalar] = {}
-                fields: dict[str, Scalar] = {}
-                for (name, is_constant, _), value in zip(varied, each, strict=True):
-                    (constants if is_constant else fields)[name] = value
-                found.append((("vary",), constants, fields))
+            for each, some in itertools.product(itertools.product(*varied.values()), samples):
+                crossed = dict(zip(varied, each, strict=True))
+                found.append(_combination(("vary",), crossed | some))
                 if len(found) > _MOST_CELLS:
                     self._spec.problem(("vary",), f"more than {_MOST_CELLS:,} combinations")
                     break
@@ -315,7 +423,8 @@ class _Plan:
 
 
 def _several(names: str | list[str]) -> list[str]:
-    return list(dict.fromkeys([names] if isinstance(names, str) else names))
+    found = [names] if isinstance(names, str) else [each for each in names if each is not None]
+    return list(dict.fromkeys(found))
 
 
 def _literal(value: Scalar) -> str:
@@ -354,7 +463,22 @@ def _set(data: Any, keys: list[str], whole: str, value: Scalar) -> None:
         hint = "Only tables that the level has can be varied, such as areas.0 in areas.0.radius."
         raise InputError("the level has no such key", place=whole, hint=hint)
     for table in tables:
-        table[last] = value
+        if isinstance(table.get(last), list) and type(value) is int:
+            _keep(data, table, last, whole, value)
+        else:
+            table[last] = value
+
+
+def _keep(data: Any, table: Any, key: str, whole: str, count: int) -> None:
+    """Keep the first ones of a list, such as the robots, and goals for those only."""
+    found = table[key]
+    if not 0 <= count <= len(found):
+        raise InputError(f"the level has {len(found)}, so there can't be {count}", place=whole)
+    gone = {each.get("name") for each in found[count:] if isinstance(each, dict)}
+    del found[count:]
+    for area in data.get("areas", []) if key == "robots" else ():
+        for goal in {"goal_for", "victory_robots"} & area.keys():
+            area[goal] = [name for name in area[goal] if name not in gone]
 
 
 def _inside(data: Any, key: str) -> list[Any]:

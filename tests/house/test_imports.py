@@ -36,6 +36,7 @@ MUST_NOT_LOAD = {
         f"{PLAYER}.{part}": {TUI, CLI, LAB, "logica", "sqlglot"} | SCREEN
         for part in ("session", "library", "recorder", "recovery", "settings")
     },
+    LAB: {WORLD, MIND, GAME, TUI, CLI, "msgspec", "multiprocessing", "numpy"} | SCREEN | EXTRAS,
     **{
         f"{LAB}.{part}": {TUI, CLI, EDITING, "logica", "sqlglot", "textual", "rich"} | EXTRAS
         for part in ("coordinating", "engines", "reporting", "submissions", "sweeping")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from logical_robots_tui.lab.competing import pair_off
 from logical_robots_tui.lab.folder import Manifest, Player
 from logical_robots_tui.lab.ranking import (
     ranking_of_shares,
@@ -17,7 +18,6 @@ from logical_robots_tui.lab.ranking import (
     strengths,
 )
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.tournament import pair_off
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -103,8 +103,48 @@ def test_questions_are_asked_every_so_many_ticks_or_at_the_end() -> None:
     asked = (Asked("often", "Robot(robot_name:)", 100), Asked("last", "1 + 1", 0))
     result = only(execute(task(STILL.format("0", '""', SENSOR), asked=asked)))
     assert result.series["often"].columns == ("tick", "robot", "robot_name")
-    assert result.series["often"].rows == tuple((tick, "Ada", "Ada") for tick in (100, 200, 300))
+    assert result.series["often"].rows == tuple((tick, "Ada", "Ada") for tick in (1, 100, 200, 300))
     assert [row[0] for row in result.series["last"].rows] == [300]
+
+
+def test_an_answer_is_one_number_of_each_tick_that_is_asked() -> None:
+    asked = (
+        Asked("rows", "Robot(robot_name:)", 7),
+        Asked("value", "Max{sensor.clock :- Sensor(sensor:)}", 7),
+        Asked("truth", "Sensor(sensor:), sensor.clock > 10", 7),
+        Asked("text", '"a"', 7),
+        Asked("fails", "Sum{1 / 0}", 7),
+    )
+    result = only(execute(task(STILL.format("0", '""', SENSOR), asked=asked, ticks=24)))
+    numbers = {name: dict(series.numbers) for name, series in result.series.items()}
+    ticks = [1, 7, 14, 21, 24]
+    assert numbers["rows"] == dict.fromkeys(ticks, 1)
+    assert list(numbers["value"]) == ticks
+    assert sorted(numbers["value"].values(), key=lambda each: each or 0) == list(
+        numbers["value"].values()
+    )
+    assert numbers["truth"] == {tick: int((numbers["value"][tick] or 0) > 10) for tick in ticks}
+    assert numbers["text"] == dict.fromkeys(ticks)
+
+
+def test_the_last_tick_is_asked_once() -> None:
+    asked = (Asked("often", "1", 10),)
+    result = only(execute(task(STILL.format("0", '""', SENSOR), asked=asked, ticks=20)))
+    assert result.series["often"].numbers == ((1, 1), (10, 1), (20, 1))
+    result = only(execute(task(FIRST_STEPS, asked=asked, ticks=2000)))
+    assert result.series["often"].numbers[-1] == (result.ticks, 1)
+
+
+def test_a_run_stops_when_its_question_holds() -> None:
+    text = STILL.format("0", '""', SENSOR)
+    until = "Sensor(sensor:), sensor.clock >= 50"
+    asked = (Asked("last", "Max{sensor.clock :- Sensor(sensor:)}", 0),)
+    result = only(execute(task(text, asked=asked, until=until)))
+    assert result.outcome == "stopped"
+    assert [number for _, number in result.series["last"].numbers] == [50]
+    assert [tick for tick, _ in result.series["last"].numbers] == [result.ticks]
+    won = only(execute(task(FIRST_STEPS, ticks=2000, until="1 == 2")))
+    assert won == only(execute(task(FIRST_STEPS, ticks=2000)))
 
 
 def test_shifted_starts_are_for_programs_that_win_if_the_task_says_so() -> None:

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.submissions import normalise, plan_grading
-from logical_robots_tui.lab.sweeping import plan_sweep
+from logical_robots_tui.lab.sweeping import (
+    Case,
+    Experiment,
+    ExperimentTable,
+    Query,
+    RunLimit,
+    Sample,
+    Vary,
+    plan_sweep,
+    read_experiment,
+)
 from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.toml_files import TomlFileError
+from logical_robots_tui.toml_files import TomlFile, TomlFileError
 from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, write_experiment
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def problems(folder: Path, text: str) -> list[str]:
@@ -79,6 +86,21 @@ def test_names_are_looked_up_with_the_line_that_names_them(tmp_path: Path) -> No
     assert found[2].startswith('e.toml:4: "ticks" is a number or like')
 
 
+def test_unknown_keys_and_wrong_programs_are_said_together(tmp_path: Path) -> None:
+    (tmp_path / "wrong.l").write_text("Robot(robot_name:) :- Snesor(robot_name:);\n")
+    found = problems(
+        tmp_path,
+        '[experiment]\ntics = 3\nlevel = ["01-first-steps", 2]\nprogram = "wrong.l"\n'
+        "[[vary]]\nvalues = [1]\n[[vary]]\nbetween = [1, []]\n",
+    )
+    assert [problem.split(": ")[0] for problem in found] == [
+        *("e.toml:2", "e.toml:3"),
+        *["e.toml:4"] * (len(found) - 4),
+        *("e.toml:5", "e.toml:8"),
+    ]
+    assert any("wrong.l:1:" in problem and "Snesor" in problem for problem in found)
+
+
 def test_a_constant_a_field_and_a_question_must_exist(tmp_path: Path) -> None:
     begin = '[experiment]\nlevel = "01-first-steps"\nprogram = "first.l"\n'
     assert (
@@ -89,6 +111,19 @@ def test_a_constant_a_field_and_a_question_must_exist(tmp_path: Path) -> None:
     (said,) = problems(tmp_path, begin + '[measure]\nnear = {query = "Nearer(x:)"}\n')
     assert said.startswith("e.toml:5: first.l: ")
     assert "Nearer" in said
+
+
+def test_the_page_names_every_key_of_an_experiment(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "lab.md").read_text("utf-8")
+    _, text, *_ = page.partition("## What an experiment can say")[2].split("```")
+    file = tmp_path / "e.toml"
+    file.write_text(text.removeprefix("toml"), "utf-8")
+    spec = TomlFile(file)
+    read_experiment(spec)
+    assert spec.problems == ()
+    kinds = (Experiment, ExperimentTable, Vary, Sample, Case, Query, RunLimit)
+    named = {key for kind in kinds for key in kind.__struct_fields__} - {"title", "steps"}
+    assert {key for key in named if f"{key} =" not in text and f"{key}]" not in text} == set()
 
 
 def test_what_is_no_toml_is_said_with_its_line(tmp_path: Path) -> None:

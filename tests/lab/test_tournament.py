@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.lab import engines
+from logical_robots_tui.lab.competing import plan_tournament
 from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.lab.tournament import plan_tournament
 from tests.cli.running import Command
 from tests.lab.laboratory import deadly, exported, recorded, start
 from tests.waiting import until

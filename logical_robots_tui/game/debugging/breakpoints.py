@@ -6,6 +6,7 @@ import threading
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from statistics import fmean
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 from logical_robots_tui.mind import ProgramError, QueryError, Table
@@ -182,6 +183,20 @@ def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
         rows=tuple(table.rows[n] for n in kept),
         viewers=tuple(table.viewers[n] for n in kept) if table.viewers else (),
     )
+
+
+def number_of(question: Question, table: Table) -> int | float | None:
+    """Return one number for an answer, or None.
+
+    For an expression it is its value, the mean of those of several minds; else the number of rows,
+    or of the minds in which the conditions hold.
+    """
+    if table.truncated:
+        return None
+    if question.gives != "value":
+        return len(matching_rows(question, table).rows)
+    values = [row[0] for row in table.rows if row and isinstance(row[0], int | float)]
+    return values[0] if len(values) == 1 else fmean(values) if values else None
 
 
 class Watch:

@@ -26,7 +26,7 @@ from logical_robots_tui.lab.handins import Submission, entries_of, stems_of
 from logical_robots_tui.lab.ranking import Ranking, ranking_of
 from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_with_text
 from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.toml_files import TomlFile
+from logical_robots_tui.toml_files import Given, TomlFile
 from logical_robots_tui.wording import align
 from logical_robots_tui.world import Level
 
@@ -52,7 +52,7 @@ SWISS_FROM = 40
 _MORE_ROUNDS = 2  # of a Swiss tournament than are needed to find its winner
 
 
-def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]]:
+def plan_tournament(file: Given, players: Path) -> tuple[Manifest, dict[str, str]]:
     """Return a tournament's first round, and the texts of level and programs by digest.
 
     `players` holds one program or folder per player. Raises TomlFileError, or InputError
@@ -276,6 +276,13 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -
 
 def export_tournament(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
     """Write ranking and pairs as CSV; return the names of the files, or raise InputError."""
+    tables = tournament_tables(manifest, ledger)
+    for name, table in tables.items():
+        folder.put(folder.path / f"{name}.csv", csv_of(table))
+    return [f"{name}.csv" for name in tables]
+
+
+def tournament_tables(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
     ranking = ranking_of(manifest, ledger)
     lost = {player.name: player.lost for player in manifest.players}
     names = [each.player for each in ranking.standings]
@@ -294,11 +301,8 @@ def export_tournament(folder: Folder, manifest: Manifest, ledger: Ledger) -> lis
         for other in names
         if (name, other) in ranking.pairings
     ]
-    tables = {
+    return {
         "ranking": Table((*head, "remark"), standings),
         "pairs": Table(("player", "opponent", "share", "low", "high"), list(pairs)),
         "cycles": Table(("beats_second", "beats_third", "beats_first"), list(ranking.cycles)),
     }
-    for name, table in tables.items():
-        folder.put(folder.path / f"{name}.csv", csv_of(table))
-    return [f"{name}.csv" for name in tables]

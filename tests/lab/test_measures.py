@@ -1,0 +1,233 @@
+"""What an experiment varies and measures, and how it stands in its tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from statistics import fmean
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.lab import Results, sweep
+from logical_robots_tui.lab.exporting import reduced
+from logical_robots_tui.lab.running import Asked, Result, Series, Way
+from logical_robots_tui.lab.sweeping import Sample, plan_sweep, sampled
+from logical_robots_tui.toml_files import TomlFileError
+from logical_robots_tui.world.levels.load import read_level
+from tests.lab.laboratory import FIRST_STEPS, exported
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+CLOCK = "Max{sensor.clock :- Sensor(sensor:)}"
+
+
+def plan(*vary: dict[str, Any], level: str = "01-first-steps", **more: Any) -> Any:
+    """The manifest of an experiment, and its texts."""
+    changes = more.pop("experiment", {})
+    table = {"level": level, "program": FIRST_STEPS, "ticks": 20} | changes
+    return plan_sweep({"experiment": table, "vary": list(vary), **more})
+
+
+def varied(*vary: dict[str, Any], **more: Any) -> list[dict[str, Any]]:
+    manifest, _ = plan(*vary, **more)
+    return [cell.settings for cell in manifest.cells]
+
+
+def wrong(*vary: dict[str, Any], **more: Any) -> str:
+    with pytest.raises(TomlFileError) as caught:
+        plan(*vary, **more)
+    return "\n".join(caught.value.problems)
+
+
+@given(
+    st.integers(1, 60),
+    st.integers(0, 10),
+    st.lists(st.tuples(st.integers(-99, 99), st.integers(0, 99)), min_size=1, max_size=4),
+)
+def test_a_latin_hypercube_hits_each_part_of_each_range_once(
+    count: int, seed: int, bounds: Sequence[tuple[int, int]]
+) -> None:
+    ranges = {(f"P{n}", True): [low / 1, low + size / 1] for n, (low, size) in enumerate(bounds)}
+    points = sampled(Sample(count, "latin hypercube", seed), dict(ranges))
+    assert len(points) == count
+    assert points == sampled(Sample(count, "latin hypercube", seed), dict(ranges))
+    for key, (low, high) in ranges.items():
+        found = sorted(float(point[key]) for point in points)
+        step = (high - low) / count
+        for part, value in enumerate(found):
+            assert low + part * step - 1e-6 <= value <= low + (part + 1) * step + 1e-6
+
+
+@given(st.sampled_from(["random", "latin hypercube"]), st.integers(0, 99), st.integers(0, 9))
+def test_between_whole_numbers_are_whole_numbers_and_both_ends(
+    method: Any, low: int, size: int
+) -> None:
+    points = sampled(Sample(300, method), {("N", True): [low, low + size]})
+    assert {point["N", True] for point in points} == {*range(low, low + size + 1)}
+
+
+def test_what_is_sampled_is_sampled_together_and_crossed_with_the_rest() -> None:
+    found = varied(
+        {"constant": "Near", "between": [20, 80]},
+        {"level": "robots.*.heading", "between": [0.0, 90.0]},
+        {"level": "title", "values": ["a", "b"]},
+        sample={"count": 5},
+    )
+    assert len(found) == 10
+    points = [(each["Near"], each["robots.*.heading"]) for each in found]
+    assert points[:5] == points[5:]
+    assert len({*points}) == 5
+    assert [each["title"] for each in found] == ["a"] * 5 + ["b"] * 5
+
+
+@given(
+    st.lists(st.integers(0, 99) | st.floats(0, 99), min_size=1, max_size=3, unique=True),
+    st.text("abc é€#'", max_size=9),
+    st.booleans(),
+)
+@settings(max_examples=20, deadline=None)
+def test_a_mapping_means_what_a_file_would(
+    tmp_path_factory: pytest.TempPathFactory,
+    values: list[float],
+    text: str,
+    wide: bool,
+) -> None:
+    table = {"level": "01-first-steps", "program": FIRST_STEPS, "wide": wide, "title": "t"}
+    data = {
+        "experiment": table,
+        "vary": [{"constant": "Near", "values": values}],
+        "case": [{"constants": {"Near": text}}],
+    }
+    manifest, inputs = plan_sweep(data)
+    file = tmp_path_factory.mktemp("mapping") / "experiment.toml"
+    file.write_text(manifest.specification, "utf-8")
+    assert plan_sweep(file) == (manifest, inputs)
+
+
+def test_a_range_includes_its_end() -> None:
+    assert [each["Near"] for each in varied({"constant": "Near", "range": [0, 0.3, 0.1]})] == [
+        *(0.0, 0.1, 0.2, 0.3)
+    ]
+    assert [each["Near"] for each in varied({"constant": "Near", "range": [1, 4]})] == [
+        1,
+        2,
+        3,
+        4,
+    ]
+
+
+def test_the_number_of_robots_can_be_varied() -> None:
+    manifest, inputs = plan(
+        {"level": "robots", "range": [1, 3]}, level="04-everybody-home", experiment={"ticks": 5}
+    )
+    levels = [read_level(inputs[cell.level], "level") for cell in manifest.cells]
+    assert [[robot.name for robot in level.robots] for level in levels] == [
+        *(["Ruby"], ["Ruby", "Jade"], ["Ruby", "Jade", "Lapis"])
+    ]
+    for level in levels:
+        goal = next(area.victory_robots for area in level.areas if area.victory_robots)
+        assert {*goal} == {robot.name for robot in level.robots}
+    assert "the level has 3" in wrong({"level": "robots", "values": [4]}, level="04-everybody-home")
+
+
+def test_shifted_starts_can_be_others(tmp_path: Path) -> None:
+    table = {"level": "01-first-steps", "program": FIRST_STEPS, "ticks": 5, "starts": [101, 103]}
+    results = sweep({"experiment": table}, tmp_path / "out", workers=1, progress=False)
+    assert list(results.to_pandas()["start"]) == [0, 101, 102, 103]
+    assert results.complete
+
+
+@pytest.mark.parametrize(
+    ("vary", "more", "said"),
+    [
+        ({"between": [1, 2]}, {}, "[sample] count = 20"),
+        ({"between": [2, 1]}, {"sample": {"count": 2}}, "the smaller one first"),
+        ({"values": [1]}, {"sample": {"count": 2}}, "nothing is varied"),
+        ({"values": [1], "between": [1, 2]}, {"sample": {"count": 2}}, "give "),
+        ({"values": [1]}, {"experiment": {"starts": [3, 1]}}, "starts are [from, to]"),
+        ({"values": [1]}, {"experiment": {"until": "Nobody(x:)"}}, "Nobody"),
+        ({"values": [1]}, {"measure": {"tick": {"query": "1"}}}, "take another name"),
+        ({"values": [1]}, {"measure": {"a": {"query": "1", "reduce": "max"}}}, "can be reduced"),
+        ({"values": [1]}, {"measure": {"a": {"query": "1", "at": "end", "every": 2}}}, "either at"),
+        ({"values": [1]}, {"measure": {"a": {"query": "1", "every": 2, "reduce": "x"}}}, "reduce"),
+    ],
+)
+def test_what_can_not_be_varied_or_measured_is_said(
+    vary: dict[str, Any], more: dict[str, Any], said: str
+) -> None:
+    assert said in wrong({"constant": "Near", **vary}, **more)
+
+
+@given(st.lists(st.integers(-99, 99) | st.floats(-99, 99), min_size=1))
+def test_a_series_is_reduced_to_one_number(numbers: list[float]) -> None:
+    asked = Asked("a", "1", 1)
+    result = Result("won", series={"a": Series((), (), "", tuple(enumerate(numbers, 1)))})
+    ways: tuple[Way, ...] = ("last", "min", "max", "mean", "sum")
+    assert [reduced(result, asked, how) for how in ways] == [
+        *(numbers[-1], min(numbers), max(numbers), fmean(numbers), sum(numbers))
+    ]
+
+
+def test_what_could_not_be_measured_in_every_tick_is_not_reduced() -> None:
+    asked = Asked("a", "1", 1)
+    for numbers in ((), ((1, None),), ((1, 2), (2, None))):
+        result = Result("won", series={"a": Series((), (), "", numbers)})
+        assert reduced(result, asked, "max") is None
+    assert reduced(Result("does not compile"), asked, "max") is None
+
+
+def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
+    given = {
+        "experiment": {
+            "level": "01-first-steps",
+            "program": FIRST_STEPS,
+            "ticks": 60,
+            "wide": True,
+            "until": "Sensor(sensor:), sensor.clock >= 35",
+        },
+        "vary": [{"constant": "Near", "values": [20, 40]}],
+        "measure": {
+            "won": "end",
+            "clock": {"query": CLOCK, "every": 10, "reduce": ["mean", "max"]},
+            "final": {"query": CLOCK, "at": "end"},
+            "alone": {"query": "Robot(robot_name:)"},
+        },
+    }
+    results = sweep(given, tmp_path / "out", workers=1, progress=False)
+    assert results.tables == ("runs", "series", "wide")
+    varied = ["run", "level", "program", "Near", "start"]
+    for table in results.tables:
+        frame = results.to_pandas(table)
+        assert list(frame.columns[:5]) == varied
+        assert (tmp_path / "out" / f"{table}.csv").exists()
+    runs = results.to_pandas()
+    assert list(runs.columns[5:11]) == [
+        *("outcome", "won", "clock_mean", "clock_max", "final", "alone")
+    ]
+    assert {*runs["outcome"]} == {"stopped"}
+    assert {*runs["final"]} == {*runs["clock_max"]} == {35}
+    wide = results.to_pandas("wide")
+    ours = wide[wide["Near"] == 20]
+    assert list(ours["tick"])[:3] == [1, 10, 20]
+    assert list(ours.columns[5:]) == ["tick", "clock", "final", "alone"]
+    assert ours["clock"].mean() == pytest.approx(runs["clock_mean"][0])
+    assert ours["final"].notna().sum() == 1
+    means = results.to_pandas("series").query("measure == 'clock'").groupby("Near").number.mean()
+    assert list(means) == pytest.approx(list(runs["clock_mean"]))
+    sweep(given, tmp_path / "another", workers=2, progress=False)
+    assert exported(tmp_path / "another") == exported(tmp_path / "out")
+
+
+def test_what_is_reduced_anew_is_not_run_again(tmp_path: Path) -> None:
+    table = {"level": "01-first-steps", "program": FIRST_STEPS, "ticks": 30}
+    asked: dict[str, Any] = {"query": CLOCK, "every": 10}
+    first = {"experiment": table, "measure": {"clock": asked}}
+    sweep(first, tmp_path / "out", workers=1, progress=False)
+    ledger = (tmp_path / "out" / "ledger.db").read_bytes()
+    first["measure"] = {"clock": {**asked, "reduce": "sum"}}
+    sweep(first, tmp_path / "out", workers=1, progress=False)
+    assert (tmp_path / "out" / "ledger.db").read_bytes() == ledger
+    assert "clock_sum" in Results(tmp_path / "out").to_pandas().columns
