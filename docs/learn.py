@@ -79,7 +79,7 @@ def _lesson(level: Level) -> Iterator[str]:
     for number, hint in enumerate(level.hints, 1):
         yield f"<details><summary>Hint {number}</summary>\n\n{_escaped(hint)}\n\n</details>\n"
     goals = "; ".join(goal.words for goal in level.second_goals)
-    yield f"**Second goals.** {goals.capitalize()}.\n"
+    yield f"**Bonus goals.** {goals.capitalize()}.\n"
     yield f"**Further.** {level.further.strip()}\n"
 
 

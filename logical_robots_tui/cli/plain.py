@@ -126,7 +126,7 @@ class LineGame(SessionListener):
             say("The victory only counts until you leave: nothing can be saved on this disk.")
         if victory.verdict == "counts" and victory.measures is not None:
             say(result_line(victory.level, victory.measures))
-            say(*(f"Second goal reached: {goal}." for goal in victory.measures.goals))
+            say(*(f"Bonus goal reached: {goal}." for goal in victory.measures.goals))
 
     def level_opened(self, level: Level) -> None:
         self._past, self._robot = self.session.frame, ""
@@ -191,7 +191,7 @@ class LineGame(SessionListener):
 
     def brief(self, _: str) -> None:
         level = self.session.level
-        say(level.briefing.strip(), *(f"Second goal: {goal.words}." for goal in level.second_goals))
+        say(level.briefing.strip(), *(f"Bonus goal: {goal.words}." for goal in level.second_goals))
 
     def where(self, _: str) -> None:
         level, state = self.session.level, self.session.frame.after
@@ -443,7 +443,7 @@ COMMANDS = (
         "list your earlier programs for this level, or go back to one"),
     Command("reset", "", lambda game, _: game.player.learning.reset(),
         "put the starter program back; yours becomes an earlier version"),
-    Command("briefing", "", LineGame.brief, "the task, and second goals"),
+    Command("briefing", "", LineGame.brief, "the task, and bonus goals"),
     Command("hint", "", LineGame.hint, "reveal the next hint"),
     Command("lesson", "", LineGame.lesson,
         "what the level teaches and, when you have won, what to try next"),

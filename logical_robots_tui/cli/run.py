@@ -279,7 +279,7 @@ class Outcome:
             told = "; ".join(
                 f"{goal}: {says[found]}" for goal, found in self._second_goals().items()
             )
-            lines.append(f"Second goals: {told}.")
+            lines.append(f"Bonus goals: {told}.")
         lines += ["", *self._table()]
         if self.first:
             total = self.notices.total()

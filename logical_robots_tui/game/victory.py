@@ -127,7 +127,7 @@ def measures_of(
 
 
 def reached_goals(level: Level, found: Mapping[GoalKind, int]) -> Iterator[str]:
-    """Yield the second goals that are reached, as far as what they limit was found."""
+    """Yield the bonus goals that are reached, as far as what they limit was found."""
     for goal in level.second_goals:
         if goal.kind in found and found[goal.kind] <= goal.most:
             yield goal.words

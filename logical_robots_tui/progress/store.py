@@ -149,7 +149,7 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         "CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
     ),
     (
-        # goals: the second goals that it reaches, one a line.
+        # goals: the bonus goals that it reaches, one a line.
         "ALTER TABLE version ADD COLUMN goals TEXT NOT NULL DEFAULT ''",
     ),
     (

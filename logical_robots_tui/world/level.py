@@ -186,7 +186,7 @@ class SecondGoal(NamedTuple):
 
     @staticmethod
     def was_one(words: str) -> bool:
-        """Return whether these words were a second goal in level files of earlier versions."""
+        """Return whether these words were a bonus goal in level files of earlier versions."""
         return _FORMER.fullmatch(words) is not None
 
 

@@ -1,4 +1,4 @@
-"""Second goals without a screen."""
+"""Bonus goals without a screen."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ async def test_a_run_says_so_in_words(file: Path) -> None:
     told = outcome.as_text()
     goals = "at most 9 ticks: no; never blocked: yes; wins from all 20 starts: not tried"
     drove = f"The program has {SIZE} symbols; the robots drove {DISTANCE:.0f} units."
-    assert f"\n{drove}\nSecond goals: {goals}.\n" in told
+    assert f"\n{drove}\nBonus goals: {goals}.\n" in told
 
 
 def test_a_level_without_them_says_nothing_of_them(
@@ -58,8 +58,8 @@ def test_the_game_in_lines_names_and_keeps_them(
 ) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO("run\n"))
     told = command("play", file, ahead, "--plain", "--data-dir", tmp_path / "data").out
-    assert "Second goal: never blocked.\n" in told
-    assert "Second goal reached: never blocked.\n" in told
+    assert "Bonus goal: never blocked.\n" in told
+    assert "Bonus goal reached: never blocked.\n" in told
     assert "reached: at most 9 ticks" not in told
     progress = Progress(tmp_path / "data" / FILE_NAME)
     assert progress.record(str(file)).bests.goals == ("never blocked",)

@@ -1,4 +1,4 @@
-"""Second goals: checked alike in a game and in a process that measures."""
+"""Bonus goals: checked alike in a game and in a process that measures."""
 
 from __future__ import annotations
 
@@ -128,4 +128,4 @@ def test_what_is_no_second_goal_is_refused(file: Path, words: str) -> None:
     with pytest.raises(LevelError) as caught:
         load_level(file)
     assert caught.value.place == f"{file}: second_goals[1]"
-    assert caught.value.message == f'"{words}" is not a second goal.'
+    assert caught.value.message == f'"{words}" is not a bonus goal.'

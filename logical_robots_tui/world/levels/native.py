@@ -254,7 +254,7 @@ def _second_goals(top: Fields) -> Iterator[SecondGoal]:
         if goal is None and not SecondGoal.was_one(words):
             raise top.error(
                 f"second_goals[{i}]",
-                f'"{words}" is not a second goal.',
+                f'"{words}" is not a bonus goal.',
                 'Write "at most N ticks", "at most N symbols", "at most N units", "never blocked", '
                 '"wins from all 20 starts" or "wins in the mirrored labyrinth".',
             )

@@ -1,4 +1,4 @@
-"""Where a player's results stand among those of the reference programs, and second goals."""
+"""Where a player's results stand among those of the reference programs, and bonus goals."""
 
 from __future__ import annotations
 
