@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import signal
 import sys
 import threading
@@ -137,42 +138,147 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
         return _work(options, folder, folder.write(manifest, inputs))
 
 
-@command.declare(
+command.group(
     "lab",
-    command.option("action", None, "what to do", choices=["status", "resume", "export", "report"]),
-    _path("folder", "the folder"),
-    *_ENGINE,
+    "go on with a sweep, a grading or a tournament, export, report or play it",
+    """\
+  logical-robots lab status out
+  logical-robots lab resume out
+  logical-robots lab export out
+  logical-robots lab report out
+""",
 )
-def _lab(options: argparse.Namespace) -> int:
-    """go on with a sweep, a grading or a tournament, export and report it
 
-    Look into a folder of sweep, grade or tournament, go on, export or report it.
+_FOLDER = command.option("folder", "FOLDER", "what sweep, grade or tournament wrote", type=Path)
+
+
+@command.declare("lab status", _FOLDER, *_ENGINE)
+def _status(options: argparse.Namespace) -> int:
+    """say what is done and what is left
+
+    Say what is done, what is left, and what could not be done.
 
     examples:
       logical-robots lab status out
+
+    exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
+    """
+    return _look(options, lambda *_: None)
+
+
+@command.declare("lab resume", _FOLDER, *_ENGINE)
+def _resume(options: argparse.Namespace) -> int:
+    """go on where it was stopped
+
+    Do the runs that are left, and try again what could not be done.
+
+    examples:
       logical-robots lab resume out
+
+    exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
+    """
+    from logical_robots_tui.lab.folder import Folder
+
+    folder = Folder(options.folder)
+    manifest = folder.manifest()
+    with folder.locked():
+        return _work(options, folder, manifest)
+
+
+@command.declare("lab export", _FOLDER, *_ENGINE)
+def _export_all(options: argparse.Namespace) -> int:
+    """write all tables again
+
+    Write all tables, grades and feedback from the results that are there.
+
+    examples:
       logical-robots lab export out
+
+    exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
+    """
+    return _look(options, _export)
+
+
+@command.declare("lab report", _FOLDER, *_ENGINE)
+def _report(options: argparse.Namespace) -> int:
+    """write a report as a page of HTML
+
+    Print a short report, and write a long one with plots into the folder, as report.html.
+
+    examples:
       logical-robots lab report out
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
+
+    def write(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
+        from logical_robots_tui.lab.reporting import write_report
+
+        _print_summary(manifest, ledger)
+        print(harmless(f"Written: {write_report(folder, manifest, ledger)}"))
+
+    return _look(options, write)
+
+
+@command.declare(
+    "lab play",
+    _FOLDER,
+    command.option("student", "STUDENT", "an id, a name or a part of it"),
+    command.option("level", "LEVEL", "a level's name or number"),
+    command.START,
+    command.flag("--plain", "play in lines of text"),
+)
+def _play(options: argparse.Namespace) -> int:
+    """play a student's program on the screen
+
+    Play a student's program on the screen, as it was handed in.
+
+    examples:
+      logical-robots lab play grades 1001 01
+      logical-robots lab play grades Ada first-steps --start 2
+
+    What you change there is not kept in the folder.
+
+    exit status: 0 after quitting, 2 if there is no such program
+    """
+    from tempfile import TemporaryDirectory
+
+    from logical_robots_tui.cli.main import parser
+    from logical_robots_tui.game.source import SUFFIX
+    from logical_robots_tui.lab.classroom import cell_of, student_of
+    from logical_robots_tui.lab.folder import Folder
+    from logical_robots_tui.world.levels.load import NATIVE, WEB, is_of_web
+
+    folder = Folder(options.folder)
+    manifest = folder.manifest()
+    if manifest.kind != "grade":
+        hint = "The last column of runs.csv has commands that play its runs."
+        raise InputError("this is no graded class", place=str(folder.path), hint=hint)
+    student = student_of(manifest, options.student)
+    cell = cell_of(manifest, student, options.level)
+    text, program = folder.text(cell.level), folder.text(cell.own or cell.program)
+    with TemporaryDirectory(prefix="logical-robots-") as place:
+        files = (
+            Path(place, cell.level_name + (WEB if is_of_web(text) else NATIVE)),
+            Path(place, re.sub(r"[^\w.-]+", "-", student.called)[:60].strip("-.") + SUFFIX),
+        )
+        for file, content in zip(files, (text, program), strict=True):
+            file.write_text(content, "utf-8")
+        words = ["play", *map(str, files), "--start", str(options.start_number)]
+        played = parser("play").parse_args(words + ["--plain"] * options.plain)
+        return int(played.start(played))
+
+
+def _look(options: argparse.Namespace, write: Callable[[Folder, Manifest, Ledger], None]) -> int:
+    """Say what is done and left, write something, and return the exit status."""
     from logical_robots_tui.lab.coordinating import Coordinator
     from logical_robots_tui.lab.folder import Folder
 
     folder = Folder(options.folder)
     manifest = folder.manifest()
-    if options.action == "resume":
-        with folder.locked():
-            return _work(options, folder, manifest)
     with folder.ledger(mixed=options.mixed) as ledger:
         status = _tell(folder, manifest, ledger, Coordinator(folder, manifest, ledger))
-        if options.action == "export":
-            _export(folder, manifest, ledger)
-        elif options.action == "report":
-            from logical_robots_tui.lab.reporting import write_report
-
-            _print_summary(manifest, ledger)
-            print(harmless(f"Written: {write_report(folder, manifest, ledger)}"))
+        write(folder, manifest, ledger)
     return status
 
 
@@ -224,15 +330,14 @@ def _work(options: argparse.Namespace, folder: Folder, planned: Manifest) -> int
 
 
 def _only(manifest: Manifest, name: str) -> Manifest:
-    """Return the part of a manifest for one student, by id, name or submission."""
+    """Return the part of a manifest for one student."""
     from msgspec.structs import replace
 
-    found = [each for each in manifest.students if name in (each.id, each.name, each.submission)]
-    if len(found) != 1:
-        message = f"{'several' if found else 'no'} students are called so"
-        raise InputError(message, place=name, hint="Name one by the id of the roster.")
-    cells = tuple(cell for cell in manifest.cells if cell.student == found[0].id)
-    return replace(manifest, students=tuple(found), cells=cells)
+    from logical_robots_tui.lab.classroom import student_of
+
+    student = student_of(manifest, name)
+    cells = tuple(cell for cell in manifest.cells if cell.student == student.id)
+    return replace(manifest, students=(student,), cells=cells)
 
 
 def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:

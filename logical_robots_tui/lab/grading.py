@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import msgspec
 
 from logical_robots_tui.game.victory import reference_table
-from logical_robots_tui.lab.exporting import Done, Table, csv_of, done_runs, harmless_text
+from logical_robots_tui.lab.exporting import Done, Row, Table, csv_of, done_runs, harmless_text
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.running import Result
 from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
@@ -59,6 +59,11 @@ class LevelGrade(msgspec.Struct, frozen=True):
     messages: tuple[str, ...]
     ends: tuple[str, ...] = ()
     parts: tuple[Part, ...] = ()
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether there was no program to run."""
+        return self.outcome in _MISSING
 
 
 class Grade(msgspec.Struct, frozen=True):
@@ -179,7 +184,7 @@ def _level(
         manifest.starts,
         tuple(start for start, result in shifted.items() if result.outcome != "won"),
         tuple(messages),
-        tuple(map(str, first.ends)) if first and not won else (),
+        tuple(end.said(first.ticks) for end in first.ends) if first and not won else (),
         tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
     )
 
@@ -245,8 +250,12 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
     if len(grades) == 1:
         folder.put(folder.path / "results.json", _json(_gradescope(grades[0], show)))
     folder.put(folder.path / "gradebook.csv", csv_of(gradebook(grades)))
-    same = [(level, len(ids), ", ".join(ids), text) for level, text, ids in duplicates(manifest)]
-    table = Table(("level", "students", "ids", "program"), list(same))
+    called = {student.id: student.name for student in manifest.students}
+    same: list[Row] = [
+        (level, len(ids), ", ".join(ids), ", ".join(called[each] for each in ids), text)
+        for level, text, ids in duplicates(manifest)
+    ]
+    table = Table(("level", "students", "ids", "names", "program"), same)
     folder.put(folder.path / "duplicates.csv", csv_of(table))
     folder.put(folder.path / "junit.xml", _junit(manifest.title, grades))
     written = ["gradebook.csv", "duplicates.csv", "junit.xml", "feedback/", "gradescope/"]
@@ -315,7 +324,7 @@ def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
     parts = {part.name: part for part in level.parts if part.name in show and len(level.parts) > 1}
     said = [str(part) for part in parts.values() if level.outcome != "does not compile"]
     is_told = "won" in parts and level.won
-    if ("won" in show and not is_told) or level.outcome in ("does not compile", *_MISSING):
+    if ("won" in show and not is_told) or level.is_missing or level.outcome == "does not compile":
         said.append(f"From the given start: {level.outcome}.")
         said += level.ends[:_MOST_ENDS]
         if level.ends:
@@ -382,6 +391,6 @@ def _junit(title: str, grades: list[Grade]) -> bytes:
 def _junit_kind(level: LevelGrade) -> str:
     if level.points is None:
         return "error"
-    if level.outcome in _MISSING:
+    if level.is_missing:
         return "skipped"
     return "" if level.won else "failure"

@@ -11,6 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from statistics import NormalDist, median, quantiles
 from typing import Any, NamedTuple, TypeAlias
 
+from logical_robots_tui.lab.classroom import (
+    class_parts,
+    export_similar,
+    fault_lines,
+    play_command,
+)
 from logical_robots_tui.lab.competing import (
     export_tournament,
     tournament_lines,
@@ -35,8 +41,7 @@ from logical_robots_tui.lab.exporting import (
     tables_of_runs,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
-from logical_robots_tui.lab.grading import duplicates, export_grades, gradebook, grades_of
-from logical_robots_tui.lab.submissions import account_of
+from logical_robots_tui.lab.grading import export_grades, gradebook, grades_of
 
 _WIDTH, _HEIGHT = 78, 18
 _MOST_BARS = 40
@@ -110,9 +115,8 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
         winners = {level: share_of(runs).won for level, runs in given.items()}
         lines = _bars("Students who win from the given start", winners)
         counts = Counter(math.floor(point) for point in points)
-        return (
-            lines + _bars("Students by points", {str(n): counts[n] for n in sorted(counts)}) + left
-        )
+        lines += _bars("Students by points", {str(n): counts[n] for n in sorted(counts)})
+        return lines + left + fault_lines(manifest, ledger, _WIDTH)
     return _sweep_lines(manifest, done)
 
 
@@ -171,14 +175,16 @@ _BARS = 20
 def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
     """Write the report; return its path, or raise InputError, also for a missing library."""
     done = list(done_runs(manifest, ledger))
-    failures = _failures(manifest, ledger, done)
     if manifest.kind == "tournament":
-        parts = [*tournament_parts(manifest, ledger, done), failures]
+        parts = [*tournament_parts(manifest, ledger, done), _failures(manifest, ledger, done)]
     else:
         check_extra("pygal", "a report")
-        is_grade = manifest.kind == "grade"
-        main = _grades(manifest, ledger) if is_grade else _variation(manifest, done)
-        parts = [_overview(done), main, _ticks(done), failures, _cells(manifest, done)]
+        if manifest.kind == "grade":
+            main = [*class_parts(folder, manifest, ledger), _overview(done), _ticks(done)]
+        else:
+            main = [_overview(done), _variation(manifest, done), _ticks(done)]
+            main.append(_failures(manifest, ledger, done))
+        parts = [*main, _cells(folder, manifest, done)]
     file = folder.path / "report.html"
     folder.put(file, as_page(manifest.title, parts))
     return str(file)
@@ -189,6 +195,7 @@ def export(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
     written = export_runs(folder, manifest, ledger)
     if manifest.kind == "grade":
         written += export_grades(folder, manifest, ledger)
+        written += export_similar(folder, manifest)
     elif manifest.kind == "tournament":
         written += export_tournament(folder, manifest, ledger)
     return written
@@ -219,32 +226,6 @@ def _overview(done: list[Done]) -> str:
     shifted = ("shifted starts", "won", "share", "95 % interval")
     head = ("level", *given, *shifted, "median ticks to win")
     return "<h2>Levels</h2>" + as_table(head, rows)
-
-
-def _grades(manifest: Manifest, ledger: Ledger) -> str:
-    grades = grades_of(manifest, ledger)
-    levels = [level.level for level in grades[0].levels] if grades else []
-    rows = [
-        (
-            grade.student.id,
-            grade.student.name,
-            grade.said if grade.points is None else grade.points,
-            grade.most,
-            grade.student.lateness,
-            *("not graded yet" if level.points is None else level.points for level in grade.levels),
-            "; ".join(grade.remarks),
-        )
-        for grade in grades
-    ]
-    head = ("id", "name", "points", "most", "late", *levels, "remarks")
-    same = [(level, ", ".join(ids)) for level, _, ids in duplicates(manifest)]
-    text = "<h2>Submissions</h2>"
-    text += "".join(f"<p>{html.escape(harmless_text(line))}</p>" for line in account_of(manifest))
-    text += "<h2>Students</h2>" + as_table(head, rows)
-    if same:
-        text += "<h2>The same program</h2><p>The same but for comments and space.</p>"
-        text += as_table(("level", "students"), same)
-    return text
 
 
 Spread: TypeAlias = tuple[float, float, float]
@@ -433,17 +414,14 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
         why = each.result.first[2] if each.result.first else ""
         kinds.setdefault((each.cell.level_name, each.result.outcome, why), []).append(each)
     rows: list[Sequence[Any]] = []
-    names = {student.id: student.called for student in manifest.students}
     for (level, outcome, why), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
-        who = dict.fromkeys(names[each.cell.student] for each in runs if names)
-        whose = (", ".join(who),) if names else ()
-        rows.append((level, outcome, why, len(runs), *whose, as_code(runs[0].replay)))
-    head = ("level", "how it ended", "why", "runs", *(("whose",) if names else ()), "one of them")
+        rows.append((level, outcome, why, len(runs), as_code(runs[0].replay)))
+    head = ("level", "how it ended", "why", "runs", "one of them")
     title = "What failed" if manifest.kind == "tournament" else "Not won"
     return f"<h2>{title}</h2>" + as_table(head, rows) if rows else ""
 
 
-def _cells(manifest: Manifest, done: list[Done]) -> str:
+def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
     rows: list[Sequence[Any]] = []
     names = {student.id: student.called for student in manifest.students}
     measures = measures_of(manifest)
@@ -462,12 +440,16 @@ def _cells(manifest: Manifest, done: list[Done]) -> str:
                 f"{share.won} of {share.tried}",
                 _interval(share),
                 *((spread := _spread(map(each, runs))) and spread[0] for each in measures.values()),
-                as_code(shown.replay),
+                as_code(
+                    play_command(folder, manifest, cell, shown.start) if names else shown.replay
+                ),
             )
         )
     medians = [f"median {name}" for name in measures]
     head = ("", "level", "program", "given start", "won", "95 % interval", *medians, "replay")
     said = "The commands are typed in this folder; why instead of play explains a tick."
+    if names:
+        said = "The commands are typed where this folder is; those in runs.csv have more choices."
     return f"<h2>Programs in levels</h2><p>{said}</p>" + as_table(head, rows)
 
 

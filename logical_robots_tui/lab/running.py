@@ -113,9 +113,13 @@ class End(msgspec.Struct, frozen=True):
     y: float
     since: int
 
-    def __str__(self) -> str:
-        where = f"{self.robot} ended at ({self.x:g}, {self.y:g})"
-        return f"{where}, and had stood there since tick {self.since:,}."
+    def said(self, last: int) -> str:
+        """Say it in words, for a run that ended with tick `last`."""
+        where = f"{self.robot} ended at ({self.x:g}, {self.y:g}), and "
+        is_still = self.since < last
+        return where + (
+            f"had stood there since tick {self.since:,}." if is_still else "still moved."
+        )
 
 
 class Result(msgspec.Struct, frozen=True, omit_defaults=True):

@@ -31,6 +31,7 @@ _SYMBOL = re.compile(
     r"|[-:=!<>]=|[-=]>|&&|\|\||\+\+|[-+*/%^=<>!~|]",
     re.DOTALL,
 )
+_COLON = re.compile(r"\s*:(?![-=])")
 
 # What stands in a text for the parser, which knows no single quotes.
 _INNER_QUOTE = "\ue022"
@@ -113,13 +114,23 @@ def size_of(text: str) -> int:
     These are the leaves and operators of its tree, counted as tokens, which takes no parser.
     Punctuation, ``:-``, ``then``, ``else``, ``distinct``, comments and annotations don't count.
     """
+    return sum(map(len, symbols_of(text)))
+
+
+def symbols_of(text: str) -> Iterator[list[str]]:
+    """Yield the symbols of each statement, as `size_of` counts them; fields as ``.x`` or ``x:``."""
     source = prepare(text)
-    return sum(
-        found.lastgroup is None
-        for start, stop in statements(source)
-        if source.text[start] != "@"
-        for found in _SYMBOL.finditer(source.text, start, stop)
-    )
+    for start, stop in statements(source):
+        if source.text[start] != "@":
+            found = _SYMBOL.finditer(source.text, start, stop)
+            yield [_as_field(source.text, each) for each in found if each.lastgroup is None]
+
+
+def _as_field(text: str, symbol: re.Match[str]) -> str:
+    start, stop = symbol.span()
+    dot = "." if text[start - 1 : start] == "." else ""
+    colon = ":" if _COLON.match(text, stop) and symbol.group().isidentifier() else ""
+    return f"{dot}{symbol.group()}{colon}"
 
 
 def with_whole_brackets(skeleton: str, start: int, stop: int) -> tuple[int, int]:

@@ -90,6 +90,12 @@ def _sweep(folder: Path) -> None:
     assert main(["sweep", str(folder / "experiment.toml"), "-o", str(folder / "out")]) == 0
 
 
+def _grade(folder: Path) -> None:
+    _write_files_of_lab(folder)
+    names = [str(folder / name) for name in ("assignment.toml", "submissions", "grades")]
+    assert main(["grade", *names[:2], "-o", names[2]]) == 0
+
+
 def _make_folders(_folder: Path) -> None:
     for name in (".local/share/bash-completion/completions", ".zfunc", ".config/fish/completions"):
         (Path.home() / name).mkdir(parents=True)
@@ -111,7 +117,8 @@ BEFORE: dict[str, Callable[[Path], None]] = {
     f"{PROGRAM} sweep": _write_files_of_lab,
     f"{PROGRAM} grade": _write_files_of_lab,
     f"{PROGRAM} tournament": _write_files_of_lab,
-    f"{PROGRAM} lab": _sweep,
+    **{f"{PROGRAM} lab{each}": _sweep for each in ("", " status", " resume", " export", " report")},
+    f"{PROGRAM} lab play": _grade,
     f"{PROGRAM} replay show": _record,
     f"{PROGRAM} completion": _make_folders,
 }
@@ -119,7 +126,8 @@ BEFORE: dict[str, Callable[[Path], None]] = {
 
 
 OF_MANY_RUNS = {
-    *(f"{PROGRAM} {command}" for command in ("grade", "lab", "sweep", "tournament")),
+    *(f"{PROGRAM} {command}" for command in ("grade", "sweep", "tournament")),
+    *(f"{PROGRAM} {command}".strip() for command in commands() if command.startswith("lab")),
     "docs/lab.md",
     "docs/arena.md",
     "docs/teaching.md",
