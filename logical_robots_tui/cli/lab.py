@@ -370,8 +370,9 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
 def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
     from logical_robots_tui.lab.exporting import has_extra
     from logical_robots_tui.lab.reporting import export
+    from logical_robots_tui.tui.labyrinth.svg import svg
 
-    written = export(folder, manifest, ledger)
+    written = export(folder, manifest, ledger, svg)
     print(harmless(f"Written to {folder.path}: {', '.join(written)}"))
     if not has_extra("pyarrow"):
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")

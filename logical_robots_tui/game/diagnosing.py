@@ -135,6 +135,20 @@ async def diagnose(
         await diagnosing.close()
 
 
+async def diagnose_history(
+    history: Stored, program: Program, limits: Limits, questions: int
+) -> Diagnosis:
+    """Diagnose a program over ticks with so many questions, in an order that is always the same.
+
+    Raises QueryError for a program that is too complex.
+    """
+    diagnosing = _Diagnosing(program, limits, lambda *_: None, lambda _: None, questions)
+    try:
+        return await diagnosing.diagnose(history, max(1, history.first))
+    finally:
+        await diagnosing.close()
+
+
 async def diagnose_run(
     run: Run,
     ticks: int,
@@ -209,8 +223,15 @@ def shortcomings(found: Diagnosis) -> str:
 class _Diagnosing:
     """A diagnosis: a queue of ticks, and what was counted in those that were examined."""
 
-    def __init__(self, program: Program, limits: Limits, report: Report, show: Show) -> None:
-        self._program, self._limits = program, limits
+    def __init__(
+        self,
+        program: Program,
+        limits: Limits,
+        report: Report,
+        show: Show,
+        questions: int = _MORE_QUESTIONS,
+    ) -> None:
+        self._program, self._limits, self._questions = program, limits, questions
         self._report, self._show = report, show
         self._thinker = Thinker("diagnose")
         self._preparing: asyncio.Task[Checkup] | None = None
@@ -363,7 +384,7 @@ class _Diagnosing:
         if is_helping and self._waiting <= most:
             return []
         if self._is_complete and not self._some and not self._second_step:
-            self._second_step = max(1, -(-len(self._others) * questions // _MORE_QUESTIONS))
+            self._second_step = max(1, -(-len(self._others) * questions // self._questions))
             self._others = deque([*self._others][:: self._second_step])
         queue = self._some or self._others
         return [queue.popleft() for _ in range(min(most, len(queue)))]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,6 +21,7 @@ from logical_robots_tui.lab.exporting import (
     as_table,
     csv_of,
     done_runs,
+    escaped,
     failed_runs,
     harmless_text,
 )
@@ -276,7 +276,7 @@ def class_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[
         for grade in grades
     ]
     yield "<h2>Submissions</h2>"
-    yield from (f"<p>{_escaped(line)}</p>" for line in account_of(manifest))
+    yield from (f"<p>{escaped(line)}</p>" for line in account_of(manifest))
     head = ("id", "name", "points", "most", "late", *levels, "remarks")
     yield "<h2>Students</h2>" + as_table(head, rows)
     yield from _fault_parts(folder, manifest, ledger)
@@ -298,8 +298,8 @@ def _fault_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator
             yield f"<h2>What went wrong, with whom</h2><p>{said}</p>"
         yield f"<h3>{kind.capitalize()}</h3><ul>"
         for fault in group:
-            said = f"<b>{_escaped(fault.level)}</b>: {_escaped(', '.join(fault.who))}"
-            said += f": {_escaped(fault.why)}" * bool(fault.why)
+            said = f"<b>{escaped(fault.level)}</b>: {escaped(', '.join(fault.who))}"
+            said += f": {escaped(fault.why)}" * bool(fault.why)
             if fault.cell is not None:
                 command = play_command(folder, manifest, fault.cell, fault.start)
                 said += f"<br>{as_code(command)}"
@@ -318,13 +318,9 @@ def _similar_parts(folder: Folder, manifest: Manifest, names: Mapping[str, str])
     yield as_table(("alike", "level", "students", "and"), rows)
     for alike, both in list(zip(found, who, strict=True))[:_MOST_TEXTS]:
         said = f"{as_percent(alike.score)}, {alike.level}: {both[0]} and {both[1]}"
-        yield f"<details><summary>{_escaped(said)}</summary><div class=beside>"
+        yield f"<details><summary>{escaped(said)}</summary><div class=beside>"
         for cells, whose in zip(alike[2:], both, strict=True):
             text = folder.text(cells[0].own or cells[0].program)
-            lines = "\n".join(map(_escaped, text.splitlines()))
-            yield f"<div><p>{_escaped(whose)}</p><pre>{lines}</pre></div>"
+            lines = "\n".join(map(escaped, text.splitlines()))
+            yield f"<div><p>{escaped(whose)}</p><pre>{lines}</pre></div>"
         yield "</div></details>"
-
-
-def _escaped(text: str) -> str:
-    return html.escape(harmless_text(text))

@@ -193,6 +193,7 @@ class Coordinator:
             fingerprint(),
             manifest.run_steps,
             manifest.until,
+            manifest.kind == "grade",
         )
 
     def _take(self, group: _Group, answer: Answer) -> None:

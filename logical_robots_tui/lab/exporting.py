@@ -297,14 +297,32 @@ _MOST_ROWS = 1_000
 _PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
 <style>
 body {{ font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto }}
+body {{ padding: 0 1rem }}
 table {{ border-collapse: collapse; margin: 1rem 0; display: block; overflow-x: auto }}
 th, td {{ border: 1px solid #bbb; padding: .2rem .6rem; text-align: left }}
 td.number {{ text-align: right; font-variant-numeric: tabular-nums }}
-code {{ font-size: 12px; white-space: nowrap }}
-svg {{ max-width: 48rem; display: block }}
+code {{ font-size: 12px; overflow-wrap: anywhere }}
+svg {{ max-width: min(48rem, 100%); height: auto; display: block }}
+figure {{ margin: 1rem 0; break-inside: avoid }}
+.beside {{ display: flex; flex-wrap: wrap; gap: 1rem }}
+.beside > div {{ flex: 1 1 20rem; min-width: 0 }}
+pre {{ font-size: 12px; white-space: pre-wrap; overflow-wrap: anywhere }}
+@media (max-width: 40rem) {{
+  tbody, tr, td {{ display: block }} thead {{ display: none }}
+  tr {{ border: 1px solid #bbb; margin-bottom: .6rem }} td {{ border: 0 }}
+  td.number {{ text-align: left }} td:empty {{ display: none }}
+  td[data-head]:not([data-head=""])::before {{ content: attr(data-head) ": "; color: #555 }}
+}}
+@media print {{
+  body {{ font-size: 9pt; max-width: none; margin: 0 }}
+  table {{ display: table; font-size: 8pt }} th, td {{ padding: .1rem .3rem }}
+  tr, li {{ break-inside: avoid }} h2, h3 {{ break-after: avoid }}
+  * {{ print-color-adjust: exact }}
+}}
 </style></head><body>
 <h1>{title}</h1>
 {body}
@@ -312,8 +330,12 @@ svg {{ max-width: 48rem; display: block }}
 """
 
 
+def escaped(text: str) -> str:
+    return html.escape(harmless_text(text))
+
+
 def as_page(title: str, parts: Iterable[str]) -> str:
-    return _PAGE.format(title=html.escape(harmless_text(title)), body="\n".join(parts))
+    return _PAGE.format(title=escaped(title), body="\n".join(parts))
 
 
 class Html(str):
@@ -323,21 +345,25 @@ class Html(str):
 
 
 def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    def cell(value: Any) -> str:
+    names = [escaped(name) for name in head]
+
+    def cell(name: str, value: Any) -> str:
+        start = f'<td data-head="{name}"'
         if isinstance(value, Html):
-            return f"<td>{value}</td>"
+            return f"{start}>{value}</td>"
         if isinstance(value, bool) or value is None:
             value = {None: "", True: "yes", False: "no"}[value]
         if isinstance(value, str):
-            return f"<td>{html.escape(harmless_text(value))}</td>"
-        return f'<td class="number">{value:,.10g}</td>'
+            return f"{start}>{escaped(value)}</td>"
+        return f'{start} class="number">{value:,.10g}</td>'
 
-    names = "".join(f"<th>{html.escape(harmless_text(name))}</th>" for name in head)
-    lines = ["<tr>" + "".join(map(cell, row)) + "</tr>" for row in rows]
+    heads = "".join(f"<th>{name}</th>" for name in names)
+    lines = ["<tr>" + "".join(map(cell, names, row)) + "</tr>" for row in rows]
     more = ""
     if len(lines) > _MOST_ROWS:
         more = f"<p>The first {_MOST_ROWS:,} of {len(lines):,} rows; runs.csv has all runs.</p>"
-    return f"<table><tr>{names}</tr>\n" + "\n".join(lines[:_MOST_ROWS]) + f"</table>{more}"
+    body = "\n".join(lines[:_MOST_ROWS])
+    return f"<table><thead><tr>{heads}</tr></thead><tbody>\n{body}</tbody></table>{more}"
 
 
 def as_code(text: str) -> Html:

@@ -4,24 +4,63 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import ROUND_HALF_UP, Decimal
-from typing import Any
+from typing import Any, TypeAlias
 from xml.etree import ElementTree
 
 import msgspec
 
 from logical_robots_tui.game.victory import reference_table
-from logical_robots_tui.lab.exporting import Done, Row, Table, csv_of, done_runs, harmless_text
+from logical_robots_tui.lab.exporting import (
+    Done,
+    Row,
+    Table,
+    as_page,
+    csv_of,
+    done_runs,
+    escaped,
+    harmless_text,
+)
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
-from logical_robots_tui.lab.running import Result
+from logical_robots_tui.lab.running import Found, Result
 from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
 from logical_robots_tui.wording import count_of
+from logical_robots_tui.world import Level
+from logical_robots_tui.world.levels.load import read_level
 
+_CODE = re.compile("`([^`]+)`")
 _LONGEST_FILE = 60
 _MOST_ENDS = 8  # robots of a level of which feedback tells the end
 _NO_PROGRAM = "no program for this level was found"
 _MISSING = (NOTHING, UNMATCHED, _NO_PROGRAM)
+
+QUESTIONS = {
+    "several rows": "Which of the rows should count, and what excludes the others?",
+    "no row": "Which rule should cover that case?",
+    "bad engine": "Which part of the value can be missing, and when?",
+    "notice": "What was special about that tick?",
+    "unknown text": "What are things called in this level?",
+    "unused": "Which rule should use it?",
+    "same copy": "What should be different in one of them?",
+    "memory never written": "Which rule should write it, and under which name?",
+    "memory never read": "Which rule should read it?",
+    "memory lost": "Should the robot still know it then?",
+    "no rows": "Should it ever have had one, and in which situation?",
+    "always null": "Where should its value come from?",
+    "never true": "Should that ever be so in this level, and when?",
+    "never false": "Should that ever be otherwise, and when?",
+    "never null": "What was that case meant for?",
+    "circle": "What should have ended that?",
+    "blocked": "What did the robot sense before, and which rule decided then?",
+    "still": "What should have made it move on?",
+    "unfinished": "Is it on the right way, and fast enough?",
+    "unchanged": "What should have changed it, and could that happen?",
+}
+"""What a student is asked about each kind of finding, without the answer."""
+
+Draw: TypeAlias = Callable[[Level, Mapping[str, Sequence[tuple[float, float]]]], str]
+"""Draws a level with the paths of robots as SVG."""
 
 
 class Part(msgspec.Struct, frozen=True):
@@ -41,8 +80,8 @@ class LevelGrade(msgspec.Struct, frozen=True):
     """What a student has achieved in a level; `distance` is in map units.
 
     `points` is None if runs are missing through no fault of the student's; `lost` are numbers
-    of shifted starts. Outcome, ticks, distance, and `ends` of what was not won are from the given
-    start.
+    of shifted starts. Outcome, ticks, distance, and of what was not won `ends` and `questions` are
+    from the given start.
     """
 
     level: str
@@ -59,6 +98,7 @@ class LevelGrade(msgspec.Struct, frozen=True):
     messages: tuple[str, ...]
     ends: tuple[str, ...] = ()
     parts: tuple[Part, ...] = ()
+    questions: tuple[str, ...] = ()
 
     @property
     def is_missing(self) -> bool:
@@ -186,7 +226,13 @@ def _level(
         tuple(messages),
         tuple(end.said(first.ticks) for end in first.ends) if first and not won else (),
         tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
+        tuple(map(_question, first.findings)) if first else (),
     )
+
+
+def _question(found: Found) -> str:
+    where = f"Line {found.line}: " if found.line else ""
+    return f"{where}{found.message} {QUESTIONS.get(found.kind, '')}".strip()
 
 
 def _parts(
@@ -222,26 +268,33 @@ def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
     return [(level, text, tuple(ids)) for (level, text), ids in who.items() if len(ids) > 1]
 
 
-def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
+def export_grades(
+    folder: Folder, manifest: Manifest, ledger: Ledger, draw: Draw | None = None
+) -> list[str]:
     """Write gradebook, feedback and exports; return what was written, or raise InputError."""
     grades = grades_of(manifest, ledger)
     assignment = _assignment_of(manifest)
     show: list[str] = [*assignment.assignment.show]
     kept = assignment.late.keep
     names = _file_names([grade.student.id for grade in grades])
+    given = [done for done in done_runs(manifest, ledger) if not done.start]
+    first = {(done.cell.student, done.cell.level_name): done for done in given}
     for grade, name in zip(grades, names, strict=True):
         data = {**msgspec.to_builtins(grade), "title": manifest.title}
         for level in data["levels"]:
             for key in {"won", "ticks", "size", "distance"} - set(show):
                 del level[key]
             if "won" not in show:
-                del level["outcome"], level["ends"]
+                del level["outcome"], level["ends"], level["questions"]
             if "starts" not in show:
                 del level["wins"], level["starts"], level["lost"]
             level["parts"] = [part for part in level["parts"] if part["name"] in show]
-        folder.put(
-            folder.path / f"feedback/{name}.md", _feedback(manifest.title, grade, show, kept)
-        )
+        parts = _feedback(grade, show, kept)
+        runs = [first.get((grade.student.id, each.level)) for each in grade.levels]
+        pictures = ["", *(_picture(folder, run, draw if "won" in show else None) for run in runs)]
+        feedback = folder.path / f"feedback/{name}"
+        folder.put(feedback.with_name(f"{name}.md"), _as_markdown(manifest.title, parts))
+        folder.put(feedback.with_name(f"{name}.html"), _as_html(manifest.title, parts, pictures))
         folder.put(folder.path / f"feedback/{name}.json", _json(data))
         folder.put(folder.path / f"gradescope/{name}.json", _json(_gradescope(grade, show)))
     for old in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
@@ -299,25 +352,53 @@ def feedback_of(manifest: Manifest, ledger: Ledger, student: str) -> str:
     """Return what a student gets to read, as Markdown."""
     (grade,) = (each for each in grades_of(manifest, ledger) if each.student.id == student)
     table = manifest.assignment
-    show, kept = table["assignment"]["show"], table["late"]["keep"]
-    return _feedback(manifest.title, grade, show, kept)
+    return _as_markdown(
+        manifest.title, _feedback(grade, table["assignment"]["show"], table["late"]["keep"])
+    )
 
 
-def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
+def _feedback(grade: Grade, show: list[str], kept: float) -> list[tuple[str, list[str]]]:
+    """Return headings, the student's first, and what is said below them."""
     student = grade.student
-    lines = [f"# {_markdown(title)}", "", f"{_markdown(student.name or student.id)}: "]
-    lines[-1] += grade.said
+    head = f"{student.name or student.id}: {grade.said}"
     if student.late:
-        lines[-1] += f", {student.lateness}: {kept:.0%} of the points count"
-    remarks = grade.remarks
-    lines += [""] * bool(remarks) + [f"- {_markdown(each)}" for each in remarks]
+        head += f", {student.lateness}: {kept:.0%} of the points count"
+    parts = [(head, grade.remarks)]
     for level in grade.levels:
         points = "not graded yet"
         if level.points is not None:
             points = f"{level.points:g} of {level.most:g} points"
-        lines += ["", f"## {_markdown(level.level)}: {points}", ""]
-        lines += [f"- {_markdown(said)}" for said in _level_feedback(level, show)]
+        parts.append((f"{level.level}: {points}", _level_feedback(level, show)))
+    return parts
+
+
+def _as_markdown(title: str, parts: list[tuple[str, list[str]]]) -> str:
+    lines = [f"# {_markdown(title)}"]
+    for number, (head, said) in enumerate(parts):
+        lines += ["", "## " * bool(number) + _markdown(head)]
+        lines += [""] * bool(said) + [f"- {_markdown(each)}" for each in said]
     return "\n".join(lines) + "\n"
+
+
+def _as_html(title: str, parts: list[tuple[str, list[str]]], pictures: Sequence[str]) -> str:
+    """Return the same as a page, with a picture or "" below each part."""
+    found = []
+    for number, ((head, said), picture) in enumerate(zip(parts, pictures, strict=True)):
+        mark = "h2" if number else "p"
+        items = [_CODE.sub(r"<code>\1</code>", escaped(each)) for each in said]
+        below = f"<ul><li>{'</li><li>'.join(items)}</li></ul>" * bool(said) + picture
+        found.append(f"<{mark}>{escaped(head)}</{mark}>{below}")
+    return as_page(title, found)
+
+
+def _picture(folder: Folder, run: Done | None, draw: Draw | None) -> str:
+    """Return a picture of a run that was not won, or ""."""
+    if run is None or draw is None or not run.result.paths:
+        return ""
+    level = read_level(folder.text(run.cell.level), run.cell.level_name)
+    said = "The ways of the robots from the given start, with a circle where each ended."
+    picture = draw(level, run.result.paths)
+    return f"<figure>{picture}<figcaption>{said}</figcaption></figure>"
 
 
 def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
@@ -326,7 +407,7 @@ def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
     is_told = "won" in parts and level.won
     if ("won" in show and not is_told) or level.is_missing or level.outcome == "does not compile":
         said.append(f"From the given start: {level.outcome}.")
-        said += level.ends[:_MOST_ENDS]
+        said += (*level.ends[:_MOST_ENDS], *level.questions)
         if level.ends:
             said.append(f"To see that: logical-robots play {level.level} YOUR-PROGRAM")
     if "ticks" in show and "ticks" not in parts and level.ticks is not None:

@@ -41,7 +41,7 @@ from logical_robots_tui.lab.exporting import (
     tables_of_runs,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
-from logical_robots_tui.lab.grading import export_grades, gradebook, grades_of
+from logical_robots_tui.lab.grading import Draw, export_grades, gradebook, grades_of
 
 _WIDTH, _HEIGHT = 78, 18
 _MOST_BARS = 40
@@ -190,11 +190,16 @@ def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
     return str(file)
 
 
-def export(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
-    """Write all tables; return the names of what was written, or raise InputError."""
+def export(
+    folder: Folder, manifest: Manifest, ledger: Ledger, draw: Draw | None = None
+) -> list[str]:
+    """Write all tables; return the names of what was written, or raise InputError.
+
+    Feedback has pictures of what was not won, if there is something that draws them.
+    """
     written = export_runs(folder, manifest, ledger)
     if manifest.kind == "grade":
-        written += export_grades(folder, manifest, ledger)
+        written += export_grades(folder, manifest, ledger, draw)
         written += export_similar(folder, manifest)
     elif manifest.kind == "tournament":
         written += export_tournament(folder, manifest, ledger)

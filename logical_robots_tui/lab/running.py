@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import os
 import platform
@@ -9,15 +10,20 @@ import re
 import socket
 import sqlite3
 from collections import Counter
-from functools import cache, lru_cache
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from functools import cache, lru_cache, partial
 from pathlib import Path
-from time import perf_counter, thread_time
-from typing import Any, Literal, TypeAlias
+from time import perf_counter, process_time, thread_time
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import msgspec
 
+from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.game.debugging.breakpoints import matching_rows, number_of
+from logical_robots_tui.game.diagnosing import diagnose_history
 from logical_robots_tui.game.frame import Frame, standing
+from logical_robots_tui.game.history.history import History
 from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.language.source_text import size_of
@@ -35,11 +41,20 @@ from logical_robots_tui.mind import (
 from logical_robots_tui.world import Level, WorldState
 from logical_robots_tui.world.levels.load import read_level
 
+T = TypeVar("T")
+IsOver: TypeAlias = Callable[[Frame, Mind], bool]
+
 CHUNK_SECONDS = 5.0
 """Time after which a worker gives back what it has; at most this and one run are lost with it."""
 
 _SLOW_TICKS = 10  # ticks with too many steps after which a run ends
 _MOST_CELLS = 1_000_000  # of all series of a run
+_MOST_POINTS = 200  # of a robot's path
+_MOST_FINDINGS = 3
+_LONGEST_FINDING = 300  # characters
+_MOST_EXPLAINED = 200_000_000  # steps of a run that is diagnosed; that takes about as long again
+_FINDING_SECONDS, _LOOK_SECONDS = 20.0, 0.5
+_QUESTIONS, _QUESTION_STEPS = 100_000, 2_000_000
 
 Outcome: TypeAlias = Literal[
     "won",
@@ -76,7 +91,8 @@ class Task(msgspec.Struct, frozen=True):
 
     Start 0 is the given one; if `given_first`, a program that does not win from it is done. A
     think has `steps` at most, a run `seconds` of a processor, and `run_steps` unless that is 0;
-    it ends when the question `until` holds, if there is one.
+    it ends when the question `until` holds, if there is one. If `is_explained`, the result from
+    the given start, if it is not won, has paths and findings.
     `fingerprint` is of the engine that must run it.
     """
 
@@ -91,6 +107,7 @@ class Task(msgspec.Struct, frozen=True):
     fingerprint: str
     run_steps: int = 0
     until: str = ""
+    is_explained: bool = False
 
 
 class Series(msgspec.Struct, frozen=True):
@@ -122,13 +139,21 @@ class End(msgspec.Struct, frozen=True):
         )
 
 
+class Found(msgspec.Struct, frozen=True):
+    """A finding of the diagnosis; the line is 0 if it has none."""
+
+    kind: str
+    line: int
+    message: str
+
+
 class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     """The result of a run, determined by its inputs alone.
 
     `distance` is map units of all robots together, `size` the symbols of the programs, `rules` what
     earlier versions counted instead, `notices` the number of ticks with a notice
     of each kind, `first` the first one (tick, robot, message). Teams in `forfeit` have lost
-    because their programs failed.
+    because their programs failed. `paths` are points in map units by robot.
     """
 
     outcome: Outcome
@@ -143,6 +168,8 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     forfeit: tuple[str, ...] = ()
     rules: int = 0
     ends: tuple[End, ...] = ()
+    paths: dict[str, tuple[tuple[int, int], ...]] = {}
+    findings: tuple[Found, ...] = ()
 
 
 class Answer(msgspec.Struct, frozen=True):
@@ -242,14 +269,16 @@ class _Prepared:
         if self.mistakes:
             return Result("does not compile", mistakes=self.mistakes)
         watcher = _Watcher(self)
+        level, is_over, history = start_of(self.level, start), watcher.is_over, None
+        if self.task.is_explained and not start:
+            history = History(start_frame(level), level)
+            is_over = partial(self._keep, history, is_over)
         played = play_through(
-            start_of(self.level, start),
-            self.program,
-            self.task.ticks,
-            limits=self.limits,
-            is_over=watcher.is_over,
+            level, self.program, self.task.ticks, limits=self.limits, is_over=is_over
         )
         lasts: Outcome = "played" if self.level.teams else "out of ticks"
+        if played.won_at is not None:
+            history = None
         return Result(
             "won" if played.won_at is not None else watcher.ended or lasts,
             played.ticks,
@@ -261,7 +290,47 @@ class _Prepared:
             points=watcher.points(),
             forfeit=watcher.forfeit(),
             ends=watcher.ends(),
+            paths=_paths(history) if history else {},
+            findings=self._findings(history, watcher) if history else (),
         )
+
+    def _keep(self, history: History, is_over: IsOver, frame: Frame, mind: Mind) -> bool:
+        history.add(frame, self.program)
+        return is_over(frame, mind)
+
+    def _findings(self, history: History, watcher: _Watcher) -> tuple[Found, ...]:
+        """Return what stands out in a run, most significant first, if it can be found out."""
+        if watcher.ended in ("too slow", "too many steps") or watcher.steps > _MOST_EXPLAINED:
+            return ()
+        limits = replace(self.limits, query_steps=_QUESTION_STEPS)
+        work = diagnose_history(history, self.program, limits, _QUESTIONS)
+        try:
+            found = asyncio.run(_within(work, _FINDING_SECONDS))
+        except (asyncio.CancelledError, MemoryError, QueryError, Stopped):
+            return ()
+        return tuple(
+            Found(each.kind, each.span.line if each.span else 0, each.message[:_LONGEST_FINDING])
+            for each in found.findings[: _MOST_FINDINGS * found.is_reliable]
+        )
+
+
+def _paths(history: History) -> dict[str, tuple[tuple[int, int], ...]]:
+    paths: dict[str, list[tuple[int, int]]] = {}
+    step = -(-(history.last - history.first) // _MOST_POINTS) or 1
+    for tick in sorted({*range(history.first, history.last, step), history.last}):
+        for robot in history.replay(tick)[1].moment.after.robots:
+            paths.setdefault(robot.name, []).append((round(robot.x), round(robot.y)))
+    return {name: tuple(points) for name, points in paths.items()}
+
+
+async def _within(work: Awaitable[T], seconds: float) -> T:
+    """Return a result, or raise CancelledError after so many seconds of a processor."""
+    task, until = asyncio.ensure_future(work), process_time() + seconds
+    while not task.done():
+        await asyncio.wait([task], timeout=_LOOK_SECONDS)
+        if process_time() > until:
+            task.cancel()
+    return task.result()
 
 
 @lru_cache(maxsize=32)
@@ -294,7 +363,7 @@ class _Watcher:
         self._keep_at = 1
         self._slow: Counter[str] = Counter()  # by team: ticks with too many steps
         self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
-        self._cells = self._steps = 0
+        self._cells = self.steps = 0
         self._places = [(robot.x, robot.y, 0) for robot in level.robots]
         self._latest = thread_time() + prepared.task.seconds
         self._columns: dict[Asked, tuple[str, ...]] = {}
@@ -321,8 +390,8 @@ class _Watcher:
             x, y, _ = self._places[number]
             if robot.x != x or robot.y != y:
                 self._places[number] = robot.x, robot.y, frame.tick
-        self._steps += mind.steps
-        if self._steps > self._task.run_steps > 0:
+        self.steps += mind.steps
+        if self.steps > self._task.run_steps > 0:
             self.ended = self.ended or "too slow"
         tick, has_won = frame.tick, frame.after.won_at is not None
         if self._until and not (self.ended or has_won):

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
+import re
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import pytest
 
+from logical_robots_tui.explain.diagnosis.telling import FindingKind
 from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.lab.grading import QUESTIONS
 from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.toml_files import TomlFileError
@@ -68,6 +72,44 @@ def test_late_by_some_time_with_extensions_and_points_by_hand(
     assert "Ada ended at (" in lost
     assert "and had stood there since tick 0." in lost
     assert "logical-robots play 01-first-steps YOUR-PROGRAM" in lost
+
+
+def test_what_was_not_won_is_asked_about_and_drawn(
+    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, out = Command(capsys), assignment[1].parent / "out"
+    text = "Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 0;\n"
+    driving = "{left_engine: 1, right_engine: 1}"
+    text += f'Robot(robot_name:, desire: {driving}, memory: "") :- Sensor(robot_name:), ~Near();'
+    (assignment[1] / "cem.l").write_text(text.replace("~Near()", "~Near(robot_name:)"))
+    assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
+    lost = (out / "feedback/cem.md").read_text().replace("\\", "")
+    assert "- Line 1: The rule of Near in line 1 never had a row: " in lost
+    assert f"- Line 2: Ada was blocked from tick 302 to 513, mostly with `{driving}`. What" in lost
+    pages = {file.stem: file.read_text() for file in (out / "feedback").glob("*.html")}
+    assert f"mostly with <code>{driving}</code>. What did the robot sense" in pages["cem"]
+    path = re.search('<polyline points="([^"]*)"', pages["cem"])
+    assert path is not None
+    assert path[1].endswith(" 364.0,20.0")
+    assert "<svg" not in pages["ada"]
+    for page in pages.values():
+        assert not any(outside in page for outside in ("<script", "href=", "src=", "url("))
+    data = json.loads((out / "feedback/cem.json").read_text())
+    assert [each[:7] for each in data["levels"][0]["questions"]] == [
+        "Line 1:",
+        "Line 2:",
+        "Line 2:",
+    ]
+    text = ASSIGNMENT.replace("starts = 0", 'starts = 0\nshow = ["size"]')
+    assignment[0].write_text(text)
+    assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
+    assert "blocked" not in (out / "feedback/cem.json").read_text()
+    assert "<svg" not in (out / "feedback/cem.html").read_text()
+
+
+def test_there_is_a_question_about_each_kind_of_finding() -> None:
+    assert {*QUESTIONS} == {*get_args(FindingKind)}
+    assert all(question.endswith("?") for question in QUESTIONS.values())
 
 
 def test_each_part_of_the_points_is_told_with_its_number_and_the_reference(
