@@ -39,6 +39,7 @@ ALIKE = 0.7
 
 _GRAM = 4  # symbols in a row that are compared
 _FEWEST = 12  # grams of one's own that make a program comparable
+_LONGEST = 20_000  # characters of a program that are compared
 _MOST_TEXTS = 20  # pairs whose texts are in the report
 
 
@@ -148,7 +149,7 @@ def _fault(level: LevelGrade) -> tuple[str, str]:
     if level.outcome == "does not compile":
         return level.outcome, why
     if level.outcome.startswith(("too slow", "too many steps")):
-        return "too slow", level.outcome.partition(" at ")[0] if not level.messages else why
+        return "too slow", why
     if not level.won:
         return ("errors while running", why) if level.messages else ("did not win", why)
     return (_KINDS[-1], "") if level.lost else ("", "")
@@ -228,7 +229,7 @@ def _names() -> frozenset[str]:
 def _shape(text: str) -> Counter[tuple[str, ...]]:
     """Return how often which symbols stand in a row, with own names replaced by their order."""
     found: Counter[tuple[str, ...]] = Counter()
-    for symbols in symbols_of(text):
+    for symbols in symbols_of(text[:_LONGEST]):
         plain = ["#" if re.match(r"[\d\"'`]", each) else each for each in symbols]
         for each in (symbols, plain):
             for at in range(max(1, len(each) - _GRAM + 1)):
