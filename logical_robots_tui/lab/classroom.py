@@ -312,8 +312,8 @@ def _similar_parts(folder: Folder, manifest: Manifest, names: Mapping[str, str])
     found = similar(folder, manifest)
     if not found:
         return
-    yield "<h2>Similar programs</h2><p>The same share but for own names and the order of rules,"
-    yield "without what the level's starter has. It is a reason to look, not a proof.</p>"
+    yield "<h2>Similar programs</h2><p>The share that is the same but for own names and the order"
+    yield "of rules, without the level's starter. It is a reason to look, not a proof.</p>"
     who = [[", ".join(names[c.student] for c in side) for side in each[2:]] for each in found]
     rows = [(as_percent(a.score), a.level, *both) for a, both in zip(found, who, strict=True)]
     yield as_table(("alike", "level", "students", "and"), rows)

@@ -454,7 +454,8 @@ def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
     head = ("", "level", "program", "given start", "won", "95 % interval", *medians, "replay")
     said = "The commands are typed in this folder; why instead of play explains a tick."
     if names:
-        said = "The commands are typed where this folder is; those in runs.csv have more choices."
+        said = "The commands are typed where this folder is. In one from runs.csv, "
+        said += "why instead of play explains a tick."
     return f"<h2>Programs in levels</h2><p>{said}</p>" + as_table(head, rows)
 
 
