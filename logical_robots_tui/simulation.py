@@ -133,7 +133,7 @@ class Simulation:
                 numbers or a `Desire`.
 
         Raises:
-            ValueError: There is no such robot, or it is no desire.
+            ValueError: There is no such robot, or it is not a desire.
         """
         given = {name: desire_of(name, each) for name, each in (desires or {}).items()}
         check_robots(sorted(given), self.robots)
@@ -208,7 +208,7 @@ class Simulation:
 
         Raises:
             ValueError: There is no such robot.
-            ProgramError: It is no predicate with values.
+            ProgramError: It is not a predicate with values.
             QueryError: There is no such predicate or column, or it failed.
         """
         from logical_robots_tui.explain.why.explainer import read_ask
@@ -333,7 +333,7 @@ class Simulation:
 
 
 def check_robots(names: Iterable[str], known: Collection[str]) -> None:
-    """Raise ValueError for the first name that is no robot."""
+    """Raise ValueError for the first name that is not a robot."""
     for name in names:
         if name not in known:
             raise ValueError(f"There is no robot {name!r}. {did_you_mean(name, known)}")

@@ -118,7 +118,7 @@ def _scalar(value: float | bool | None, is_rounded: bool) -> str:
 
 
 def is_same(one: Value, other: Value) -> bool:
-    """Return whether two values are equal; a truth is no number."""
+    """Return whether two values are equal; a truth is not a number."""
     if one is other:
         return True
     if one != other:

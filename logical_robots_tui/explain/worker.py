@@ -74,7 +74,7 @@ def read_call(text: str) -> Called:
         raise ProgramError(source.problems)
     called, result = _sides(source)
     if not isinstance(called, Atom | Call | PredicateName) or not called.name[:1].isalpha():
-        raise _refusal(source, called, "this is no predicate with values")
+        raise _refusal(source, called, "this is not a predicate with values")
     given = _fields(() if isinstance(called, PredicateName) else called.arguments, source)
     if result is not None:
         given[VALUE] = _value(result, source)
@@ -128,7 +128,7 @@ def _value(node: Expression, source: Prepared) -> Value:
                 if each.expression is not None
             }
     hint = 'Values are numbers, "texts", true, false, null, [lists] and {of: records}.'
-    raise _refusal(source, node, "this is no value", hint)
+    raise _refusal(source, node, "this is not a value", hint)
 
 
 def _refusal(

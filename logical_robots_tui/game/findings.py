@@ -213,7 +213,7 @@ def _longest(holds: Sequence[bool]) -> tuple[int, int]:
 
 
 _SEEN = frozenset({*OBJECTS, NO_LABEL})
-"""What a ray may report that is no name."""
+"""What a ray may report that is not a name."""
 
 _MOST_PLACES = 6
 _MOST_LEAVES = 3

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Frame:
     """Everything that the screen, the inspector and a replay need from one tick.
 
-    Frame 0 is the start: nobody has thought yet, ``decisions`` is empty, ``before`` equals
+    Frame 0 is the start: no decision yet, ``decisions`` is empty, ``before`` equals
     ``after``, and ``sensors`` shows what the robots see from their start (clock 0). The same holds
     for a tick at whose end an edit of the level added or removed robots or areas. After any other
     edit ``after`` is the edited world, and everything else is unchanged.

@@ -67,7 +67,7 @@ class Ghost:
 
 
 def ghost_of(replay: Replay, level: Level, name: str) -> Ghost:
-    """Compute all of a replay, which needs no program; raise InputError if it is no fair race.
+    """Compute all of a replay, which needs no program; raise InputError if it is not a fair race.
 
     It must be of the level as given, from its start, without changes by hand.
     """

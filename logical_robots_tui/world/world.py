@@ -123,8 +123,8 @@ class World:
                 so does an engine whose power is not a finite number.
 
         Raises:
-            ValueError: A name is not a robot of the level, or something is no desire; nothing has
-                changed then.
+            ValueError: A name is not a robot of the level, or something is not a desire; nothing
+                has changed then.
         """
         for name in sorted(desires.keys() - set(self._names)):
             hint = did_you_mean(name, self._names)

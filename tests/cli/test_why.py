@@ -78,7 +78,7 @@ def _asked(nodes: list[dict[str, Any]]) -> list[dict[str, Any]]:
         (["--robot", "Pip", "--predicate", "Robbot"], "there is no predicate Robbot."),
         (["--robot", "Pip", "--predicate", "Speed"], "Speed is a function of d"),
         (["--robot", "Pip", "--given", "nonsense"], "'nonsense' is not COLUMN=VALUE"),
-        (["--robot", "Pip", "--predicate", "Speed(x + 1)"], "this is no value"),
+        (["--robot", "Pip", "--predicate", "Speed(x + 1)"], "this is not a value"),
         (["--robot", "Pip", "--predicate", "Speed(1"], "this '(' is never closed"),
         (["--robot", "Pip", "--predicate", "Robot(pace: 1)"], "Robot has no column pace"),
         (["--robot", "Pip", "--tick", "0"], "'0' is not an integer of at least 1"),

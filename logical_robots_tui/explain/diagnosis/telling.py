@@ -64,7 +64,7 @@ _MOST_LISTED = 4  # values
 
 
 _RARE = 20
-"""Ticks; what was asked in fewer of a longer run is no reason for a warning."""
+"""Ticks; what was asked in fewer of a longer run is not a reason for a warning."""
 
 
 def rule_findings(

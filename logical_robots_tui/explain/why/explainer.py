@@ -149,7 +149,7 @@ def read_ask(program: Program, text: str, within: str = "") -> Ask:
     """Read a question, such as ``Next(robot_name: "Crow")``. Blocks.
 
     Raises:
-        ProgramError: It is no predicate with values.
+        ProgramError: It is not a predicate with values.
         QueryError: There is no such predicate or column, or arguments are missing.
     """
     asked = read_call(text, within)

@@ -45,7 +45,7 @@ class Node:
             sensor or a memory, ``instance`` of a call with other arguments; the others by name.
         text: The subject, often a piece of the program in one line.
         said: The remark on it, or "".
-        holds: Whether it gave something; None if that is no question.
+        holds: Whether it gave something; None if that is not a question.
         values: Its value; several are examples from several ways.
         more: How many more values there are.
         asked: The question one step deeper.

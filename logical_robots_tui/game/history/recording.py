@@ -270,13 +270,13 @@ _WRONG = (ValueError, TypeError, LookupError, AttributeError, StopIteration, Rec
 
 @contextmanager
 def _damage_told() -> Iterator[None]:
-    """Raise DamagedError for whatever reading a piece raises that is no piece."""
+    """Raise DamagedError for whatever reading a piece raises that is not a piece."""
     try:
         yield
     except DamagedError:
         raise
     except _WRONG as error:
-        raise DamagedError("these are no moments") from error
+        raise DamagedError("these are not moments") from error
 
 
 def _folder() -> CacheFolder:

@@ -137,7 +137,7 @@ class Needs(NamedTuple):
     """What the panes hold when a level or a program is opened.
 
     `aspect` is the width of the map by its height, `lines` are the lengths of the program's lines,
-    `code` that of the longest one which is no comment. `rows` are what the inspector shows, most
+    `code` that of the longest one which is not a comment. `rows` are what the inspector shows, most
     of all pages since then.
     """
 

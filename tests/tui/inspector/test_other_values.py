@@ -59,7 +59,7 @@ async def test_nonsense_gets_a_clear_message_and_can_be_mended(data_dir: Path) -
         await asked_why(game)
         prompt = await prompted(game, "memory")
         for nonsense, message in [
-            ("Robot(memory: far + 1)", "This is no value."),
+            ("Robot(memory: far + 1)", "This is not a value."),
             ("Robot(memory: ", "is never closed"),
             ("Robot(mood: 1)", "Robot has no column mood"),
             ("Robbot(1)", "no rules for Robbot"),
