@@ -96,7 +96,7 @@ _HINT = "Each has a program such as ada.l, or a folder with one that is named li
 
 
 def _level(spec: TomlFile, name: str) -> tuple[Level, str]:
-    """Return level and text; raises TomlFileError if it is no level for a match."""
+    """Return level and text; raises TomlFileError if it is not a level for a match."""
     path = ("tournament", "level")
     try:
         level, text = level_with_text(name, spec.folder)

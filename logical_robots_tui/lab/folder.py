@@ -305,7 +305,7 @@ class Ledger:
             self._db.executescript(f"BEGIN; {_SCHEMA} PRAGMA user_version = {_VERSION}; COMMIT;")
         kinds = self._db.execute("SELECT DISTINCT type FROM sqlite_schema").fetchall()
         if not {kind for (kind,) in kinds} <= {"table", "index"}:
-            raise LedgerError("it is damaged (it is no ledger)", place=str(self._file))
+            raise LedgerError("it is damaged (it is not a ledger)", place=str(self._file))
         found = self._db.execute("SELECT DISTINCT engine FROM results").fetchall()
         if not self._mixed and any(engine != self._engine for (engine,) in found):
             message = "its results are from another version of Logical Robots, Python or SQLite"

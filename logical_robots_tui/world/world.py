@@ -224,7 +224,7 @@ def desire_of(robot: str, wanted: Wanted | None) -> Desire:
         left, right = wanted
         return Desire(float(left), float(right))
     except (TypeError, ValueError):
-        message = f"{wanted!r} is no desire of {robot}: give a pair of engine powers, left first"
+        message = f"{wanted!r} is not a desire of {robot}: give a pair of engine powers, left first"
         raise ValueError(f"{message}, such as (1, 0.5).") from None
 
 
