@@ -47,7 +47,7 @@ class Limit(msgspec.Struct, frozen=True):
 
 
 class RunLimit(Limit, frozen=True):
-    """The same with the steps of all thoughts of a run, which affect the result; 0 is not a limit."""
+    """The same with the steps of all thoughts of a run, which affect the result; 0 means none."""
 
     run_steps: Annotated[int, Bounds(0)] = 0
 
