@@ -72,7 +72,7 @@ def _write_maze(folder: Path) -> None:
 
 def _write_files_of_lab(folder: Path) -> None:
     """The files of the pages on the laboratory."""
-    for page in ("lab.md", "arena.md"):
+    for page in ("lab.md", "grading.md", "arena.md"):
         _write_files_of(page, folder)
 
 
@@ -111,6 +111,8 @@ BEFORE: dict[str, Callable[[Path], None]] = {
     f"{PROGRAM} level convert": _write_both_formats,
     f"{PROGRAM} level check": _write_maze,
     "docs/lab.md": _write_files_of_lab,
+    "docs/grading.md": _write_files_of_lab,
+    "docs/cluster.md": _write_files_of_lab,
     "docs/arena.md": _write_files_of_lab,
     "docs/teaching.md": _write_files_of_lab,
     PROGRAM: _write_files_of_lab,
@@ -129,6 +131,8 @@ OF_MANY_RUNS = {
     *(f"{PROGRAM} {command}" for command in ("grade", "sweep", "tournament")),
     *(f"{PROGRAM} {command}".strip() for command in commands() if command.startswith("lab")),
     "docs/lab.md",
+    "docs/grading.md",
+    "docs/cluster.md",
     "docs/arena.md",
     "docs/teaching.md",
 }

@@ -90,6 +90,12 @@ def test_the_readme_is_short() -> None:
     assert len(README.read_text().splitlines()) <= 90
 
 
+@pytest.mark.parametrize("page", PAGES[1:], ids=lambda page: page.stem)
+def test_a_page_that_is_written_by_hand_is_not_long(page: Path) -> None:
+    if page.stem not in {"learn", "solutions"}:
+        assert len(page.read_text().splitlines()) <= 250
+
+
 @pytest.mark.parametrize("line", [line for b in code(README, "") for line in b.splitlines()])
 def test_every_command_in_the_readme_exists(line: str) -> None:
     name, *arguments = shlex.split(line)
