@@ -146,7 +146,8 @@ def _bars(title: str, values: Mapping[str, float]) -> list[str]:
         return []
     plotext.clear_figure()
     plotext.simple_bar(list(values), list(values.values()), width=_WIDTH, title=title)
-    return _built()
+    is_count = all(isinstance(value, int) for value in values.values())
+    return [line.removesuffix(".00") if is_count else line for line in _built()]
 
 
 def _built() -> list[str]:
