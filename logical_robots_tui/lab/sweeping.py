@@ -237,8 +237,8 @@ def level_with_text(name: str, folder: Path) -> tuple[Level, str]:
     is_path = Path(name).suffix in SUFFIXES or "/" in name
     level = load_level(folder / name if is_path else name)
     if not Path(level.source).exists():
-        hint = "Save it as a file: logical-robots level new"
-        raise InputError("a level of a day has no file", place=name, hint=hint)
+        hint = f"Make one: logical-robots level new {name}.toml --copy {name}"
+        raise InputError("a labyrinth of the day has no file", place=name, hint=hint)
     return level, read_text(Path(level.source))
 
 
