@@ -181,10 +181,14 @@ class TomlFile:
         if self._problems:
             raise TomlFileError(self.problems)
 
-    def read(self, kind: type[T]) -> T:
-        """Return the whole file as a record, or raise TomlFileError."""
+    def draft(self, kind: type[T]) -> T:
+        """Return the whole file as a record in which what is wrong is left at its default.
+
+        Raises TomlFileError if something that is needed is wrong.
+        """
         found = self.value(kind, self.data, ())
-        self.refuse()
+        if found is None:
+            self.refuse()
         assert isinstance(found, kind)
         return found
 

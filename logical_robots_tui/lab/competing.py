@@ -59,7 +59,7 @@ def plan_tournament(file: Given, players: Path) -> tuple[Manifest, dict[str, str
     for fewer than two players.
     """
     spec = TomlFile(file)
-    tournament = spec.read(Tournament)
+    tournament = spec.draft(Tournament)
     table, limits = tournament.tournament, tournament.limits
     level, text = _level(spec, table.level)
     ticks = min(table.ticks or level.match_ticks, level.match_ticks)

@@ -93,8 +93,11 @@ class Assignment(msgspec.Struct, frozen=True):
 
 
 def read_assignment(spec: TomlFile) -> Assignment:
-    """Return an assignment, without looking up names, or raise TomlFileError."""
-    found = spec.read(Assignment)
+    """Return an assignment, without looking up names; raises TomlFileError if there is none.
+
+    What is wrong with parts of it is reported only.
+    """
+    found = spec.draft(Assignment)
     if not any(msgspec.structs.astuple(found.points)):
         spec.problem(("points",), "at least one share of the points must be more than 0")
     if found.points.starts and not found.assignment.starts:
@@ -105,7 +108,6 @@ def read_assignment(spec: TomlFile) -> Assignment:
     for number, name in enumerate(names):
         if name in names[:number]:
             spec.problem(("level", number, "name"), f'the level "{name}" is there twice')
-    spec.refuse()
     return found
 
 

@@ -121,10 +121,7 @@ def read_experiment(spec: TomlFile) -> Experiment:
 
     What is wrong with parts of it is reported only.
     """
-    found: Experiment | None = spec.value(Experiment, spec.data, ())
-    if found is None:
-        spec.refuse()
-    assert found is not None
+    found = spec.draft(Experiment)
     for number, vary in enumerate(found.vary):
         path: Path_ = ("vary", number)
         if spec.is_wrong(path):

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.cli.main import main
+from logical_robots_tui.lab.competing import plan_tournament
 from logical_robots_tui.lab.submissions import normalise, plan_grading
 from logical_robots_tui.lab.sweeping import (
     Case,
@@ -33,6 +34,24 @@ def problems(folder: Path, text: str) -> list[str]:
     with pytest.raises(TomlFileError) as caught:
         plan_sweep(file)
     return [problem.removeprefix(f"{folder}/") for problem in caught.value.problems]
+
+
+def test_unknown_keys_and_wrong_names_of_an_assignment_are_told_together(tmp_path: Path) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(
+        '[assignment]\ntitel = "x"\nstarts = -3\n[[level]]\nname = "99-none"\n', "utf-8"
+    )
+    with pytest.raises(TomlFileError) as caught:
+        plan_grading(file, tmp_path)
+    assert [problem.split(":")[-2] for problem in caught.value.problems] == ["2", "3", "5"]
+
+
+def test_a_tournament_is_refused_for_all_that_is_wrong_with_it(tmp_path: Path) -> None:
+    file = tmp_path / "t.toml"
+    file.write_text('[tournament]\nlevel = "16-nope"\ntitel = "x"\n', "utf-8")
+    with pytest.raises(TomlFileError) as caught:
+        plan_tournament(file, tmp_path)
+    assert [problem.split(":")[-2] for problem in caught.value.problems] == ["2", "3"]
 
 
 def test_all_that_is_wrong_is_said_with_its_line(tmp_path: Path) -> None:
@@ -192,7 +211,7 @@ def test_what_is_wrong_with_an_assignment_is_said(tmp_path: Path) -> None:
     with pytest.raises(TomlFileError) as caught:
         plan_grading(file, tmp_path)
     lines = [problem.split(": ")[0].removeprefix(f"{file}:") for problem in caught.value.problems]
-    assert lines == ["3", "7", "9"]
+    assert lines == ["2", "3", "7", "9"]
     (tmp_path / "r.csv").write_text("id\n1\n1\n")
     file.write_text(
         '[assignment]\nroster = "r.csv"\nstarts = 0\n[[level]]\nname = "01-first-steps"\n'
