@@ -60,7 +60,7 @@ def test_each_level_has_a_line(command: Command, folder: Path, won: tuple[str, M
     assert [LEVEL, "won", str(ticks), str(size)] == lines[1][:4]
     assert lines[1][-4:] == ["1", "of", "20", "1"]
     assert lines[2] == ["02-open-space", "new", "2"]
-    assert lines[-1] == ["/maps/cellar.toml", "in", "work"]
+    assert lines[-1] == ["/maps/cellar.toml", "started"]
 
 
 def test_nothing_is_written_for_who_has_no_progress(command: Command, tmp_path: Path) -> None:
