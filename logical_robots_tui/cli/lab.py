@@ -289,7 +289,7 @@ def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
 
 
 def _work(options: argparse.Namespace, folder: Folder, planned: Manifest) -> int:
-    from logical_robots_tui.lab import engine_for, rounds
+    from logical_robots_tui.lab import closed_after, engine_for, rounds
 
     student = getattr(options, "student", None)
     if student:
@@ -303,19 +303,15 @@ def _work(options: argparse.Namespace, folder: Folder, planned: Manifest) -> int
                 options.workers, options.dask, lambda said: print(harmless(said), file=sys.stderr)
             )
             try:
-                for manifest, coordinator in chain([first], work):
-                    with _progress(manifest, coordinator) as show:
-                        coordinator.work(engine, is_stopped, show)
-                    if is_stopped():
-                        break
+                with closed_after(engine):
+                    for manifest, coordinator in chain([first], work):
+                        with _progress(manifest, coordinator) as show:
+                            coordinator.work(engine, is_stopped, show)
+                        if is_stopped():
+                            break
             except InputError as error:  # such as a full disk
-                engine.close(at_once=True)
                 print(harmless(str(error)), file=sys.stderr)
                 return INCOMPLETE
-            except BaseException:
-                engine.close(at_once=True)
-                raise
-            engine.close()
         status = _tell(folder, manifest, ledger, coordinator)
         if student:
             from logical_robots_tui.lab.grading import feedback_of

@@ -45,6 +45,7 @@ class Results:
         done: Number of runs that have a result.
         due: Number of runs that are left.
         failed: Number of runs that could not be done.
+        complete: Whether nothing is left: no run, no failure, and no further round.
 
     Raises:
         InputError: There is no such folder, or it is damaged.
@@ -177,14 +178,10 @@ def _carry_out(
         planned = folder.write(*plan)
         ledger.forget_failures()
         engine = engine_for(workers, dask, _say if progress else lambda _: None)
-        try:
+        with closed_after(engine):
             for manifest, coordinator in rounds(folder, planned, ledger):
                 with _progress(manifest, coordinator, progress) as show:
                     coordinator.work(engine, lambda: False, show)
-        except BaseException:
-            engine.close(at_once=True)
-            raise
-        engine.close()
         if coordinator.tally().is_complete or manifest.kind == "grade":
             export(folder, manifest, ledger)
     return Results(path, mixed=mixed)
@@ -200,6 +197,17 @@ def engine_for(workers: int | None, dask: str, say: Callable[[str], None]) -> En
 
     here = hasattr(os, "sched_getaffinity")
     return LocalEngine(workers or (len(os.sched_getaffinity(0)) if here else os.cpu_count() or 1))
+
+
+@contextmanager
+def closed_after(engine: Engine) -> Iterator[None]:
+    """Close an engine in the end, at once if that is an error or an interrupt."""
+    try:
+        yield
+    except BaseException:
+        engine.close(at_once=True)
+        raise
+    engine.close()
 
 
 def rounds(

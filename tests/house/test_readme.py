@@ -13,6 +13,7 @@ import pytest
 
 from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.cli.main import parser as command_parser
+from logical_robots_tui.game import reference_for
 from logical_robots_tui.game.measuring import patience_for, play_through
 from logical_robots_tui.mind import Program
 from logical_robots_tui.player.settings import read_settings
@@ -109,7 +110,9 @@ def test_every_command_in_the_readme_exists(line: str) -> None:
 def test_the_program_that_is_shown_wins() -> None:
     (program,) = code(README, "prolog")
     level = load_level(list_levels()[0])
-    assert play_through(level, Program.compile(program), patience_for(1_609)).won_at
+    reference = reference_for(level)
+    assert reference is not None
+    assert play_through(level, Program.compile(program), patience_for(reference.ticks)).won_at
 
 
 def test_the_settings_can_be_used(tmp_path: Path) -> None:
