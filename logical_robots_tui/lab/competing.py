@@ -265,7 +265,8 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -
         if each.start == 0:
             at = each.cell.settings
             points = ", ".join(f"{at[t]} ({t}) {n:,g}" for t, n in each.result.points.items())
-            rows.append((each.cell.program_name, points, as_code(each.replay)))
+            command = as_code(manifest.command(each.cell, 0))
+            rows.append((each.cell.program_name, points, command))
     said = (
         "<p>Each from the given start; runs.csv has all. The commands are typed in this folder; "
         "replay record instead of play keeps a match in a file.</p>"

@@ -27,13 +27,6 @@ class Done(NamedTuple):
     job: str
     result: Result
 
-    @property
-    def replay(self) -> str:
-        """The command that plays it on the screen, to be typed in the folder."""
-        programs = " ".join(f"inputs/{each}" for each in self.cell.parts or (self.cell.program,))
-        command = f"logical-robots play inputs/{self.cell.level} {programs}"
-        return command + (f" --start {self.start}" if self.start else "")
-
 
 class Table(NamedTuple):
     columns: tuple[str, ...]
@@ -197,7 +190,7 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
                 sum(result.notices.values()),
                 first or "",
                 engines.get(job, ""),
-                each.replay,
+                manifest.command(each.cell, each.start),
             )
         )
     return Table(columns, rows)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import os
+import re
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from datetime import timedelta
 from errno import ENOSPC
+from itertools import chain, count
 from pathlib import Path
 from time import monotonic, time
 from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
@@ -17,14 +19,17 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 import msgspec
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.lab.running import Asked, Result, engine, fingerprint
 from logical_robots_tui.paths import read_ordinary, write_atomically
+from logical_robots_tui.world.levels.load import NATIVE, WEB, is_of_web
 
 _FORMAT = 1
 _MOST_BYTES = 64_000_000  # of a manifest
 _MOST_NESTED = 5_000_000  # brackets and commas of one, whose objects take far more than their text
 
 _UNREADABLE = (msgspec.MsgspecError, AttributeError, RecursionError, TypeError, ValueError)
+_LONGEST_STEM = 60
 _NESTING = (b"[", b"{", b",")
 
 BUILT_IN = ("won", "ticks", "distance", "size")
@@ -35,6 +40,7 @@ Ticks: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10**9)]
 Starts: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10_000)]
 Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join((*BUILT_IN, 'rules'))})$")]
 Index: TypeAlias = Annotated[int, msgspec.Meta(ge=0)]
+FileName: TypeAlias = Annotated[str, msgspec.Meta(pattern=r"^\w[\w.+-]{0,99}$")]
 
 
 class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -95,7 +101,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     The first of them is `first_start`. A think has `steps` at most, a run `run_steps` unless that
     is 0, and `seconds` of a processor; it ends when the question `until` holds, unless that is "".
     `rounds` are pairs of players by index, for each round of a tournament that is known so far.
-    `strays` are files that nobody handed in.
+    `strays` are files that nobody handed in; `files` are the names of the inputs' files by digest.
     """
 
     kind: Literal["sweep", "grade", "tournament"]
@@ -116,6 +122,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     rounds: tuple[tuple[tuple[Index, Index], ...], ...] = ()
     most_rounds: Index = 1
     strays: tuple[str, ...] = ()
+    files: dict[Digest, FileName] = {}
     run_steps: Index = 0
     first_start: Annotated[int, msgspec.Meta(ge=1, le=10**9)] = 1
     until: str = ""
@@ -131,6 +138,12 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
         """Return whose program a cell runs where: ``Ada (1001): ada.l in 01-first-steps``."""
         whose = next((each.called for each in self.students if each.id == cell.student), "")
         return f"{whose}: " * bool(whose) + f"{cell.program_name} in {cell.level_name}"
+
+    def command(self, cell: Cell, start: int) -> str:
+        """Return the command that plays a run on the screen, to be typed in the folder."""
+        names = (cell.level, *(cell.parts or (cell.program,)))
+        files = " ".join(f"inputs/{self.files.get(name, name)}" for name in names)
+        return f"logical-robots play {files}" + (f" --start {start}" if start else "")
 
     def job(self, cell: Cell, start: int) -> str:
         """Return the digest of what a run depends on, except the engine."""
@@ -149,9 +162,35 @@ def digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def _files_of(manifest: Manifest, inputs: Mapping[str, str]) -> dict[str, str]:
+    """Return names for the files of inputs, after levels, programs, players and students."""
+    called: dict[str, str] = {player.program: player.name for player in manifest.players}
+    endings: dict[str, str] = {}
+    for cell in (manifest.match, *manifest.cells):
+        program = f"{cell.student}-{cell.level_name}" if cell.student else cell.program_name
+        for name in filter(None, (cell.own, cell.program)):
+            called.setdefault(name, program.removesuffix(SUFFIX))
+        called.setdefault(cell.level, cell.level_name)
+        endings[cell.level] = WEB if is_of_web(inputs.get(cell.level, "")) else NATIVE
+    files: dict[str, str] = {}
+    taken: set[str] = {SUFFIX, NATIVE, WEB}
+    for name in filter(called.__contains__, inputs):
+        stem = re.sub(r"[^\w.+-]+", "_", called[name])[:_LONGEST_STEM].strip("._-+")
+        numbered = (f"{stem}-{number}".lstrip("-") for number in count(2))
+        file = next(
+            file
+            for each in chain([stem], numbered)
+            if (file := each + endings.get(name, SUFFIX)).casefold() not in taken
+        )
+        taken.add(file.casefold())
+        files[name] = file
+    return files
+
+
 class Folder:
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._files: Mapping[str, str] = {}
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -173,16 +212,17 @@ class Folder:
             os.close(handle)
 
     def write(self, manifest: Manifest, inputs: Mapping[str, str]) -> Manifest:
-        """Write a manifest and its inputs by digest; return the manifest with this engine."""
+        """Write a manifest and its inputs by digest; return the manifest with engine and files."""
+        self._files = manifest.files or _files_of(manifest, inputs)
         try:
             for name, text in inputs.items():
-                file, content = self.path / "inputs" / name, text.encode()
+                file, content = self._input(name), text.encode()
                 if not file.exists() or file.read_bytes() != content:
                     file.write_bytes(content)
             os.sync()  # once, for thousands of files, before the manifest names them
         except OSError as error:
             raise self._unwritable(file, error) from error
-        manifest = msgspec.structs.replace(manifest, engine=engine())
+        manifest = msgspec.structs.replace(manifest, engine=engine(), files=self._files)
         self.put(self.path / "manifest.json", msgspec.json.format(msgspec.json.encode(manifest)))
         return manifest
 
@@ -214,6 +254,7 @@ class Folder:
             players = range(len(manifest.players))
             if any(not {*pair} <= {*players} for pairs in manifest.rounds for pair in pairs):
                 raise ValueError("there is no such player")
+            self._files = manifest.files
             return manifest
         except _UNREADABLE as error:
             hint = "Run the same command with -o again; results in the ledger are kept."
@@ -221,7 +262,7 @@ class Folder:
 
     def text(self, name: str) -> str:
         """Return an input by its digest; raises InputError if it is missing or damaged."""
-        file = self.path / "inputs" / name
+        file = self._input(name)
         hint = "Run the same command with -o again; results in the ledger are kept."
         try:
             text = file.read_bytes().decode()
@@ -230,6 +271,9 @@ class Folder:
         if digest(text) != name:
             raise InputError("this input is damaged", place=str(file), hint=hint)
         return text
+
+    def _input(self, name: str) -> Path:
+        return self.path / "inputs" / self._files.get(name, name)
 
     def ledger(self, *, mixed: bool = False) -> closing[Ledger]:
         return closing(Ledger(self.path / "ledger.db", fingerprint(), mixed=mixed))

@@ -451,12 +451,11 @@ def _json(data: Any) -> bytes:
 def _junit(title: str, grades: list[Grade]) -> bytes:
     top = ElementTree.Element("testsuites", name=harmless_text(title))
     for grade in grades:
-        suite = ElementTree.SubElement(top, "testsuite", name=harmless_text(grade.student.id))
+        called = harmless_text(grade.student.called)
+        suite = ElementTree.SubElement(top, "testsuite", name=called)
         counts = dict.fromkeys(("failures", "errors", "skipped"), 0)
         for level in grade.levels:
-            case = ElementTree.SubElement(
-                suite, "testcase", classname=harmless_text(grade.student.id), name=level.level
-            )
+            case = ElementTree.SubElement(suite, "testcase", classname=called, name=level.level)
             kind = _junit_kind(level)
             if kind:
                 counts[{"failure": "failures", "error": "errors"}.get(kind, kind)] += 1

@@ -421,7 +421,7 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
         kinds.setdefault((each.cell.level_name, each.result.outcome, why), []).append(each)
     rows: list[Sequence[Any]] = []
     for (level, outcome, why), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
-        rows.append((level, outcome, why, len(runs), as_code(runs[0].replay)))
+        rows.append((level, outcome, why, len(runs), as_code(manifest.command(*runs[0][:2]))))
     head = ("level", "how it ended", "why", "runs", "one of them")
     title = "What failed" if manifest.kind == "tournament" else "Not won"
     return f"<h2>{title}</h2>" + as_table(head, rows) if rows else ""
@@ -447,7 +447,9 @@ def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
                 _interval(share),
                 *((spread := _spread(map(each, runs))) and spread[0] for each in measures.values()),
                 as_code(
-                    play_command(folder, manifest, cell, shown.start) if names else shown.replay
+                    play_command(folder, manifest, cell, shown.start)
+                    if names
+                    else manifest.command(cell, shown.start)
                 ),
             )
         )

@@ -113,8 +113,9 @@ def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
         written = folder.write(*plan_sweep(write_experiment(tmp_path)))
     assert folder.manifest() == written
     program = written.cells[0].program
+    assert [*written.files.values()] == ["01-first-steps.toml", "first.l", "first-2.l"]
     assert "Near() = 20;" in folder.text(program)
-    (folder.path / "inputs" / program).write_text("Robot();")
+    (folder.path / "inputs" / written.files[program]).write_text("Robot();")
     with pytest.raises(InputError, match="this input is damaged"):
         folder.text(program)
     (folder.path / "manifest.json").write_text('{"format": 7}')
@@ -147,6 +148,7 @@ MANIFESTS: dict[str, Callable[[bytes], bytes]] = {
     "fewer than no starts": lambda told: re.sub(rb'"starts": \d+', b'"starts": -5', told),
     "another measure": lambda told: told.replace(b'"won"', b'"speed"'),
     "a path": lambda told: re.sub(rb'"level": "[0-9a-f]+"', b'"level": "../../etc/passwd"', told),
+    "a path of a file": lambda told: told.replace(b'"first.l"', b'"../first.l"'),
     "long": lambda told: b"[" + b"[]," * 9_000_000 + b"1]",
 }
 
@@ -165,7 +167,7 @@ def test_an_export_says_which_input_is_damaged(swept: Folder, tmp_path: Path) ->
     copy = shutil.copytree(swept.path, tmp_path / "copy")
     folder = Folder(copy)
     manifest = folder.manifest()
-    (copy / "inputs" / manifest.cells[0].level).write_text("another")
+    (copy / "inputs" / manifest.files[manifest.cells[0].level]).write_text("another")
     with folder.ledger() as ledger, pytest.raises(InputError, match="this input is damaged"):
         export_runs(folder, manifest, ledger)
 

@@ -333,6 +333,10 @@ def test_a_match_can_be_seen_again(tmp_path: Path, command: Command) -> None:
     file = tmp_path / "match.replay"
     assert command("replay", "record", *match, "-o", file).status == 0
     assert command("replay", "verify", file).status == 0
+    called = [name.rpartition("/")[2].removesuffix(".l") for name in match[1:3]]
+    shown = command("replay", "show", file, "--json").data["programs"]
+    assert [each["name"] for each in shown] == ["-".join(called)] * 2
+    assert row["program"] == " against ".join(called)
 
 
 def test_the_report_is_one_page_without_scripts_and_links(tmp_path: Path, command: Command) -> None:
