@@ -26,7 +26,7 @@ __all__ = ["measure_reference"]
 
 
 async def measure_reference(level: Level, name: str) -> Measures:
-    """Measure a reference program of a level from its start and from shifted starts."""
+    """Measure a reference program of a level from its start and from varied starts."""
 
     def show(trial: Trial) -> None:
         print(f"\r{name}: {trial.wins} of {trial.tried}", end="", file=sys.stderr)

@@ -51,7 +51,7 @@ class Simulation:
         level: A level, or its name, path or text.
         program: A program, its name, path or text; in a level with teams for the first one, or a
             mapping by team. By default, and for teams that are not named, the one of the level.
-        start: 0 is the given start, any other number one that is shifted a little.
+        start: 0 is the given start, any other number a varied one.
         limits: Limits on thinking.
 
     Attributes:

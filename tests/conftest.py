@@ -180,7 +180,7 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory, worker_id: 
 
 @pytest.fixture(autouse=True)
 def _as_urgent_as_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A trial of shifted starts gets its share of a busy machine, for tests wait for it."""
+    """A trial of varied starts gets its share of a busy machine, for tests wait for it."""
     monkeypatch.setattr(measuring, "NICENESS", 0)
 
 

@@ -1,4 +1,4 @@
-"""Playing to the end, also from shifted starts, to measure a program in a process of its own."""
+"""Playing to the end, also from varied starts, to measure a program in a process of its own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from logical_robots_tui.world import Beacon, Level, Robot, World
 from logical_robots_tui.world.level import GoalKind, rename_in_areas
 
 STARTS = 20
-"""The number of shifted starts to try."""
+"""The number of varied starts to try."""
 
 FARTHEST_SHIFT = 8.0
 """Largest shift of a robot along each axis, in map units."""
@@ -52,8 +52,8 @@ class Played:
 
 
 def start_of(level: Level, start: int) -> Level:
-    """Return the level with its robots at a start: 0 is the given one, others are shifted."""
-    return shift_start(level, start - 1) if start else level
+    """Return the level with its robots at a start: 0 is the given one, others are varied."""
+    return vary_start(level, start - 1) if start else level
 
 
 def named_start_of(level: Level, start: int) -> Level:
@@ -66,7 +66,7 @@ def named_start_of(level: Level, start: int) -> Level:
     )
 
 
-def shift_start(level: Level, seed: int) -> Level:
+def vary_start(level: Level, seed: int) -> Level:
     """Return the level with every robot's start shifted and rotated a little, by seed.
 
     Robots of the same index in their teams are shifted alike, relative to their heading. The names
@@ -175,7 +175,7 @@ def try_starts(
     stop: threading.Event | None = None,
     report: Callable[[int, int], None] = lambda _tried, _wins: None,
 ) -> int:
-    """Play a level from shifted starts, always the same; return the number won. Blocks.
+    """Play a level from varied starts, always the same; return the number won. Blocks.
 
     `report` gets the numbers of tried and won starts. Raises Stopped, or LateError if the clock
     cut off a thought.
@@ -183,7 +183,7 @@ def try_starts(
     wins = 0
     for seed in range(starts):
         wins += (
-            play_through(shift_start(level, seed), program, patience, stop=stop).won_at is not None
+            play_through(vary_start(level, seed), program, patience, stop=stop).won_at is not None
         )
         report(seed + 1, wins)
     return wins
@@ -211,7 +211,7 @@ class Trial:
 
 
 def patience_for(ticks: int) -> int:
-    """Return the tick limit for a shifted start, given the ticks of the original one."""
+    """Return the tick limit for a varied start, given the ticks of the original one."""
     return min(2 * ticks + 200, 2 * MOST_TICKS)
 
 

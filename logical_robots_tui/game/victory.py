@@ -149,7 +149,7 @@ def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
 
 
 def robustness_line(level: Level, measures: Measures) -> str:
-    return f"{level.title}: won from {measures.wins} of {measures.starts} shifted starts."
+    return f"{level.title}: won from {measures.wins} of {measures.starts} varied starts."
 
 
 def result_line(level: Level, measures: Measures) -> str:

@@ -97,7 +97,7 @@ class Player(msgspec.Struct, frozen=True, omit_defaults=True):
 class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     """Everything that is needed to repeat the work, beside the inputs.
 
-    There are `starts` shifted starts, if `given_first` for programs that win from the given one.
+    There are `starts` varied starts, if `given_first` for programs that win from the given one.
     The first of them is `first_start`. A think has `steps` at most, a run `run_steps` unless that
     is 0, and `seconds` of a processor; it ends when the question `until` holds, unless that is "".
     `rounds` are pairs of players by index, for each round of a tournament that is known so far.

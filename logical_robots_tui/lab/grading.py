@@ -72,7 +72,7 @@ class Part(msgspec.Struct, frozen=True):
     said: str
 
     def __str__(self) -> str:
-        what = {"won": "winning", "starts": "shifted starts"}.get(self.name, self.name)
+        what = {"won": "winning", "starts": "varied starts"}.get(self.name, self.name)
         return f"{self.points:g} of {self.most:g} points for {what}: {self.said}."
 
 
@@ -80,7 +80,7 @@ class LevelGrade(msgspec.Struct, frozen=True):
     """What a student has achieved in a level; `distance` is in map units.
 
     `points` is None if runs are missing through no fault of the student's; `lost` are numbers
-    of shifted starts. Outcome, ticks, distance, and of what was not won `ends` and `questions` are
+    of varied starts. Outcome, ticks, distance, and of what was not won `ends` and `questions` are
     from the given start.
     """
 
@@ -188,12 +188,12 @@ def _level(
 ) -> LevelGrade:
     first = results.get(0)
     won = first is not None and first.outcome == "won"
-    shifted = {start: result for start, result in results.items() if start}
-    wins = sum(result.outcome == "won" for result in shifted.values())
+    varied = {start: result for start, result in results.items() if start}
+    wins = sum(result.outcome == "won" for result in varied.values())
     is_over = first is not None and (
         first.outcome == "does not compile"
         or (manifest.given_first and not won)
-        or len(shifted) == manifest.starts
+        or len(varied) == manifest.starts
     )
     points: float | None = 0.0
     parts: tuple[Part, ...] = ()
@@ -222,7 +222,7 @@ def _level(
         first.distance if first else 0.0,
         wins,
         manifest.starts,
-        tuple(start for start, result in shifted.items() if result.outcome != "won"),
+        tuple(start for start, result in varied.items() if result.outcome != "won"),
         tuple(messages),
         tuple(end.said(first.ticks) for end in first.ends) if first and not won else (),
         tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
@@ -418,9 +418,9 @@ def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
         said.append(f"{level.distance:,.0f} units driven.")
     if "starts" in show and level.starts and (level.wins or level.lost):
         if "starts" not in parts:
-            said.append(f"Won from {level.wins} of {level.starts} shifted starts.")
+            said.append(f"Won from {level.wins} of {level.starts} varied starts.")
         if level.lost:
-            said.append(f"Lost from shifted start {', '.join(map(str, level.lost))}.")
+            said.append(f"Lost from varied start {', '.join(map(str, level.lost))}.")
             program = f"YOUR-PROGRAM --start {level.lost[0]}"
             said.append(f"To see that: logical-robots play {level.level} {program}")
     return said + list(level.messages)

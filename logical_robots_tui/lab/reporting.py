@@ -229,8 +229,8 @@ def _overview(done: list[Done]) -> str:
             cells.append(_interval(share) if share.tried else "")
         rows.append((*cells, share_of(runs).ticks))
     given = ("programs", "won from the given start", "share", "95 % interval")
-    shifted = ("shifted starts", "won", "share", "95 % interval")
-    head = ("level", *given, *shifted, "median ticks to win")
+    varied = ("varied starts", "won", "share", "95 % interval")
+    head = ("level", *given, *varied, "median ticks to win")
     return "<h2>Levels</h2>" + as_table(head, rows)
 
 
@@ -435,7 +435,7 @@ def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
         measures = {"ticks": measures["ticks"]}
     for cell, runs in by_cell(done):
         share = share_of(runs)
-        # A run that was lost, from a shifted start if there is one, else the given start.
+        # A run that was lost, from a varied start if there is one, else the given start.
         shown = next((r for r in runs[::-1] if r.result.outcome != "won"), runs[0])
         rows.append(
             (

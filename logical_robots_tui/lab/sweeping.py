@@ -101,7 +101,7 @@ class ExperimentTable(msgspec.Struct, frozen=True):
 
     @property
     def span(self) -> tuple[int, int]:
-        """The first and the last shifted start."""
+        """The first and the last varied start."""
         return (
             (1, self.starts) if isinstance(self.starts, int) else (self.starts[0], self.starts[1])
         )
@@ -149,7 +149,7 @@ def read_experiment(spec: TomlFile) -> Experiment:
         spec.problem(("sample",), 'nothing is varied "between" two numbers')
     first, last = found.experiment.span if not spec.is_wrong(("experiment", "starts")) else (1, 1)
     if not -1 <= last - first < _MOST_VALUES:
-        said = f"shifted starts are [from, to], at most {_MOST_VALUES:,}"
+        said = f"varied starts are [from, to], at most {_MOST_VALUES:,}"
         spec.problem(("experiment", "starts"), said)
     for name, measure in found.measure.items():
         path = ("measure", name)

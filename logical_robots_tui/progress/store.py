@@ -27,7 +27,7 @@ class Measures(NamedTuple):
     """The measures of a victory; less is better, except for `wins` and `goals`.
 
     `size` is the symbols of the program, `distance` map units of all robots together; `wins` of
-    `starts` shifted starts is None if not tried.
+    `starts` varied starts is None if not tried.
     """
 
     ticks: int

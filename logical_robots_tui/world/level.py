@@ -159,7 +159,7 @@ class SecondGoal(NamedTuple):
 
     Attributes:
         kind: What is limited: ticks, the program's symbols, the units driven, in how many ticks a
-            robot was blocked, how many shifted starts are lost, or whether the mirrored level is.
+            robot was blocked, how many varied starts are lost, or whether the mirrored level is.
         most: The limit.
     """
 
@@ -238,7 +238,7 @@ class Level:
         divided_charge: Whether a source divides what it gives among those that it charges.
         solid_robots: Whether robots block each other.
         all_goals: Whether all goals must be reached at once, not any one.
-        shuffled_names: Patterns of names of robots and beacons that shifted starts exchange.
+        shuffled_names: Patterns of names of robots and beacons that varied starts exchange.
         source: Path of the file it came from, or "".
     """
 

@@ -24,8 +24,8 @@ from logical_robots_tui.game.measuring import (
     measure,
     patience_for,
     play_through,
-    shift_start,
     try_starts,
+    vary_start,
 )
 from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.game.victory import reference_table
@@ -102,20 +102,20 @@ async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back
         await game.close()
 
 
-def test_shifted_starts_are_always_the_same_and_near_the_given_one(level: Level) -> None:
+def test_varied_starts_are_always_the_same_and_near_the_given_one(level: Level) -> None:
     (given,) = level.robots
-    starts = [shift_start(level, seed).robots[0] for seed in range(20)]
-    assert starts == [shift_start(level, seed).robots[0] for seed in range(20)]
+    starts = [vary_start(level, seed).robots[0] for seed in range(20)]
+    assert starts == [vary_start(level, seed).robots[0] for seed in range(20)]
     assert len({start.x for start in starts}) == 20
     for start in starts:
         assert max(abs(start.x - given.x), abs(start.y - given.y)) <= 8
         assert abs(start.angle - given.angle) <= 0.2
 
 
-def test_goals_bring_others_together_in_shifted_starts_with_other_names() -> None:
+def test_goals_bring_others_together_in_varied_starts_with_other_names() -> None:
     level = load_level("14-right-of-way")
     homes = {frozenset(area.victory_robots) for area in level.areas}
-    starts = [shift_start(level, seed) for seed in range(100)]
+    starts = [vary_start(level, seed) for seed in range(100)]
     found = [{frozenset(area.victory_robots) for area in start.areas} for start in starts]
     assert not any(homes & each for each in found)
     assert len({frozenset(each) for each in found}) == 9
@@ -124,7 +124,7 @@ def test_goals_bring_others_together_in_shifted_starts_with_other_names() -> Non
         assert [set(area.victory_robots) == west for area in start.areas] == [False, True]
     together = replace(level, areas=(replace(level.areas[0], victory_robots=("Moss", "Fern")),))
     together = replace(together, shuffled_names=("Moss", "Fern"))
-    assert set(shift_start(together, 0).areas[0].victory_robots) == {"Moss", "Fern"}
+    assert set(vary_start(together, 0).areas[0].victory_robots) == {"Moss", "Fern"}
 
 
 def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Level) -> None:
@@ -204,7 +204,7 @@ def command_of(pid: int) -> str:
         return ""
 
 
-def test_a_shifted_start_may_take_twice_as_long() -> None:
+def test_a_varied_start_may_take_twice_as_long() -> None:
     assert patience_for(1000) >= 2000
     assert patience_for(19_000) <= 40_000
 

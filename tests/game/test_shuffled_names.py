@@ -1,4 +1,4 @@
-"""Names that shifted starts exchange."""
+"""Names that varied starts exchange."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui import load_level
-from logical_robots_tui.game.measuring import shift_start, start_of
+from logical_robots_tui.game.measuring import start_of, vary_start
 from logical_robots_tui.world import Area, Beacon, LevelError
 from logical_robots_tui.world.levels.native import read_native
 from tests.short import LEVEL as SHORT
@@ -22,7 +22,7 @@ def level() -> Level:
     return read_native(SHORT, "short", "")
 
 
-def test_shifted_starts_exchange_the_names_that_a_level_shuffles_wherever_they_stand() -> None:
+def test_varied_starts_exchange_the_names_that_a_level_shuffles_wherever_they_stand() -> None:
     level = load_level("10-distributed-mapping")
     colors = {"red": "B01", "blue": "Base"}
     lamps = tuple(
@@ -31,11 +31,11 @@ def test_shifted_starts_exchange_the_names_that_a_level_shuffles_wherever_they_s
     )
     robots = tuple(replace(each, team=each.color) for each in level.robots)
     level = replace(level, robots=robots, areas=(*level.areas, *lamps), shuffled_names=())
-    plain = [shift_start(level, seed) for seed in range(20)]
+    plain = [vary_start(level, seed) for seed in range(20)]
     level = replace(level, shuffled_names=("B??", "[A-C]*[!e]"))
-    starts = [shift_start(level, seed) for seed in range(20)]
+    starts = [vary_start(level, seed) for seed in range(20)]
     assert [start.robots for start in starts] == [
-        shift_start(level, seed).robots for seed in range(20)
+        vary_start(level, seed).robots for seed in range(20)
     ]
     for start, unnamed in zip(starts, plain, strict=True):
         for kind in ("robots", "beacons"):
@@ -60,7 +60,7 @@ def test_one_name_stays_and_two_change_by_chance_and_the_given_start_is_as_in_th
 ) -> None:
     two = (Beacon("one", 5, 5), Beacon("two", 9, 9), Beacon("other", 9, 5))
     level = replace(level, beacons=two, shuffled_names=("one", "t*", level.robots[0].name))
-    starts = [shift_start(level, seed) for seed in range(20)]
+    starts = [vary_start(level, seed) for seed in range(20)]
     assert {start.robots[0].name for start in starts} == {level.robots[0].name}
     assert {tuple(beacon.name for beacon in start.beacons) for start in starts} == {
         ("one", "two", "other"),

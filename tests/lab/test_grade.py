@@ -164,7 +164,7 @@ def test_students_read_what_they_may_see(exported: Path) -> None:
     text = (exported / "feedback/1.md").read_text("utf-8")
     assert text.startswith("# Week \\<1\\>\n\nAda: 15 of 15 points\n")
     assert "- 7.5 of 7.5 points for winning: won from the given start.\n" in text
-    assert "- 2.5 of 2.5 points for shifted starts: won from 2 of 2.\n" in text
+    assert "- 2.5 of 2.5 points for varied starts: won from 2 of 2.\n" in text
     assert "ticks" not in text
     assert "rule" not in text
     data = json.loads((exported / "feedback/1.json").read_text("utf-8"))

@@ -133,7 +133,7 @@ def test_the_number_of_robots_can_be_varied() -> None:
     assert "the level has 3" in wrong({"level": "robots", "values": [4]}, level="04-everybody-home")
 
 
-def test_shifted_starts_can_be_others(tmp_path: Path) -> None:
+def test_varied_starts_can_be_others(tmp_path: Path) -> None:
     table = {"level": "01-first-steps", "program": FIRST_STEPS, "ticks": 5, "starts": [101, 103]}
     results = sweep({"experiment": table}, tmp_path / "out", workers=1, progress=False)
     assert list(results.to_pandas()["start"]) == [0, 101, 102, 103]

@@ -147,7 +147,7 @@ def test_a_run_stops_when_its_question_holds() -> None:
     assert won == only(execute(task(FIRST_STEPS, ticks=2000)))
 
 
-def test_shifted_starts_are_for_programs_that_win_if_the_task_says_so() -> None:
+def test_varied_starts_are_for_programs_that_win_if_the_task_says_so() -> None:
     lost = execute(task(FIRST_STEPS, ticks=50, starts=(0, 1, 2), given_first=True))
     assert [start for start, _, _ in lost.results] == [0]
 

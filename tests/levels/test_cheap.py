@@ -5,7 +5,7 @@ first line of a program says what it avoids. The starter, the program that resul
 line of the briefing, and references that do without memory are tried as well; ``test_ideas`` tries
 the programs of other levels.
 
-Among the ordinary tests are the first shifted starts, but for levels with many thoughts;
+Among the ordinary tests are the first varied starts, but for levels with many thoughts;
 ``make proof`` tries all 20 everywhere.
 """
 
@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui import Program, load_level
-from logical_robots_tui.game.measuring import STARTS, patience_for, shift_start
+from logical_robots_tui.game.measuring import STARTS, patience_for, vary_start
 from tests.levels.playing import LEVELS, measured, program_text, references_of, ticks_to_win
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def cheap_programs(name: str) -> dict[str, str]:
 
 
 def patience(name: str) -> int:
-    """The ticks within which a shifted start is to be won."""
+    """The ticks within which a varied start is to be won."""
     return patience_for(measured(name).ticks)
 
 
@@ -81,10 +81,10 @@ each_cheap = pytest.mark.parametrize(
 
 
 def won_starts(name: str, program: str) -> Iterator[int]:
-    """The shifted starts that a cheap program wins from, in order."""
+    """The varied starts that a cheap program wins from, in order."""
     level, compiled = load_level(name), Program.compile(cheap_programs(name)[program])
     for seed in range(STARTS):
-        if ticks_to_win(shift_start(level, seed), compiled, patience(name)):
+        if ticks_to_win(vary_start(level, seed), compiled, patience(name)):
             yield seed
 
 
@@ -93,7 +93,7 @@ def won_starts(name: str, program: str) -> Iterator[int]:
 def test_a_cheap_program_does_not_win_from_the_first_starts(name: str, program: str) -> None:
     level, compiled = load_level(name), Program.compile(cheap_programs(name)[program])
     assert not all(
-        ticks_to_win(shift_start(level, seed), compiled, patience(name))
+        ticks_to_win(vary_start(level, seed), compiled, patience(name))
         for seed in range(MOST_WINS + 1)
     )
 

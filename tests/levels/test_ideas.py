@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import pytest
 
 from logical_robots_tui import Desire, Program, World, load_level
-from logical_robots_tui.game.measuring import play_through, shift_start
+from logical_robots_tui.game.measuring import play_through, vary_start
 from logical_robots_tui.paths import shipped_names
 from logical_robots_tui.world.dynamics import Mover, drive, is_inside
 from tests.levels.playing import LEVELS, measured, program_text, shipped_program, solution_of
@@ -189,7 +189,7 @@ def test_a_program_of_another_level_wins_only_if_it_has_the_idea(name: str, prog
 @pytest.mark.proof
 @pytest.mark.parametrize("seed", range(20))
 def test_the_starter_of_the_swarm_does_not_happen_to_come_home(seed: int) -> None:
-    assert not wins(shift_start(load_level("04-everybody-home"), seed), "swarm-starter", 9000)
+    assert not wins(vary_start(load_level("04-everybody-home"), seed), "swarm-starter", 9000)
 
 
 LEFT_HAND = (

@@ -130,7 +130,7 @@ def test_the_first_level_is_won_by_changing_the_number_as_its_briefing_says() ->
 
 
 @pytest.mark.proof
-def test_the_changed_number_wins_from_19_of_20_shifted_starts() -> None:
+def test_the_changed_number_wins_from_19_of_20_varied_starts() -> None:
     level = load_level("01-first-steps")
     text = as_the_first_briefing_says(program_text(level.starter))
     assert try_starts(level, Program.compile(text), TICKS_FOR_LOSING) >= 19

@@ -1,7 +1,7 @@
 """Our levels are good: their solutions win from wherever one starts, and nothing else does.
 
 Everything is read from the files, so a level that is added is proved too. Among the ordinary tests
-are the given start and up to three shifted ones, and losers are watched for a while; ``make prove``
+are the given start and up to three varied ones, and losers are watched for a while; ``make prove``
 tries 20 starts and watches losers to the end.
 """
 
@@ -19,8 +19,8 @@ from logical_robots_tui.game.measuring import (
     STARTS,
     patience_for,
     play_through,
-    shift_start,
     try_starts,
+    vary_start,
 )
 from logical_robots_tui.game.victory import measures_of, reference_table
 from logical_robots_tui.world.level import SecondGoal
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 PAIRS = [(level, lower) for lower, level in combinations(LEVELS, 2)]
 
 # One thought of one robot is the unit of effort here.
-THOUGHTS_FOR_SHIFTED_STARTS = 6_000
+THOUGHTS_FOR_VARIED_STARTS = 6_000
 THOUGHTS_FOR_A_STARTER = 1_500
 THOUGHTS_TO_THE_END = 600_000  # of a swarm; the others end at the most ticks that a level may take
 THOUGHTS_OF_A_SOLUTION = 60_000  # as many as one waits for
@@ -100,7 +100,7 @@ def test_a_reference_does_as_well_as_was_measured_and_never_goes_in_circles(
 
 
 @each_level
-def test_every_reference_is_measured_and_the_solution_wins_from_shifted_starts(name: str) -> None:
+def test_every_reference_is_measured_and_the_solution_wins_from_varied_starts(name: str) -> None:
     table = reference_table()[name]
     assert list(table) == references_of(name)
     assert all(each.starts == STARTS == 20 for each in table.values())
@@ -132,13 +132,13 @@ def test_each_second_goal_is_reached_by_a_reference_and_not_by_the_solution(name
 @pytest.mark.sampled
 @each_level
 @pytest.mark.parametrize("seed", range(3))
-def test_the_solution_wins_from_a_shifted_start(name: str, seed: int) -> None:
+def test_the_solution_wins_from_a_varied_start(name: str, seed: int) -> None:
     level = load_level(name)
     ticks = measured(name).ticks
-    if (seed + 1) * ticks * len(level.robots) > THOUGHTS_FOR_SHIFTED_STARTS:
+    if (seed + 1) * ticks * len(level.robots) > THOUGHTS_FOR_VARIED_STARTS:
         pytest.skip("takes long; `make prove` tries it")
     program = shipped_program(solution_of(name))
-    assert ticks_to_win(shift_start(level, seed), program, patience_for(ticks))
+    assert ticks_to_win(vary_start(level, seed), program, patience_for(ticks))
 
 
 @pytest.mark.sampled
@@ -151,7 +151,7 @@ def test_the_starter_does_not_win_soon(name: str) -> None:
 
 @pytest.mark.proof
 @each_reference
-def test_a_reference_wins_from_as_many_shifted_starts_as_was_measured(
+def test_a_reference_wins_from_as_many_varied_starts_as_was_measured(
     name: str, program: str
 ) -> None:
     expected = reference_table()[name][program]

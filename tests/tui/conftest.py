@@ -267,7 +267,7 @@ _measure = measuring.measure
 
 @pytest.fixture(autouse=True)
 def _no_trials(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A victory is not tried from shifted starts, which takes a process; see `trials`."""
+    """A victory is not tried from varied starts, which takes a process; see `trials`."""
 
     async def never(*_: object) -> None:
         await asyncio.Event().wait()
@@ -277,7 +277,7 @@ def _no_trials(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def trials(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Victories are tried from shifted starts, as in the game."""
+    """Victories are tried from varied starts, as in the game."""
     monkeypatch.setattr(measuring, "measure", _measure)
 
 

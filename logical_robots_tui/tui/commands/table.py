@@ -136,7 +136,7 @@ learning.add("solution", "Reference programs", "W", lambda s: s.learning.solutio
     "Read the program that the lesson explains, and others; asks first if you have not won.",
     worker="dialog", also="answer")
 learning.add("stop_measuring", "Stop the robustness test", "", general.stop_measuring,
-    "Stop trying the program from shifted starts.")
+    "Stop trying the program from varied starts.")
 
 making: Group[MainScreen] = Group("Making levels")
 making.add("edit_level", "Edit the level", "M", lambda s: s.editing.toggle(),

@@ -47,7 +47,7 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
         rows.append(_row("reference", _numbers(next(iter(references))), INK.dim))
     rows += scale_lines(references, bests)
     if recorder.trial is not None:
-        told = f"trial of shifted starts: {recorder.trial.tried} so far …"
+        told = f"trial of varied starts: {recorder.trial.tried} so far …"
         rows.append(Content.styled(f"{told:^{_LABEL + sum(_WIDTHS)}}", INK.dim))
     width = max(row.cell_length for row in rows)
     return [row.pad_right(width - row.cell_length) for row in rows]

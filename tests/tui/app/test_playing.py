@@ -168,7 +168,7 @@ async def test_the_buttons_of_a_victory_can_be_clicked(data_dir: Path) -> None:
         await game.ready()
         await game.press(*["plus"] * 6, "space")
         await game.sees("Again")
-        recorder = game.main.recorder  # whose trial of shifted starts has a line that goes
+        recorder = game.main.recorder  # whose trial of varied starts has a line that goes
         await game.until(lambda: recorder.latest and recorder.latest.wins is not None)
         await game.until(lambda: not game.shows("so far"))
         lines = game.screen().splitlines()

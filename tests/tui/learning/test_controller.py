@@ -184,7 +184,7 @@ async def test_what_is_measured_after_the_results_are_closed_is_told(
         await win(game)
         await stay(game)
         closed.set()
-        await game.sees("of 20 shifted starts")
+        await game.sees("of 20 varied starts")
 
 
 async def test_the_trials_can_be_stopped(
@@ -199,7 +199,7 @@ async def test_the_trials_can_be_stopped(
         game.main.action_command("stop_measuring")
         await game.sees("No robustness test is running.")
         await win(game)
-        await game.sees("trial of shifted starts: ")
+        await game.sees("trial of varied starts: ")
         game.main.action_command("stop_measuring")
         await game.until(lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"
