@@ -132,7 +132,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step("U", "Run until tick")
     yield Step(f"2000{ENTER}", "Again", "6-won")
     yield Step(f"{LEFT}{ENTER}", "Ask · tick")  # the last answer, to stay, uncovers it
-    yield Step("C", "The two futures part", "7-parted")
+    yield Step("C", "The two branches part", "7-parted")
 
 
 def play(send: Callable[[str], None], wait_for: Callable[[str], object]) -> Iterator[Step]:
@@ -287,7 +287,7 @@ nothing satisfies, and which single change would have produced a row. Each chang
 
 So only the distance kept Dot from reading a lamp.
 
-## Fix it: two futures
+## Fix it: two branches
 
 `p` steps back to before the memory was lost. `2` goes to the program. Let `Sign` read only signs:
 
@@ -300,8 +300,8 @@ wins.
 
 {pictures["6"]}
 
-The old future is still there, dotted on the timeline. `C` goes to the first tick in which the two
-differ, says how, and names the first derivation that differs; `F` switches to the other future and
+The old branch is still there, dotted on the timeline. `C` goes to the first tick in which the two
+differ, says how, and names the first derivation that differs; `F` switches to the other branch and
 back.
 
 {pictures["7"]}

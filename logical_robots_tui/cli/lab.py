@@ -30,7 +30,7 @@ _ENGINE = (
         command.option(
             "--workers",
             "N",
-            "processes on this machine (default: one per processor)",
+            "processes on this computer (default: one per core)",
             type=command.number_from(1),
         ),
         command.option("--dask", "ADDRESS", "a Dask scheduler instead, such as tcp://HOST:8786"),

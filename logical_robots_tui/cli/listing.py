@@ -155,9 +155,9 @@ Fact: TypeAlias = tuple[str, str, str]
 
 @command.declare("doctor", command.JSON, command.DATA_DIR)
 def diagnose_machine(options: argparse.Namespace) -> int:
-    """check this machine and this terminal
+    """check this computer and this terminal
 
-    Print what the game detects on this machine and in this terminal.
+    Print what the game detects on this computer and in this terminal.
 
     examples:
       logical-robots doctor           what the game detects (for bug reports)

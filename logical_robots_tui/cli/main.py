@@ -77,7 +77,7 @@ examples:
   logical-robots sweep experiment.toml -o out
                                        run an experiment
   logical-robots config                show settings and keys
-  logical-robots doctor                check this machine and this terminal
+  logical-robots doctor                check this computer and this terminal
 
 Levels and programs are names from these lists, or file paths.
 """

@@ -413,7 +413,7 @@ COMMANDS = (
     Command("goto", "N", lambda game, n: game.move(game.session.go_to, _number(n)),
         "go to a tick of the past"),
     Command("other", "", lambda game, _: game.move(game.session.change_course),
-        "switch to the future that was left when the program changed"),
+        "switch to the branch that was left when the program changed"),
     Command("restart", "", lambda game, _: game.move(game.session.restart),
         "start again at tick 0"),
     Command("where", "", LineGame.where, "positions of the robots, and who is in a goal"),

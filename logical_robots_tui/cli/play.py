@@ -76,7 +76,7 @@ def _player(text: str) -> str:
     ),
     command.flag(
         "--restricted",
-        "for shared machines: only your own files, no other programs, limited resources",
+        "for shared computers: only your own files, no other programs, limited resources",
         lambda: is_set("LOGICAL_ROBOTS_RESTRICTED"),
     ),
     command.NO_SOLUTIONS,
@@ -253,7 +253,7 @@ def restrict(own: Path) -> OpenGames:
         games = OpenGames(own)
     except OSError as error:
         reason = error.strerror or str(error)
-        hint = "Tell the administrator of this machine."
+        hint = "Tell the administrator of this computer."
         said = f"the player's folder can't be used: {reason}"
         raise InputError(said, place=str(own), hint=hint) from None
     os.environ.pop("XDG_DATA_HOME", None)

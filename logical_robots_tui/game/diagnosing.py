@@ -123,7 +123,7 @@ async def diagnose(
     """Diagnose the current program over a game's history; cancelling the call stops it.
 
     `report` gets the work done and the total, `show` what was found so far. Raises QueryError
-    for a program that is too complex, Superseded if another future began.
+    for a program that is too complex, Superseded if another branch began.
     """
     history = game.history
     began = [begin for begin, program in history.programs(history.last)][-1:]

@@ -237,7 +237,7 @@ class Game:
         return frame
 
     def change_course(self) -> Frame:
-        """Switch to the course that was abandoned when another future began, and to its program.
+        """Switch to the course that was abandoned when another branch began, and to its program.
 
         The tick stays the same, if the other course holds it.
 

@@ -90,7 +90,7 @@ class Pace:
         self._forget_old(now)
 
     def give_way(self) -> None:
-        """Pause briefly at full speed or on a busy machine, so that other threads get a turn."""
+        """Pause briefly at full speed or on a busy computer, so that other threads get a turn."""
         self._free_at = self._clock.now() + _WAY_SECONDS + self.spacing
 
     def wake(self) -> None:

@@ -263,7 +263,7 @@ def target(
     else:
         stem = name.removesuffix(usual)
         if not re.fullmatch(r"[\w][\w .+-]*", stem):
-            message = "A name is made of letters, digits, spaces and the signs _ - + ."
+            message = "A name is made of letters, digits, spaces and _ - + ."
             raise InputError(message, hint="Put a slash in it to name a file anywhere.")
         known = (shipped_names(folder, suffix, w) for suffix in suffixes for w in ("", ARENAS))
         if any(stem in names for names in known):

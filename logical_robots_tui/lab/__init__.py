@@ -112,7 +112,7 @@ class How(TypedDict, total=False):
     """How the work is done.
 
     Attributes:
-        workers: Processes on this machine, by default one per processor.
+        workers: Processes on this computer, by default one per core.
         dask: The address of a Dask scheduler instead, such as ``tcp://HOST:8786``.
         mixed: Whether results of another version count, too.
         progress: Whether standard error says how far it is; so by default.
@@ -188,7 +188,7 @@ def _carry_out(
 
 
 def engine_for(workers: int | None, dask: str, say: Callable[[str], None]) -> Engine:
-    """Return what runs tasks: processes here, by default one per processor, or a cluster."""
+    """Return what runs tasks: processes here, by default one per core, or a cluster."""
     if dask:
         from logical_robots_tui.lab.engines import ClusterEngine
 

@@ -1,4 +1,4 @@
-"""Engines that run tasks: processes on this machine, or the workers of a Dask scheduler."""
+"""Engines that run tasks: processes on this computer, or the workers of a Dask scheduler."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ x * y -- the product -- 2 * 3 => 6
 x / y -- the quotient; integers are not rounded -- 7 / 2 => 3.5
 x % y -- the remainder, with the sign of x -- 7 % 3 => 1
 x ^ y -- x to the power of y -- 2 ^ 10 => 1024
-x ++ y -- the concatenation of two texts or lists -- "a" ++ "b" => "ab"
+x ++ y -- the concatenation of two strings or lists -- "a" ++ "b" => "ab"
 x == y -- whether x and y are equal -- 1 + 1 == 2 => true
 x != y -- whether x and y differ -- 1 != 2 => true
 x < y -- whether x is smaller than y -- 1 < 2 => true
@@ -72,11 +72,11 @@ ArgMax{x -> y :- P(x, y)} -- the x of the largest y -- ArgMax{x -> -x :- x in [1
 Array{i -> x :- P(i, x)} -- a list of x, ordered by i -- Array{-x -> x :- x in [1, 2]} => [2, 1]
 WeightedAverage{w -> x :- P(w, x)} -- the mean of x, weighted by w -- \
 WeightedAverage{w -> 10 * w :- w in [1, 3]} => 25
-StringAgg{x :- P(x)} -- all texts, separated by commas -- StringAgg{x :- x in ["a", "b"]} => "a,b"
+StringAgg{x :- P(x)} -- all strings, separated by commas -- StringAgg{x :- x in ["a", "b"]} => "a,b"
 Aggr{f :- P(x)} -- any expression of aggregates -- Aggr{Sum(x) * 2 :- x in [1, 2]} => 6
 P(x, total? += y) distinct :- Q(x, y); -- the sum, in a head or with combine -- \
 (combine += x :- x in [1, 2]) => 3
-P(x, all? ++= y) distinct :- Q(x, y); -- the lists or texts one after the other, in a head or \
+P(x, all? ++= y) distinct :- Q(x, y); -- the lists or strings one after the other, in a head or \
 with combine -- \
 (combine ++= x :- x in [[1], [2]]) => [1, 2]
 P(x, one? 1= y) distinct :- Q(x, y); -- the single value, in a head or with combine -- \
@@ -106,7 +106,7 @@ Atanh(x) -- the inverse of Tanh -- Atanh(0) => 0
 Cast(x, type) -- x as a value of a type, such as Num, Int, {a: Str} or "INTEGER" -- \
 Cast("12", Int) => 12
 Ceil(x) -- x rounded up -- Ceil(1.2) => 2
-CharLength(text) -- the same as Length -- CharLength("abc") => 3
+CharLength(string) -- the same as Length -- CharLength("abc") => 3
 Chr(code) -- the character with this code point -- Chr(65) => "A"
 Coalesce(x, y, ...) -- the first value that is not null -- Coalesce(null, 5) => 5
 Concat(list, list) -- the concatenation of two lists -- Concat([1], [2]) => [1, 2]
@@ -119,72 +119,72 @@ CumulativeSum(x, [group], [order]) -- the sum up to this row -- CumulativeSum(1,
 DisassembleRecord(record) -- a list of pairs name -> value -- \
 DisassembleRecord({a: 1}) => [{"arg": "a", "value": 1}]
 Element(list, i) -- the element at index i, from 0 -- Element([5, 6], 1) => 6
-EndsWith(text, end) -- whether a text ends with another -- EndsWith("robot", "bot") => true
+EndsWith(string, end) -- whether a string ends with another -- EndsWith("robot", "bot") => true
 Exp(x) -- e to the power of x -- Exp(0) => 1
 Fingerprint(x) -- the same as NaturalHash -- Fingerprint("a") == Fingerprint("a") => true
 Floor(x) -- x rounded down -- Floor(2.7) => 2
-Format(format, x, ...) -- a text with values inserted, as in printf -- Format("%.2f", 1.5) => "1.50"
+Format(format, x, ...) -- a string with values inserted, as in printf -- Format("%.2f", 1.5) => "1.50"
 GenerateArray(x, y, step) -- the list of numbers from x to y; step is optional -- \
 GenerateArray(1, 7, 3) => [1, 4, 7]
 Greatest(x, y, ...) -- the largest of its arguments -- Greatest(1, 3, 2) => 3
 If(a, x, y) -- x if a holds, otherwise y -- If(1 < 2, "yes", "no") => "yes"
 Ifnull(x, y) -- x, or y if x is null -- Ifnull(null, 3) => 3
 IsNull(x) -- whether x has no value -- IsNull(null) => true
-Join(list, between) -- the elements as one text, with a separator -- Join(["a", "b"], "-") => "a-b"
+Join(list, between) -- the elements as one string, with a separator -- Join(["a", "b"], "-") => "a-b"
 JsonExtract(json, path) -- a part of JSON text -- JsonExtract("[4, 5]", "$[1]") => 5
 Least(x, y, ...) -- the smallest of its arguments -- Least(3, 1, 2) => 1
-Length(text) -- the number of characters -- Length("abc") => 3
-Like(text, pattern) -- whether a text matches; % is any text, _ any character -- \
+Length(string) -- the number of characters -- Length("abc") => 3
+Like(string, pattern) -- whether a string matches; % is any string, _ any character -- \
 Like("robot", "r%t") => true
 Ln(x) -- the natural logarithm -- Ln(1) => 0
 Log(x) -- the natural logarithm, the same as Ln; Log10 has base 10 -- Log(1) => 0
 Log10(x) -- the logarithm to base 10 -- Log10(100) => 2
-Lower(text) -- the text in lower case -- Lower("ABC") => "abc"
-Lpad(text, n, fill) -- the text filled on the left to n characters -- Lpad("7", 3, "0") => "007"
-Ltrim(text) -- the text without leading spaces -- Ltrim("  a") => "a"
+Lower(string) -- the string in lower case -- Lower("ABC") => "abc"
+Lpad(string, n, fill) -- the string filled on the left to n characters -- Lpad("7", 3, "0") => "007"
+Ltrim(string) -- the string without leading spaces -- Ltrim("  a") => "a"
 Mod(x, y) -- the remainder, with the sign of x -- Mod(7, 3) => 1
 NaturalHash(x) -- an integer hash, always the same for the same value -- \
 NaturalHash("a") == NaturalHash("a") => true
 Nullif(x, y) -- x, or null if both are equal -- Nullif(1, 1) => null
 Num(x) -- the number x; also the type of numbers -- Num(5) => 5
-Ord(text) -- the code point of the first character -- Ord("A") => 65
+Ord(string) -- the code point of the first character -- Ord("A") => 65
 Pow(x, y) -- x to the power of y -- Pow(2, 3) => 8
 Range(n) -- the list of integers from 0 to n - 1 -- Range(3) => [0, 1, 2]
 RecordAsJson(record) -- a record as JSON text -- Length(RecordAsJson({a: 1})) => 7
-RegexpExtract(text, pattern) -- the first match of a regular expression (RE2), or "" -- \
+RegexpExtract(string, pattern) -- the first match of a regular expression (RE2), or "" -- \
 RegexpExtract("at 12", "[0-9]+") => "12"
-Repeat(text, n) -- the text n times -- Repeat("ab", 2) => "abab"
-Replace(text, old, new) -- the text with every old replaced by new -- \
+Repeat(string, n) -- the string n times -- Repeat("ab", 2) => "abab"
+Replace(string, old, new) -- the string with every old replaced by new -- \
 Replace("aba", "a", "c") => "cbc"
-Reverse(text) -- the text reversed -- Reverse("abc") => "cba"
+Reverse(string) -- the string reversed -- Reverse("abc") => "cba"
 Round(x, digits) -- x rounded; digits is optional -- Round(2.567, 2) => 2.57
-Rpad(text, n, fill) -- the text filled on the right to n characters -- Rpad("7", 3, "0") => "700"
-Rtrim(text) -- the text without trailing spaces -- Rtrim("a  ") => "a"
+Rpad(string, n, fill) -- the string filled on the right to n characters -- Rpad("7", 3, "0") => "700"
+Rtrim(string) -- the string without trailing spaces -- Rtrim("a  ") => "a"
 Sign(x) -- -1, 0 or 1 -- Sign(-3) => -1
 Sin(x) -- the sine of an angle in radians -- Sin(0) => 0
 Sinh(x) -- the hyperbolic sine -- Sinh(0) => 0
 Size(list) -- the number of elements -- Size([1, 2, 3]) => 3
 Sort(list) -- the list in ascending order -- Sort([3, 1, 2]) => [1, 2, 3]
-Split(text, between) -- the parts of a text between separators -- Split("a,b", ",") => ["a", "b"]
+Split(string, between) -- the parts of a string between separators -- Split("a,b", ",") => ["a", "b"]
 Sqrt(x) -- the square root; null for a negative number -- Sqrt(16) => 4
-StartsWith(text, start) -- whether a text starts with another -- StartsWith("robot", "rob") => true
-Strpos(text, part) -- where a text contains another, from 1; 0 if nowhere -- \
+StartsWith(string, start) -- whether a string starts with another -- StartsWith("robot", "rob") => true
+Strpos(string, part) -- where a string contains another, from 1; 0 if nowhere -- \
 Strpos("abc", "c") => 3
-Str(x) -- the text x; also the type of texts -- Str("a") => "a"
-Substr(text, from, count) -- a part of a text; positions start at 1 -- \
+Str(x) -- the string x; also the type of strings -- Str("a") => "a"
+Substr(string, from, count) -- a part of a string; positions start at 1 -- \
 Substr("hello", 2, 3) => "ell"
 Tan(x) -- the tangent of an angle in radians -- Tan(0) => 0
 Tanh(x) -- the hyperbolic tangent -- Tanh(0) => 0
 ToFloat64(x) -- x as a number -- ToFloat64("1.5") => 1.5
 ToInt64(x) -- x as an integer -- ToInt64("12") => 12
-ToString(x) -- x as text -- ToString(12) => "12"
-Trim(text) -- the text without leading and trailing spaces -- Trim("  a ") => "a"
+ToString(x) -- x as string -- ToString(12) => "12"
+Trim(string) -- the string without leading and trailing spaces -- Trim("  a ") => "a"
 Trunc(x) -- x without its fraction -- Trunc(2.7) => 2
 TruthToString(a) -- "true" or "false" -- TruthToString(1 < 2) => "true"
 TryCast(x, example) -- x as the type of the example, or null -- TryCast("12", 0) => 12
 UniqueNumber() -- another number at each use -- UniqueNumber() => 1
 Unique(list) -- the distinct elements, sorted -- Unique([2, 1, 2]) => [1, 2]
-Upper(text) -- the text in upper case -- Upper("abc") => "ABC"
+Upper(string) -- the string in upper case -- Upper("abc") => "ABC"
 WindowMax(x, [group], [order], n) -- the largest of this row and the n rows before -- \
 WindowMax(1, [1], [1], 2) => 1
 WindowMin(x, [group], [order], n) -- the smallest of this row and the n rows before -- \

@@ -46,7 +46,7 @@ def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
         try:
             played = play_through(level, program, _TICKS_PER_CELL * daily.cells)
         except LateError:
-            message = "This machine is too busy to check that the labyrinth can be won."
+            message = "This computer is too busy to check that the labyrinth can be won."
             raise InputError(message, hint="Try again.") from None
         if played.won_at is not None:
             progress.set_fact(fact, str(played.won_at))

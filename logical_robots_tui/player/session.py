@@ -232,7 +232,7 @@ class Session:
             self.game.go_to(tick)
 
     def change_course(self) -> None:
-        """Switch to the other future and its program, or raise NoSuchTickError."""
+        """Switch to the other branch and its program, or raise NoSuchTickError."""
         self.pause()
         if self.game is not None:
             self._spawn(nothing, "compile", exclusive=True)

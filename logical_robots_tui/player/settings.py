@@ -35,7 +35,7 @@ class Settings(NamedTuple):
 
     theme: Annotated[Theme | None, "Colours; by default those last chosen in the game."] = None
     drawing: Annotated[
-        DrawingStyle | None, "How the labyrinth is drawn; by default as suits the terminal."
+        DrawingStyle | None, "How the map is drawn; by default as suits the terminal."
     ] = None
     frames: Annotated[int, Bounds(1, 60), "The most pictures drawn in a second."] = 30
     cones: Annotated[bool, "Show what the robots' radars reach."] = True

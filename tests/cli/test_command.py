@@ -95,14 +95,14 @@ def begun_after(script: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_dumb_terminal_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_dumb_terminal_is_not_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     with in_terminal("levels") as terminal:  # a terminal as such is fine with the lists
         assert terminal.finish() == 0
     done = begun_after("import os; os.environ['TERM'] = 'dumb'")
     assert (done.returncode, "needs a terminal" in done.stderr) == (2, True)
 
 
-def test_a_stream_that_is_no_terminal_is_named() -> None:
+def test_a_stream_that_is_not_a_terminal_is_named() -> None:
     done = begun_after("import sys; sys.stdin.isatty = sys.stdout.isatty = lambda: True")
     assert (done.returncode, "for standard error too." in done.stderr) == (2, True)
 

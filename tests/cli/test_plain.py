@@ -371,7 +371,7 @@ def test_the_past_is_gone_to_and_another_future_switched_to(
         *("step 2", "other", "step 1"),
     ).out
     assert "Tick 77 is not in history" in told
-    assert "There is no other future." in told
+    assert "There is no other branch." in told
     assert told.endswith("Tick 4.\nTick 4.\nTick 5.\n")
 
 

@@ -114,7 +114,7 @@ def test_it_is_shown_in_words_as_json_and_as_a_drawing(
     assert (len(points), points[0]) == (last + 1, "12.0,12.5")
 
 
-def test_what_is_no_replay_is_refused(command: Command, ahead: Path) -> None:
+def test_what_is_not_a_replay_is_refused(command: Command, ahead: Path) -> None:
     for what in ("play", "verify", "show"):
         told = command("replay", what, ahead)
         assert told.status == 2

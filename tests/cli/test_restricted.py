@@ -240,7 +240,7 @@ def test_a_restricted_game_in_lines_is_fenced_in_as_well(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("name", ["../ben", "", ".", "a/b", "x" * 40])
-def test_a_players_name_is_no_path(name: str) -> None:
+def test_a_players_name_is_not_a_path(name: str) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "logical_robots_tui", "play", "--player", name],
         capture_output=True,

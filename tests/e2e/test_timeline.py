@@ -62,7 +62,7 @@ def test_a_changed_program_leaves_the_old_future_in_sight(player: Player) -> Non
     player.wait_for_tick(1)
     player.tmux.wait_until(lambda screen: "┄┄┄" in timeline(screen), "the old future")
     player.tmux.press("C")
-    player.tmux.wait_for("The two futures are equal as far as both")
+    player.tmux.wait_for("The two branches are equal as far as both")
     player.tmux.press("F")
     player.tmux.type(")")
     player.wait_for_tick(10)

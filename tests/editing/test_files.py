@@ -321,7 +321,7 @@ def test_comments_inside_a_list_survive_when_an_item_changes() -> None:
     ]
 
 
-def test_a_row_that_ends_the_drawing_is_no_comment_of_the_next_block() -> None:
+def test_a_row_that_ends_the_drawing_is_not_a_comment_of_the_next_block() -> None:
     text = SMALL.replace("####\n'''\n\n[[", "####'''\n# Ann.\n[[")
     assert "####'''\n# Ann.\n[[" in text
     new = after(text, change(read(text), Ref("robots", 0), x=16.0))

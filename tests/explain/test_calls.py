@@ -32,6 +32,6 @@ def test_a_function_that_nobody_calls_has_no_rows() -> None:
     assert calls(f"F(a) = a + 1;{REST}", "F") == []
 
 
-def test_what_is_no_function_is_named() -> None:
+def test_what_is_not_a_function_is_named() -> None:
     with pytest.raises(QueryError, match="P is not a function"):
         calls(f"P(1);{REST}", "P")

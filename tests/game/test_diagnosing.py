@@ -296,7 +296,7 @@ async def test_a_condition_and_its_negation_are_one_finding(tmp_path: Path) -> N
     assert list(told(await diagnosed(tmp_path, text))) == [("never true", 2)]
 
 
-async def test_a_text_that_is_no_name_is_no_mistake(tmp_path: Path) -> None:
+async def test_a_text_that_is_not_a_name_is_no_mistake(tmp_path: Path) -> None:
     text = PLAIN.replace(
         '""', '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'
     )

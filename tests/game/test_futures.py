@@ -129,7 +129,7 @@ async def test_restarting_beyond_history_begins_anew(tmp_path: Path) -> None:
 
 
 async def test_there_is_no_other_course_to_go_over_to_before_one_was_left(hall_game: Game) -> None:
-    with pytest.raises(NoSuchTickError, match="no other future"):
+    with pytest.raises(NoSuchTickError, match="no other branch"):
         hall_game.change_course()
 
 

@@ -152,7 +152,7 @@ async def test_what_is_made_from_itself_in_each_tick_is_one_link_too(level: Leve
     assert begin.tick == 2
 
 
-async def test_a_value_that_follows_the_clock_is_no_counter(level: Level) -> None:
+async def test_a_value_that_follows_the_clock_is_not_a_counter(level: Level) -> None:
     (link,) = await links(level, "memory.now", text=robot("now:", "now = sensor.clock"))
     assert (link.tick, link.steps) == (9, None)
     assert lines(link)[-1] == f"read from {link.robot}'s sensor.clock = 9"

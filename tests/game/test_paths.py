@@ -49,7 +49,7 @@ def test_a_file_whose_name_holds_quotes_is_opened_as_typed(tmp_path: Path) -> No
 
 
 @given(st.text())
-def test_what_is_no_path_is_left_alone(text: str) -> None:
+def test_what_is_not_a_path_is_left_alone(text: str) -> None:
     if "/" not in text:
         assert pasted_path(text) == text.strip()
 

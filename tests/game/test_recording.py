@@ -142,7 +142,7 @@ async def test_a_false_recording_is_dropped(
     ],
     ids=["not packed", "deep", "null", "huge"],
 )
-async def test_what_is_no_piece_is_dropped(level: Level, folder: Path, piece: bytes) -> None:
+async def test_a_damaged_piece_is_discarded(level: Level, folder: Path, piece: bytes) -> None:
     expected = await frames(level)
     path = entry(folder)
     key, pieces, moments = content_of(path)
@@ -154,7 +154,7 @@ async def test_what_is_no_piece_is_dropped(level: Level, folder: Path, piece: by
 
 
 @pytest.mark.parametrize("index", ["{}", "null", "[]", '{"key": 1, "moments": "x", "pieces": 7}'])
-async def test_what_is_no_index_is_dropped(level: Level, folder: Path, index: str) -> None:
+async def test_a_damaged_index_is_discarded(level: Level, folder: Path, index: str) -> None:
     expected = await frames(level)
     line = index.encode()
     entry(folder).write_bytes(hashlib.sha256(line).hexdigest().encode() + b"\n" + line + b"\n")

@@ -191,7 +191,7 @@ FALSE = {
 
 
 @pytest.mark.parametrize("what", FALSE)
-def test_what_is_no_replay_is_refused_in_a_sentence(tmp_path: Path, what: str) -> None:
+def test_what_is_not_a_replay_is_refused_in_a_sentence(tmp_path: Path, what: str) -> None:
     content, reason = FALSE[what]
     path = tmp_path / "false.replay"
     path.write_bytes(content)

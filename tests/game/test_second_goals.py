@@ -123,7 +123,7 @@ def test_a_mirrored_level_is_the_same_from_the_other_side() -> None:
         "fast",
     ],
 )
-def test_what_is_no_second_goal_is_refused(file: Path, words: str) -> None:
+def test_what_is_not_a_second_goal_is_refused(file: Path, words: str) -> None:
     file.write_text(f'second_goals = ["never blocked", "{words}"]\n{LEVEL}', "utf-8")
     with pytest.raises(LevelError) as caught:
         load_level(file)

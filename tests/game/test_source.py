@@ -42,7 +42,7 @@ def test_a_shipped_program_is_marked_as_such() -> None:
         (b"x" * 1_000_001, "larger than 1 MB"),
     ],
 )
-def test_what_is_no_program_is_refused(tmp_path: Path, content: bytes, words: str) -> None:
+def test_what_is_not_a_program_is_refused(tmp_path: Path, content: bytes, words: str) -> None:
     path = tmp_path / "odd.l"
     path.write_bytes(content)
     with pytest.raises(InputError, match=words):

@@ -46,7 +46,7 @@ def test_a_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
         assert file.read_text() == text
 
 
-def test_what_is_no_file_is_written_to(tmp_path: Path) -> None:
+def test_what_is_not_a_file_is_written_to(tmp_path: Path) -> None:
     pipe, read = tmp_path / "pipe", []
     os.mkfifo(pipe)
     reader = threading.Thread(target=lambda: read.append(pipe.read_text()))

@@ -17,7 +17,12 @@ INSTEAD = {
     r"\bone of \d+ ways\b": "1 of 31 matches",
     r"\bin whose mind\b(?=\")": "the robot to ask",
     r"\b(?<!here )is no (?!longer|more|other|such|less|one|need)\w+": "is not a",
-    r"\ball processors\b|\bevery processor\b": "every core",
+    r"\ball processors\b|\bevery processor\b|\bper processor\b": "core",
+    r"\bshifted (start|one)s?\b": "varied start",
+    r"\b(other|another|old|two) futures?\b": "branch",
+    r"\b(this|your|one|busy) machines?\b(?! learning)": "computer",
+    r"\bsigns in the labyrinth\b": "symbols on the map",
+    r"\bGo to the (labyrinth|mistake)\b": "the map, the error",
 }
 """Words that are not used, and what is said instead."""
 

@@ -130,7 +130,7 @@ def test_damage_ends_in_files_or_problems(
 
 @settings(max_examples=200, deadline=None)
 @given(st.binary(max_size=2_000), st.sampled_from([b"", b"PK", b"\x1f\x8b", b"BZh", b"\xfd7zXZ\0"]))
-def test_noise_is_no_archive(noise: bytes, magic: bytes) -> None:
+def test_noise_is_not_an_archive(noise: bytes, magic: bytes) -> None:
     found = [*unpack(File(("a",), magic + noise), Room(), lambda _name: MB)]
     assert all(file.problem or not file.content for file in found)
 

@@ -152,7 +152,7 @@ def test_varied_starts_are_for_programs_that_win_if_the_task_says_so() -> None:
     assert [start for start, _, _ in lost.results] == [0]
 
 
-def test_a_run_that_takes_too_long_is_no_result() -> None:
+def test_a_run_that_takes_too_long_is_not_a_result() -> None:
     answer = execute(task(FIRST_STEPS, ticks=20_000, seconds=0.01))
     assert answer.results == ()
     assert answer.failure == "it took more than 0.01 seconds"

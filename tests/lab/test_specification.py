@@ -145,7 +145,7 @@ def test_the_page_names_every_key_of_an_experiment(tmp_path: Path) -> None:
     assert {key for key in named if f"{key} =" not in text and f"{key}]" not in text} == set()
 
 
-def test_what_is_no_toml_is_said_with_its_line(tmp_path: Path) -> None:
+def test_what_is_not_toml_is_said_with_its_line(tmp_path: Path) -> None:
     (said,) = problems(tmp_path, "[experiment]\nlevel = \n")
     assert said.startswith("e.toml:2: This is not valid TOML: Invalid value")
     with pytest.raises(TomlFileError, match="can't be read"):

@@ -53,7 +53,7 @@ def test_a_label_is_recognised_wherever_it_comes_from(rules: str) -> None:
         f'A(1) :- {RAY}, StartsWith(ray.label, "x");',
     ],
 )
-def test_other_texts_are_no_names(rules: str) -> None:
+def test_other_texts_are_not_names(rules: str) -> None:
     assert mentioned(rules) == []
 
 

@@ -50,7 +50,7 @@ def test_whole_numbers_divide_to_real_ones() -> None:
         ("7", None, "The desire is not a record"),
     ],
 )
-def test_an_engine_that_is_no_number_stands_still_and_is_reported(
+def test_an_engine_that_is_not_a_number_stands_still_and_is_reported(
     desire: str, expected: Desire | None, words: str
 ) -> None:
     text = f"Robot(robot_name:, desire: {desire}, memory: 1) :- Sensor(robot_name:);"

@@ -109,7 +109,7 @@ async def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
         assert any("can't be kept to race against" in said for said in at.ui.said)
 
 
-async def test_a_replay_of_another_level_is_no_race(tmp_path: Path) -> None:
+async def test_a_replay_of_another_level_is_not_a_race(tmp_path: Path) -> None:
     async with kept(tmp_path) as (at, best, _):
         await win(at)
         replay = load_replay(best.path(at.session.opened))

@@ -222,7 +222,7 @@ def test_only_so_many_old_drafts_stay(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "rubbish", [b"", b"{", b"[]", b'{"text": 1}', b"\xff\xfe\0", b"null", b"[" * 200_000]
 )
-def test_a_file_that_is_no_draft_is_put_away(tmp_path: Path, rubbish: bytes) -> None:
+def test_a_file_that_is_not_a_draft_is_put_away(tmp_path: Path, rubbish: bytes) -> None:
     (tmp_path / "2020-x.json").write_bytes(rubbish)
     session = Drafts(tmp_path)
     assert session.adopt("program") == []

@@ -36,7 +36,7 @@ def test_the_programs_follow_each_other_up_to_the_tick(place: Place) -> None:
 
 
 @given(texts)
-def test_nonsense_is_no_place(text: str) -> None:
+def test_nonsense_is_not_a_place(text: str) -> None:
     with pytest.raises(ValueError, match="not a place"):
         Place.from_text(text)
 
@@ -52,7 +52,7 @@ def test_nonsense_is_no_place(text: str) -> None:
         '[[1, ""], [2, {}]]',
     ],
 )
-def test_programs_out_of_order_are_no_place(programs: str) -> None:
+def test_programs_out_of_order_are_not_place(programs: str) -> None:
     with pytest.raises(ValueError, match="out of order"):
         Place.from_text(
             f'{{"level": "", "title": "", "program": "", "tick": 5, "programs": {programs}}}'

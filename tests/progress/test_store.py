@@ -159,7 +159,7 @@ def test_half_a_transaction_of_a_killed_game_is_undone(file: Path) -> None:
 @pytest.mark.parametrize(
     "content", [b"garbage", b"\0" * 5000, b"SQLite format 3\0" + b"\xff" * 5000, os.urandom(8192)]
 )
-def test_a_file_that_is_no_database_is_set_aside_and_a_fresh_one_begun(
+def test_a_file_that_is_not_a_database_is_set_aside_and_a_fresh_one_begun(
     file: Path, told: list[str], content: bytes
 ) -> None:
     file.write_bytes(content)

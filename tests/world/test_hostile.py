@@ -77,14 +77,14 @@ def test_there_are_enough_of_them() -> None:
 
 
 @pytest.mark.parametrize("path", ["/proc/self/environ", "/proc/kmsg", "/dev/zero", "/dev/tty"])
-def test_files_of_the_kernel_are_no_levels_and_no_programs(path: str) -> None:
+def test_files_of_the_kernel_are_neither_levels_nor_programs(path: str) -> None:
     with pytest.raises(LevelError, match=r"not a regular file|no such file"):
         load_level(path)
     with pytest.raises(InputError):
         load_program(path)
 
 
-def test_a_pipe_is_no_level_and_is_not_waited_for(tmp_path: Path) -> None:
+def test_a_pipe_is_not_a_level_and_is_not_waited_for(tmp_path: Path) -> None:
     pipe = tmp_path / "level.toml"
     os.mkfifo(pipe)
     with pytest.raises(LevelError, match="not a regular file"):

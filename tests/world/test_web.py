@@ -228,7 +228,7 @@ def test_whatever_a_value_is_the_level_plays_or_is_refused(key: str, value: obje
 
 @settings(deadline=None)
 @given(st.text())
-def test_text_that_is_no_level_is_refused_in_words(text: str) -> None:
+def test_text_that_is_not_a_level_is_refused_in_words(text: str) -> None:
     for reader in (read_web, read_native):
         with pytest.raises(LevelError, match=r"^level: ?.+|^level, .+"):
             reader(text, "level", "level")

@@ -147,7 +147,7 @@ def test_a_stronger_left_engine_turns_a_robot_to_its_right() -> None:
 
 
 @pytest.mark.parametrize("engine", [math.nan, math.inf, -math.inf, None, "1", 10**400])
-def test_an_engine_whose_power_is_no_finite_number_stands_still(engine: Any) -> None:
+def test_an_engine_whose_power_is_not_a_finite_number_stands_still(engine: Any) -> None:
     robot = Robot("Ann", 50.5, 50.5, has_battery=True, battery_capacity=10)
     world = World(make_level([robot]))
     world.act({"Ann": Desire(engine, 1)})

@@ -108,7 +108,7 @@ class History:
     def change_course(self) -> None:
         """Switch to the other course and keep this one, or raise NoSuchTickError."""
         if self._other is None:
-            raise NoSuchTickError("There is no other future.")
+            raise NoSuchTickError("There is no other branch.")
         self._course, self._other = self._other, self._course
         self.turns += 1
         self.divergence = self.divergence and self.divergence.reversed()
@@ -148,7 +148,7 @@ class History:
     ) -> list[RecordedTick]:
         """Return the stored next ticks that can be replayed under a program.
 
-        A course that ends with it counts as a whole, until the player asks for another future.
+        A course that ends with it counts as a whole, until the player asks for the other branch.
         """
         leads_here = is_course_wanted and self._is_by(texts, self.last)
         same = takewhile(
@@ -173,7 +173,7 @@ class History:
         """Return the moment before and a tick of the other course, or raise NoSuchTickError."""
         there = self._other
         if there is None or not there.first <= tick <= there.last:
-            raise NoSuchTickError(f"The other future does not hold tick {tick}.")
+            raise NoSuchTickError(f"The other branch does not hold tick {tick}.")
         return there.replay(tick)
 
     def program_in_other(self, tick: int) -> Program | None:

@@ -27,7 +27,7 @@ _HURRY = 0.1  # seconds after a key press
 
 
 class FrameRate:
-    """Draws less often on a busy machine, so that keys are answered promptly.
+    """Draws less often on a busy computer, so that keys are answered promptly.
 
     Where computing takes three times as long as alone, about 15 pictures a second; five times,
     about 3. All times are in seconds. If `clock` can't tell how long the thread waited, time

@@ -27,7 +27,7 @@ def run(screen: MainScreen) -> None:
     screen.briefing.close()
     state = screen.session.state
     if screen.session.game is None and state.phase == "mistake":
-        screen.warn(f"The program has a mistake in line {state.mistakes[0].line}.")
+        screen.warn(f"The program has an error in line {state.mistakes[0].line}.")
     screen.session.toggle_run()
 
 

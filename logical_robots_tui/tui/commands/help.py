@@ -37,19 +37,19 @@ Subject: TypeAlias = Literal["labyrinth", "editing", "editor", "inspector", "tim
 
 _ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
     "labyrinth": (
-        "The labyrinth shows the world at the current tick. Arrow keys or dragging move the view, "
+        "The map shows the world at the current tick. Arrow keys or dragging move the view, "
         "the wheel zooms, a click selects a robot. Single letters are commands here.",
-        ("Running", "View", "In the labyrinth"),
+        ("Running", "View", "On the map"),
     ),
     "editing": (
         "Edit the level with the mouse, or with a cursor that the arrow keys move, faster with "
         "shift. Enter or the mouse button applies the tool. Every change can be undone, and the "
         "robots may run meanwhile.",
-        ("In the level editor", "Making levels", "In the labyrinth"),
+        ("In the level editor", "Making levels", "On the map"),
     ),
     "editor": (
         "Edit the program here; letters are text, so commands have Ctrl or function keys. What "
-        "you type is kept. A line with ✗ has a mistake, one with ! a warning; the message is below "
+        "you type is kept. A line with ✗ has an error, one with ! a warning; the message is below "
         "the text until you change the line.",
         ("In the program", "Program and level"),
     ),
@@ -118,7 +118,7 @@ class Help(Dialog[None]):
         sections: dict[str, list[Content]] = {}
         for entry in commands():
             sections.setdefault(entry.group, []).append(_entry(entry, width))
-        sections["In the labyrinth"] = _signs(signs)
+        sections["On the map"] = _signs(signs)
         sections["In the timeline"] = _signs([*SIGNS.values(), DIVERGENCE, *TRACKS])
         sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
         sentence, first = _ABOUT[self._about]

@@ -57,11 +57,11 @@ time.add("previous_match", "Previous match", "colon", lambda s: s.search.go(-1),
 time.add("breakpoints", "Breakpoints", "B", lambda s: s.timeline_controller.breakpoints(),
     "List, add, switch off or delete breakpoints: events and questions that end a run.",
     also="stop debug")
-time.add("other_future", "Other future", "F", lambda s: s.timeline_controller.change_course(),
-    "Switch to the future that was left when the program changed, and to its program.",
+time.add("other_branch", "Other branch", "F", lambda s: s.timeline_controller.change_course(),
+    "Switch to the branch that was left when the program changed, and to its program.",
     also="branch")
-time.add("compare", "Compare futures", "C", lambda s: s.timeline_controller.compare(),
-    "Go to the first tick in which the two futures differ, and show how and why.")
+time.add("compare", "Compare branches", "C", lambda s: s.timeline_controller.compare(),
+    "Go to the first tick in which the two branches differ, and show how and why.")
 time.add("save_replay", "Save a replay", "", lambda s: s.replays.save(),
     "Save all ticks of the timeline in a file, to play again, to verify or to share.",
     worker="replay", also="export record share")
@@ -74,7 +74,7 @@ programs: Group[MainScreen] = Group("Program and level")
 programs.add("apply", "Apply the program", "ctrl+r f4", lambda s: s.session.apply(s.program.text),
     "Compile the text in the editor; the robots use it from the next tick on.",
     bar="Apply", place="anywhere", also="compile use")
-programs.add("mistake", "Go to the mistake", "ctrl+g", lambda s: general.program(s).go_to_mistake(),
+programs.add("error", "Go to the error", "ctrl+g", lambda s: general.program(s).go_to_mistake(),
     "Go to the place where the program can't be compiled.")
 programs.add("definition", "Go to the definition", "ctrl+right_square_bracket f12",
     general.definition, "Go to the definition of the predicate under the cursor.",
@@ -210,7 +210,7 @@ editing.add("stop_editing", "Leave the level editor", "escape", lambda e: e.stop
     "Cancel the stroke under way, or return to playing.", bar="Leave")
 
 view: Group[MainScreen] = Group("View")
-view.add("labyrinth", "Labyrinth", "1", lambda s: s.go_to(s.labyrinth), "Go to the labyrinth.")
+view.add("map", "Map", "1", lambda s: s.go_to(s.labyrinth), "Go to the map.")
 view.add("editor", "Editor", "2 e", general.program,
     "Go to the text of the program.", bar="Edit", spare=2)
 view.add("inspector", "Inspector", "3 i", lambda s: s.go_to(s.inspector), "Go to the inspector.")
@@ -228,7 +228,7 @@ view.add("watch", "Watch", "V", lambda s: s.inspector.go_to("watch"),
 view.add("diagnose", "Diagnosis", "", lambda s: s.inspector.go_to("diagnosis"),
     "Scan the whole run for likely mistakes.", also="problems lint")
 view.add("leave", "Leave the editor", "escape", general.leave,
-    "Go from the editor to the labyrinth, where single letters are commands.",
+    "Go from the editor to the map, where single letters are commands.",
     bar="Leave", place="editor")
 view.add("next_pane", "Next pane", "ctrl+n right_square_bracket",
     lambda s: s.go_to(s.arrangement.beside_active(1)),
@@ -236,12 +236,12 @@ view.add("next_pane", "Next pane", "ctrl+n right_square_bracket",
 view.add("previous_pane", "Previous pane", "left_square_bracket",
     lambda s: s.go_to(s.arrangement.beside_active(-1)), "Go to the previous pane.")
 view.add("view", "View", "f", lambda s: s.labyrinth.view.look_at_next(),
-    "Show the whole labyrinth, follow a robot, or show only what the robots sense.",
+    "Show the whole map, follow a robot, or show only what the robots sense.",
     bar="View", spare=2, also="camera follow")
 view.add("zoom_in", "Zoom in", "z", lambda s: s.labyrinth.view.zoom(1),
-    "Show less of the labyrinth, larger.")
+    "Show less of the map, larger.")
 view.add("zoom_out", "Zoom out", "Z", lambda s: s.labyrinth.view.zoom(-1),
-    "Show more of the labyrinth.")
+    "Show more of the map.")
 view.add("next_robot", "Next robot", "a", lambda s: s.labyrinth.view.select_next(),
     "Select the next robot: highlight its light, and show a card about it.")
 view.add("maximise", "Enlarge the pane", "k ctrl+t", lambda s: s.arrangement.toggle_large(),
@@ -250,13 +250,13 @@ view.add("hide", "Hide the pane", "j", lambda s: s.go_to(s.arrangement.hide(s.ar
     "Hide the focused pane; if one is hidden, show all again.")
 view.add("wider_program", "Wider program", "D", lambda s: s.arrangement.change(4, 0),
     "Give the program more columns.")
-view.add("wider_labyrinth", "Wider labyrinth", "L", lambda s: s.arrangement.change(-4, 0),
-    "Give the labyrinth more columns.")
+view.add("wider_map", "Wider map", "L", lambda s: s.arrangement.change(-4, 0),
+    "Give the map more columns.")
 view.add("taller_inspector", "Taller inspector", "I", lambda s: s.arrangement.change(0, 2),
     "Give the inspector more rows.")
-view.add("taller_labyrinth", "Taller labyrinth", "underscore",
+view.add("taller_map", "Taller map", "underscore",
     lambda s: s.arrangement.change(0, -2),
-    "Give the labyrinth more rows.")
+    "Give the map more rows.")
 view.add("cones", "Cones", "y", general.cones, "Show or hide what the robots' radars reach.")
 view.add("single_rays", "Single rays", "Y", general.single_rays,
     "Show or hide each ray of the selected robot.")
@@ -268,7 +268,7 @@ view.add("race_replay", "Race a replay…", "", lambda s: s.ghost.choose(),
     "Show the robots of a saved replay of this level, faintly, to race against.",
     worker="ghost", also="ghost compare")
 view.add("drawing", "Drawing style", "d", general.drawing,
-    "Draw the labyrinth in quadrants, half blocks, sextants, or plain characters.")
+    "Draw the map in quadrants, half blocks, sextants, or plain characters.")
 
 inspecting: Group[MainScreen] = Group("Rows and values")
 inspecting.add("pin", "Pin or unpin", "at", lambda s: s.inspector.pin(),
@@ -305,7 +305,7 @@ inspecting.add("break_here", "Break here", "asterisk", rows.break_here,
 
 others: Group[MainScreen] = Group("General")
 others.add("help", "Help", "question_mark f1", general.help_,
-    "Show all keys and what the signs in the labyrinth mean.", bar="Help")
+    "Show all keys and what the symbols on the map mean.", bar="Help")
 others.add("palette", "Commands", "ctrl+p", general.palette,
     "Find any command by typing a part of its name.", bar="Commands", place="anywhere", spare=4)
 others.add("theme", "Theme…", "", lambda s: s.run_action("app.themes"),

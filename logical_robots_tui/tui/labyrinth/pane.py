@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class LabyrinthPane(Pane, can_focus=True):
-    command_id = "labyrinth"
+    command_id = "map"
 
     DEFAULT_CSS = """
     LabyrinthPane { layers: picture over; }
@@ -48,7 +48,7 @@ class LabyrinthPane(Pane, can_focus=True):
         self.card = RobotCard()
         self.briefing = briefing
         self._shown: tuple[Level, Frame] | None = None
-        super().__init__(self.view, self.card, briefing.beside, title="Labyrinth")
+        super().__init__(self.view, self.card, briefing.beside, title="Map")
         self._own_keys = self._bindings
 
     def on_mount(self) -> None:

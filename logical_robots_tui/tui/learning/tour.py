@@ -28,8 +28,8 @@ class Stop:
 
 STOPS = (
     Stop(
-        "labyrinth",
-        "The labyrinth",
+        "map",
+        "The map",
         "Your robots from above, and the light that they sense by. "
         "Bring them into the green area. The briefing explains the task.",
     ),

@@ -87,11 +87,11 @@ class MistakeStrip(Static):
 
 def _count(mistakes: tuple[Diagnostic, ...]) -> Content:
     wrong = sum(mistake.severity == "error" for mistake in mistakes)
-    told = [(wrong, "mistake"), (len(mistakes) - wrong, "warning")]
+    told = [(wrong, "error"), (len(mistakes) - wrong, "warning")]
     words = ", ".join(count_of(number, what) for number, what in told if number)
     return Content.assemble(
         (words, f"bold {INK.bad if wrong else INK.warn}"),
-        (f"   {command('mistake').key_name} goes to the next one", INK.dim),
+        (f"   {command('error').key_name} goes to the next one", INK.dim),
     )
 
 

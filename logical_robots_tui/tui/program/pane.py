@@ -236,10 +236,10 @@ class ProgramPane(Pane):
             return f"compiling… {done} of {of_all}" if of_all else "compiling…"
         text = self.text
         if state.phase == "mistake" and text == state.tried:
-            found = count_of(len(state.mistakes), "mistake")
+            found = count_of(len(state.mistakes), "error")
             return found if state.applied is None else f"{found}, the old version runs on"
         if text != state.applied:
-            found = count_of(len(state.found), "mistake") if text == state.checked else ""
+            found = count_of(len(state.found), "error") if text == state.checked else ""
             return f"not applied, {found}" if state.found and found else "not applied"
         warnings = len(state.mistakes)
         return f"applied, {count_of(warnings, 'warning')}" if warnings else "applied"

@@ -106,7 +106,7 @@ class TimelineController(SessionListener):
         except NoSuchTickError:
             self._say_there_is_none()
             return
-        self._ui.tell("This is the other future. The robots use its program.")
+        self._ui.tell("This is the other branch. The robots use its program.")
 
     def compare(self) -> None:
         game, history = self._session.game, self._history
@@ -115,7 +115,7 @@ class TimelineController(SessionListener):
             return
         if history.divergence is None:
             known = min(history.last, history.other[-1])
-            self._ui.tell(f"The two futures are equal as far as both are known, up to {known}.")
+            self._ui.tell(f"The two branches are equal as far as both are known, up to {known}.")
             return
         from logical_robots_tui.tui.timeline.divergence import DivergencePage
 
@@ -125,12 +125,12 @@ class TimelineController(SessionListener):
 
     def _say_there_is_none(self) -> None:
         self._ui.tell(
-            "There is no other future yet. Go back, change the program, and run the robots."
+            "There is no other branch yet. Go back, change the program, and run the robots."
         )
 
     def _elsewhere(self, tick: int) -> str:
         other = self._history.other if self._history is not None else None
-        return " The other future holds it." if other is not None and tick in other else ""
+        return " The other branch holds it." if other is not None and tick in other else ""
 
     def breakpoints(self) -> None:
         from logical_robots_tui.tui.timeline.breakpoints import BreakpointList

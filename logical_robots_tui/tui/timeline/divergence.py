@@ -1,4 +1,4 @@
-"""How and why two futures differ at the tick where they part, as a page."""
+"""How and why two branches differ from the tick where they part, as a page."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class DivergencePage(Reader):
         self._differences = describe_divergence(divergence)
         self._text_shown = Static(self._differences)
         self._waiting = BackgroundQuery(game.clock)
-        super().__init__(f"The two futures part in tick {divergence.tick}", self._text_shown)
+        super().__init__(f"The two branches differ from tick {divergence.tick}", self._text_shown)
 
     def on_mount(self) -> None:
         in_background(self, self._compare, "compare")

@@ -35,18 +35,18 @@ SIGNS: dict[MarkKind, tuple[str, str, str]] = {
 }
 """The sign, colour and meaning of each kind of mark."""
 
-DIVERGENCE = ("≠", f"bold {INK.number}", "the two futures differ from here on")
+DIVERGENCE = ("≠", f"bold {INK.number}", "the two branches differ from here on")
 _PAST, _KNOWN, _OTHER, _UNKNOWN = "━", "─", "┄", " "
 TRACKS = (
     (_PAST, INK.text, "the ticks up to the one on the screen"),
     (_KNOWN, INK.dim, "later ticks that are known"),
-    (_OTHER, INK.faint, "ticks of the other future"),
+    (_OTHER, INK.faint, "ticks of the other branch"),
 )
 """The signs of the track, with colours and meanings."""
 
 
 class Span(NamedTuple):
-    """The content of the timeline; None in `other_last` and `diverged` is no other future."""
+    """The content of the timeline; None in `other_last` and `diverged` is no other branch."""
 
     first: int
     last: int

@@ -121,6 +121,6 @@ def test_any_text_can_be_read(text: str) -> None:
 @pytest.mark.parametrize(
     "text", ["[" * 5_000, "{" * 5_000, "['" * 5_000, "[a:" * 5_000, "{a:" * 99]
 )
-def test_a_text_that_never_ends_is_no_list_and_no_record(text: str) -> None:
+def test_a_text_that_never_ends_is_neither_a_list_nor_a_record(text: str) -> None:
     assert read_list(text) is None
     assert read_record(text) is None

@@ -286,7 +286,7 @@ async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir:
     async with opened(data_dir, text=WRONG) as game:
         await game.ready()
         await game.press("space")
-        await game.sees("a mistake in line 3")
+        await game.sees("an error in line 3")
         assert not game.session.busy
         await game.write(PAPER)
         await game.until(lambda: game.session.game is not None)

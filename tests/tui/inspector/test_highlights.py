@@ -35,7 +35,7 @@ def test_a_robot_is_seen_where_it_is_asked_about() -> None:
     assert sight(node, "Ann", FRAME) == Highlight("Bob")
 
 
-def test_what_is_no_ray_of_this_tick_is_not_seen() -> None:
+def test_what_is_not_a_ray_of_this_tick_is_not_seen() -> None:
     ray = RADAR["Ann"][4]
     for value in (ray["angle"], None, RADAR["Ann"], {**ray, "distance": ray["distance"] + 1}):
         assert sight(Node("value", "x", values=(value,)), "Ann", FRAME) is None

@@ -53,7 +53,7 @@ def test_a_line_has_a_character_for_each_tick(
             assert (height - further) * (one - other) >= 0, "a higher bar is no lower number"
 
 
-def test_what_is_no_number_shows_where_it_changes() -> None:
+def test_what_is_not_a_number_shows_where_it_changes() -> None:
     told = [Sample(None, 1), Sample(None, 1), Sample(None, 2), None, Sample(None, None)]
     assert sparkline(told, counts=False) == "──┼ ·"
     assert sparkline(told, counts=False, plain=True) == "--| ."

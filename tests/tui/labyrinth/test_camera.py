@@ -114,7 +114,7 @@ async def test_one_key_goes_through_the_views(data_dir: Path) -> None:
             await game.until(partial(looks_at, view, sight))
         assert view.selected == name
         await game.press("f")
-        await game.sees(f"Labyrinth · {name} 3")
+        await game.sees(f"Map · {name} 3")
         await game.press("z")
         await game.sees(f"{name} 4")
         await game.press("Z", "Z")

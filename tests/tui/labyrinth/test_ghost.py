@@ -173,7 +173,7 @@ async def test_a_replay_is_raced(data_dir: Path, short: Path) -> None:
         assert late > 20
 
 
-async def test_a_run_changed_by_hand_is_no_race(data_dir: Path, short: Path) -> None:
+async def test_a_run_changed_by_hand_is_not_a_race(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         await run_to(game, 3)

@@ -193,7 +193,7 @@ async def test_a_camera_shows_part_of_the_map() -> None:
         assert app.view.robot_at(39, 11) == "Ann"
 
 
-async def test_names_are_no_markup() -> None:
+async def test_names_are_not_markup() -> None:
     app = Bench()
     async with app.run_test(size=(80, 24)) as pilot:
         one = level()

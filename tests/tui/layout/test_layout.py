@@ -51,10 +51,10 @@ async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) ->
         text, editor = game.editor.text, game.editor
         for size, panes in [
             ((80, 24), ["editor"]),
-            ((20, 5), ["labyrinth", "editor", "inspector"][:0]),
-            ((120, 40), ["labyrinth", "editor", "inspector"]),
+            ((20, 5), ["map", "editor", "inspector"][:0]),
+            ((120, 40), ["map", "editor", "inspector"]),
             ((40, 12), ["editor"]),
-            ((300, 80), ["labyrinth", "editor", "inspector"]),
+            ((300, 80), ["map", "editor", "inspector"]),
         ]:
             await game.pilot.resize_terminal(*size)
             await game.until(partial(shows_just, game, panes))
@@ -73,7 +73,7 @@ async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_
         await game.press("space")
         await game.until(lambda: game.tick > 2)
         await game.pilot.resize_terminal(80, 24)
-        await game.sees("1 Labyrinth")
+        await game.sees("1 Map")
         await game.sees_no("needed")
 
 
@@ -89,18 +89,18 @@ async def test_no_size_breaks_the_screen(data_dir: Path, size: tuple[int, int]) 
 async def test_panes_are_tabs_in_80_columns(data_dir: Path) -> None:
     async with opened(data_dir, size=(80, 24)) as game:
         await game.ready()
-        assert shown(game) == ["labyrinth"]
+        assert shown(game) == ["map"]
         await game.press("2")
         await game.until(lambda: shown(game) == ["editor"])
         assert game.main.focused is game.editor
         await game.press("ctrl+n")
         await game.until(lambda: shown(game) == ["inspector"])
         await game.press("right_square_bracket")
-        await game.until(lambda: shown(game) == ["labyrinth"])
+        await game.until(lambda: shown(game) == ["map"])
         await game.press("left_square_bracket")
         await game.until(lambda: shown(game) == ["inspector"])
         await game.press("1")
-        await game.until(lambda: shown(game) == ["labyrinth"])
+        await game.until(lambda: shown(game) == ["map"])
 
 
 async def test_a_tab_is_chosen_by_click_and_tells_about_the_program(data_dir: Path) -> None:
@@ -120,7 +120,7 @@ async def test_no_title_hides_another_tab(data_dir: Path, width: int) -> None:
         tabs = game.main.query_one(PaneTabs)
         await game.until(lambda: "Program" in tabs.render().plain)
         game.main.arrangement.panes[1].note(
-            "1 mistake, the old version runs on · a-name-of-24-characters*"
+            "1 error, the old version runs on · a-name-of-24-characters*"
         )
         await game.until(lambda: "…" in tabs.render().plain)
         shown = tabs.render()
@@ -141,7 +141,7 @@ async def test_what_is_typed_right_after_the_key_for_the_editor_goes_into_the_ed
 async def test_escape_leaves_the_editor_for_the_labyrinth(data_dir: Path) -> None:
     async with opened(data_dir, size=(80, 24)) as game:
         await game.press("2", "escape")
-        await game.until(lambda: shown(game) == ["labyrinth"])
+        await game.until(lambda: shown(game) == ["map"])
         await game.press("y")
         await game.until(lambda: not game.main.query_one(LabyrinthView).rays)
         assert game.editor.text == PAPER
@@ -219,7 +219,7 @@ def test_a_wide_map_leaves_its_rows_to_the_program_below_it() -> None:
 async def test_a_high_terminal_shows_all_panes_one_below_the_other(data_dir: Path) -> None:
     async with opened(data_dir, size=(90, 60)) as game:
         await game.ready()
-        assert shown(game) == ["labyrinth", "editor", "inspector"]
+        assert shown(game) == ["map", "editor", "inspector"]
         tops = [pane.region.y for pane in game.main.query(Pane)]
         assert tops == sorted(set(tops))
         assert {pane.region.width for pane in game.main.query(Pane)} == {90}
@@ -229,11 +229,11 @@ async def test_a_pane_is_enlarged_and_shares_again(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("k")
-        await game.until(lambda: shown(game) == ["labyrinth"])
+        await game.until(lambda: shown(game) == ["map"])
         await game.press("2", "ctrl+t", "ctrl+t")
         await game.until(lambda: shown(game) == ["editor"])
         await game.press("ctrl+t")
-        await game.until(lambda: shown(game) == ["labyrinth", "editor", "inspector"])
+        await game.until(lambda: shown(game) == ["map", "editor", "inspector"])
         assert game.editor.text == PAPER
 
 
@@ -242,16 +242,14 @@ async def test_a_pane_is_hidden_and_shown_again(data_dir: Path) -> None:
         await game.ready()
         await game.press("3", "j")
         await game.until(
-            lambda: (
-                shown(game) == ["labyrinth", "editor"] and game.main.labyrinth.region.height > 30
-            )
+            lambda: shown(game) == ["map", "editor"] and game.main.labyrinth.region.height > 30
         )
         await game.press("j")
-        await game.until(lambda: shown(game) == ["labyrinth", "editor", "inspector"])
+        await game.until(lambda: shown(game) == ["map", "editor", "inspector"])
         await game.press("j")
         await game.until(lambda: shown(game) == ["editor", "inspector"])
         await game.press("1")
-        await game.until(lambda: shown(game) == ["labyrinth", "editor", "inspector"])
+        await game.until(lambda: shown(game) == ["map", "editor", "inspector"])
 
 
 async def test_panes_are_resized(data_dir: Path) -> None:

@@ -290,7 +290,7 @@ async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
             await game.press("2", *"hello")
             await game.until(lambda: game.editor.text.startswith("hello"))
             monkeypatch.setattr(LabyrinthView, "look_at_next", lambda self: 1 / 0)
-            game.main.action_command("labyrinth")
+            game.main.action_command("map")
             await game.press("f")
             await game.until(lambda: not game.app.is_running)
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
@@ -336,7 +336,7 @@ class Played(Terminal):
 
 
 def type_hello(terminal: Terminal) -> None:
-    terminal.wait_for("1 Labyrinth")
+    terminal.wait_for("1 Map")
     terminal.send("2")
     terminal.wait_for("Leave")
     terminal.send("hello")

@@ -32,7 +32,7 @@ async def test_a_misspelt_predicate_is_marked_while_it_is_typed(data_dir: Path) 
         await game.press("2")
         game.editor.move_cursor((1, len("  Sens")))
         await game.press("delete")
-        await game.until(lambda: title(game).startswith("Program · not applied, 1 mistake"))
+        await game.until(lambda: title(game).startswith("Program · not applied, 1 error"))
         assert underlined(game, 1) == ["Sensr"]
         await game.sees("✗ line 2, column 3")
         assert game.session.state.applied == STILL
@@ -62,7 +62,7 @@ async def test_mistakes_are_counted_and_each_can_be_reached(data_dir: Path) -> N
         await game.ready()
         game.editor.put(f"{STILL}A(x) :- Nothing(x);\nB(x) :- Nowhere(x);\n")
         await game.press("2")
-        await game.sees("2 mistakes")
+        await game.sees("2 errors")
         await game.sees("✗ line 4")
         lines = game.screen().splitlines()
         row = next(row for row, line in enumerate(lines) if "✗ line 4" in line)
@@ -83,7 +83,7 @@ async def test_what_was_checked_is_applied_at_once(data_dir: Path) -> None:
         game.editor.put(WRONG)
         await game.sees("✗ line 3")
         await game.press("f4")
-        told = "Program · 1 mistake, the old version runs on"
+        told = "Program · 1 error, the old version runs on"
         await game.until(lambda: title(game).startswith(told))
         game.editor.put(MISSPELT)
         await game.until(lambda: game.session.state.checked == MISSPELT)

@@ -89,7 +89,7 @@ async def test_a_mistake_is_marked_in_its_line_with_message_and_hint(data_dir: P
         assert mistake.line == 3
         await game.sees("✗ line 3")
         await game.sees("3✗")
-        assert title(game) == "Program · 1 mistake, the old version runs on · mine*"
+        assert title(game) == "Program · 1 error, the old version runs on · mine*"
         assert mistake.hint
         await game.sees(mistake.hint.split(".")[0][:30])
         assert game.session.state.applied is not None
@@ -352,4 +352,4 @@ async def test_a_wrapped_line_with_a_mistake_is_marked_once_and_on_all_its_rows(
         await game.press("2")
         await game.until(lambda: game.session.state.phase == "mistake" and game.shows("2✗"))
         assert game.screen().count("2✗") == 1
-        assert title(game) == "Program · 1 mistake · mine"
+        assert title(game) == "Program · 1 error · mine"

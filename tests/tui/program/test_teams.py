@@ -112,7 +112,7 @@ async def test_unsaved_text_of_each_team_is_kept(data_dir: Path) -> None:
         game.main.select("Bo")
         assert game.editor.text == BLUE + "Wrong(x :- \n"
         await game.press("f4")
-        await game.sees("1 mistake")
+        await game.sees("1 error")
         game.main.select("Ada")
         await game.press("f4")
         await game.until(lambda: game.main.session.state.phase == "applied")

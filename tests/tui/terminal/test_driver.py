@@ -75,4 +75,4 @@ def test_a_size_whose_signal_was_lost_is_noticed(tmp_path: Path) -> None:
     with Terminal(play, size=(120, 40)) as terminal:
         terminal.wait_for("╭─ Inspector")
         terminal.resize(80, 24)
-        terminal.wait_for(" 1 Labyrinth   2 Program")
+        terminal.wait_for(" 1 Map   2 Program")

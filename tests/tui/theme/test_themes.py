@@ -73,7 +73,7 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
         await game.ready()
         await game.press("n", "a")
         await game.until(lambda: game.tick == 1 and game.shows("engines"))
-        words = ("FreedomMotion", "PAUSED", "engines", "Labyrinth", "● ")
+        words = ("FreedomMotion", "PAUSED", "engines", "Map", "● ")
         before = {word: colours_of(game, word) for word in words}
         await game.press("ctrl+p")
         await game.sees("Find a command")
@@ -128,7 +128,7 @@ async def test_without_colours_everything_is_legible_in_greys(
         for theme in ("night", "ansi-dark", "ansi-light"):
             game.app.theme = theme
             await game.sees("FreedomMotion")
-            for word in ("FreedomMotion", "PAUSED", "Labyrinth"):
+            for word in ("FreedomMotion", "PAUSED", "Map"):
                 for segment in (s for strip in strips(game) for s in strip if word in s.text):
                     assert segment.style is not None
                     assert segment.style.color is not None

@@ -214,7 +214,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
 ) -> None:
     async with playing(data_dir, short) as game:
         await game.press("F")
-        await game.sees("There is no other future yet")
+        await game.sees("There is no other branch yet")
         await run_to(game, 30)
         await game.press("g")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
@@ -229,7 +229,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
         await game.press("N")
         await game.until(lambda: game.tick == 21)
         await game.press("C")
-        await game.sees("The two futures part in tick 11")
+        await game.sees("The two branches differ from tick 11")
         for told in ("memory", "here   false", "there  true"):
             await game.until(lambda told=told: game.shows(told))  # type: ignore[misc]  # a default
         await game.until(lambda: game.shows("What Pip decides differs first in Robot("))
@@ -238,7 +238,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main and game.tick == 11)
         await game.press("F")
-        await game.sees("This is the other future.")
+        await game.sees("This is the other branch.")
         assert game.session.frame.memories == {"Pip": True}
         assert game.session.program is not None
         assert game.session.program.text == TURNS

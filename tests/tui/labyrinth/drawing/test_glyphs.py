@@ -57,5 +57,5 @@ def test_what_stands_in_a_labyrinth_is_told_apart_by_its_glyph() -> None:
 
 
 @pytest.mark.parametrize("angle", [math.nan, math.inf])
-def test_a_heading_that_is_no_number_has_a_glyph(angle: float) -> None:
+def test_a_heading_that_is_not_a_number_has_a_glyph(angle: float) -> None:
     assert cell_len(Drawing.QUADRANTS.glyphs.heading(angle)) == 1
