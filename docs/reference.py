@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 TARGET = Path(__file__).with_name("reference.md")
-PROGRAMS = TARGET.with_name("programs.md")
+LANGUAGE = TARGET.with_name("dialect.md")
 SETTINGS = TARGET.with_name("settings.md")
 COMMANDS = TARGET.with_name("commands.md")
 HEAD = """\
@@ -32,9 +32,9 @@ def page() -> str:
     return "\n".join([HEAD, *_tables(), "## Fields\n", *tables(), ""])
 
 
-def programs() -> str:
-    """The page on programs, with the table of fields as it should be."""
-    return _filled(PROGRAMS, "fields", tables())
+def language() -> str:
+    """The page on the language, with the table of fields as it should be."""
+    return _filled(LANGUAGE, "fields", tables())
 
 
 def settings() -> str:
@@ -47,7 +47,7 @@ def commands() -> str:
     return _filled(COMMANDS, "typed commands", table())
 
 
-PAGES = {TARGET: page, PROGRAMS: programs, SETTINGS: settings, COMMANDS: commands}
+PAGES = {TARGET: page, LANGUAGE: language, SETTINGS: settings, COMMANDS: commands}
 
 
 def _filled(page: Path, mark: str, lines: Iterable[str]) -> str:

@@ -149,7 +149,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder.mkdir()
     (folder / "docs").symlink_to(DOCS)
     _write_level(folder, "my-level.toml")
-    program, *_ = (b.text for b in blocks(DOCS / "programs.md") if b.language == "prolog")
+    program, *_ = (b.text for b in blocks(DOCS / "dialect.md") if b.language == "prolog")
     (folder / "my-program.l").write_text(program, "utf-8")
     monkeypatch.chdir(folder)
     return folder

@@ -64,7 +64,7 @@ def levels_table() -> str:
     ("page", "marks", "wanted"),
     [
         (PLAYING, KEYS, keys_table("screen")),
-        (DOCS / "programs.md", KEYS, keys_table("text")),
+        (DOCS / "editor.md", KEYS, keys_table("text")),
         (PLAYING, LEVELS, levels_table()),
     ],
     ids=["keys", "keys of the editor", "levels"],

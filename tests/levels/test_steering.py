@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,9 @@ def test_steering_is_given_and_the_same_in_every_level(name: str) -> None:
     assert solution.keys() & library.keys() <= starter.keys() | TAUGHT_BEFORE
 
 
-def test_the_documentation_shows_the_rules_as_they_are() -> None:
-    page = Path(__file__).parents[2] / "docs" / "programs.md"
-    assert f"```prolog\n{program_text('steering')}```\n" in page.read_text("utf-8")
+def test_the_documentation_lists_each_rule_with_its_arguments() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "dialect.md").read_text("utf-8")
+    section = page.partition("\n## Steering\n")[2].partition("\n## ")[0]
+    heads = re.findall(r"^(\w+\(.*?\)) =", program_text("steering"), re.MULTILINE)
+    assert len(heads) == len(rules_of("steering"))
+    assert re.findall(r"^\| `(.*?)` \|", section, re.MULTILINE) == heads
