@@ -1,4 +1,4 @@
-"""A class over a real sshd: frame rate and key latency with twelve and with thirty players."""
+"""A class over a real sshd: frames, help and keys with twelve and with thirty players."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["classes", "large_classes"]
 
 
 def classes(effort: Effort) -> Iterator[Measurement]:
-    """Measure twelve players' frames per second, and milliseconds from a key to the screen."""
+    """Measure twelve players' frames per second, and milliseconds to the help and to a letter."""
     return _class(effort, 12, at_least(10), at_most(150))
 
 
@@ -48,8 +48,10 @@ def _class(
         crowd = Crowd(seats)
         crowd.play()
         drawn = crowd.frames_per_second(effort.ticks / 80)
+        opened = crowd.help_milliseconds()
         crowd.edit()
         found = crowd.key_milliseconds(players)
     subject = f"80x24, {players} players at once"
     yield summed_up("frames of a class", subject, "/s", drawn, target=frames)
+    yield summed_up("help of a class", subject, "ms", opened, target=None)
     yield summed_up("key of a class", subject, "ms", found, target=milliseconds)

@@ -56,7 +56,7 @@ class Crowd:
             lambda: not any("skips the tour" in t.text for t in self._terminals), patience=60
         )
         to_the_sixth = 5 * "\x1b[C" + "\r"
-        for keys, shown in (("l", "esc close"), (to_the_sixth, "linseed"), (" ", "RUNNING")):
+        for keys, shown in (("l", "started"), (to_the_sixth, "linseed"), (" ", "RUNNING")):
             self._type(keys)
             self.everybody_sees(shown, patience=60)
         begun = {terminal: terminal.frames for terminal in self._terminals}
@@ -77,19 +77,32 @@ class Crowd:
             for terminal, start in zip(self._terminals, before, strict=True)
         ]
 
+    def help_milliseconds(self) -> list[float]:
+        """Milliseconds from `?` to the help, opened once at each terminal, in turn."""
+        found = []
+        for terminal in self._terminals:
+            found.append(self._milliseconds(terminal, "?", "Single"))
+            terminal.send("\x1b")
+        self.wait_for(lambda: not any("Type to filter" in t.text for t in self._terminals))
+        return found
+
     def key_milliseconds(self, presses: int) -> list[float]:
         """Milliseconds from a letter typed into the editor to its being shown, in turn."""
         found = []
         for number in range(presses):
             letter = _LETTERS[number % len(_LETTERS)]
             terminal = self._terminals[number % len(self._terminals)]
-            pause = monotonic()
-            self.wait_for(lambda: monotonic() - pause > 0.1)  # noqa: B023 - called in this turn
-            since, began = terminal.traffic, monotonic()
-            terminal.send(letter)
-            self.wait_for(lambda: terminal.has_received(letter, since))  # noqa: B023 - as above
-            found.append(1000 * (monotonic() - began))
+            found.append(self._milliseconds(terminal, letter, letter))
         return found
+
+    def _milliseconds(self, terminal: Terminal, key: str, shown: str) -> float:
+        """Milliseconds from a key, pressed after a pause, to a text that it brings."""
+        pause = monotonic()
+        self.wait_for(lambda: monotonic() - pause > 0.1)
+        since, began = terminal.traffic, monotonic()
+        terminal.send(key)
+        self.wait_for(lambda: terminal.has_received(shown, since))
+        return 1000 * (monotonic() - began)
 
     def _type(self, keys: str) -> None:
         for terminal in self._terminals:

@@ -44,6 +44,7 @@ class Server:
         config: Added to the configuration.
         players: Names; each gets a key.
         keys: A line of the file of keys, made by ``str.format`` with ``name`` and ``key``.
+        inside: What starts sshd, such as a shell in namespaces of its own.
     """
 
     def __init__(
@@ -52,8 +53,9 @@ class Server:
         config: str = "",
         players: Sequence[str] = ("player",),
         keys: str = "{key}",
+        inside: Sequence[str] = (),
     ) -> None:
-        self.folder = folder
+        self.folder, self._inside = folder, inside
         self.log = folder / "log"
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
@@ -77,7 +79,7 @@ class Server:
         assert SSHD
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
-                [SSHD, "-D", "-e", "-f", self.folder / "sshd_config"],
+                [*self._inside, SSHD, "-D", "-e", "-f", self.folder / "sshd_config"],
                 stdin=subprocess.DEVNULL,
                 stderr=log,
                 env=clean_environment(),
