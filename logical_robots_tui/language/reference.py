@@ -123,14 +123,16 @@ EndsWith(string, end) -- whether a string ends with another -- EndsWith("robot",
 Exp(x) -- e to the power of x -- Exp(0) => 1
 Fingerprint(x) -- the same as NaturalHash -- Fingerprint("a") == Fingerprint("a") => true
 Floor(x) -- x rounded down -- Floor(2.7) => 2
-Format(format, x, ...) -- a string with values inserted, as in printf -- Format("%.2f", 1.5) => "1.50"
+Format(format, x, ...) -- a string with values inserted, as in printf -- \
+Format("%.2f", 1.5) => "1.50"
 GenerateArray(x, y, step) -- the list of numbers from x to y; step is optional -- \
 GenerateArray(1, 7, 3) => [1, 4, 7]
 Greatest(x, y, ...) -- the largest of its arguments -- Greatest(1, 3, 2) => 3
 If(a, x, y) -- x if a holds, otherwise y -- If(1 < 2, "yes", "no") => "yes"
 Ifnull(x, y) -- x, or y if x is null -- Ifnull(null, 3) => 3
 IsNull(x) -- whether x has no value -- IsNull(null) => true
-Join(list, between) -- the elements as one string, with a separator -- Join(["a", "b"], "-") => "a-b"
+Join(list, between) -- the elements as one string, with a separator -- \
+Join(["a", "b"], "-") => "a-b"
 JsonExtract(json, path) -- a part of JSON text -- JsonExtract("[4, 5]", "$[1]") => 5
 Least(x, y, ...) -- the smallest of its arguments -- Least(3, 1, 2) => 1
 Length(string) -- the number of characters -- Length("abc") => 3
@@ -158,16 +160,19 @@ Replace(string, old, new) -- the string with every old replaced by new -- \
 Replace("aba", "a", "c") => "cbc"
 Reverse(string) -- the string reversed -- Reverse("abc") => "cba"
 Round(x, digits) -- x rounded; digits is optional -- Round(2.567, 2) => 2.57
-Rpad(string, n, fill) -- the string filled on the right to n characters -- Rpad("7", 3, "0") => "700"
+Rpad(string, n, fill) -- the string filled on the right to n characters -- \
+Rpad("7", 3, "0") => "700"
 Rtrim(string) -- the string without trailing spaces -- Rtrim("a  ") => "a"
 Sign(x) -- -1, 0 or 1 -- Sign(-3) => -1
 Sin(x) -- the sine of an angle in radians -- Sin(0) => 0
 Sinh(x) -- the hyperbolic sine -- Sinh(0) => 0
 Size(list) -- the number of elements -- Size([1, 2, 3]) => 3
 Sort(list) -- the list in ascending order -- Sort([3, 1, 2]) => [1, 2, 3]
-Split(string, between) -- the parts of a string between separators -- Split("a,b", ",") => ["a", "b"]
+Split(string, between) -- the parts of a string between separators -- \
+Split("a,b", ",") => ["a", "b"]
 Sqrt(x) -- the square root; null for a negative number -- Sqrt(16) => 4
-StartsWith(string, start) -- whether a string starts with another -- StartsWith("robot", "rob") => true
+StartsWith(string, start) -- whether a string starts with another -- \
+StartsWith("robot", "rob") => true
 Strpos(string, part) -- where a string contains another, from 1; 0 if nowhere -- \
 Strpos("abc", "c") => 3
 Str(x) -- the string x; also the type of strings -- Str("a") => "a"
