@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 
 class LogicalRobotsError(Exception):
     """Base of every error that this package raises on purpose."""
@@ -9,12 +11,21 @@ class LogicalRobotsError(Exception):
     title = "Something went wrong"
 
 
+_CONTINUES = re.compile(r"(is|isn't|are|was|has|can't|could|already) ")
+
+
+def joined(place: str, message: str) -> str:
+    """Join a place, or "", and what is wrong there; a message like "is not a file" continues it."""
+    between = "" if not place else " " if _CONTINUES.match(message) else ": "
+    return f"{place}{between}{message}"
+
+
 class InputError(LogicalRobotsError):
     """A file, key or value that a person gave can't be used.
 
     Attributes:
         place: Where it is: a file, a file and line, a key such as ``areas[2].radius``, or "".
-        message: What is wrong, one plain sentence.
+        message: What is wrong, one plain sentence; or the rest of one that begins with the place.
         hint: What to do about it, or "".
     """
 
@@ -27,7 +38,7 @@ class InputError(LogicalRobotsError):
         super().__init__(str(self))
 
     def __str__(self) -> str:
-        head = f"{self.place}: {self.message}" if self.place else self.message
+        head = joined(self.place, self.message)
         if not self.hint:
             return head
         return f"{head}{'' if head.endswith(('.', '!', '?')) else '.'} {self.hint}"

@@ -72,12 +72,12 @@ def typed_path(text: str) -> Path:
                 raise PermissionError  # whoever that is
             check_mine(Path(text).expanduser())
         except PermissionError:
-            raise InputError(WHY, place=text) from None
+            raise InputError(f"can't be used: {WHY}", place=text) from None
     try:
         return Path(text).expanduser()
     except RuntimeError as error:
         hint = "Name another folder."
-        raise InputError("there is no such home", place=text, hint=hint) from error
+        raise InputError("There is no such home", place=text, hint=hint) from error
 
 
 def pasted_path(text: str) -> str:

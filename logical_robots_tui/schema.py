@@ -110,7 +110,7 @@ _ANGLE = f"{radians(RADAR_DEGREES / 2):.2f}"
 
 RAY = Record(
     "ray",
-    "a ray of the radar",
+    "A ray of the radar",
     (
         Field("angle", Type.REAL, "where it points", f"{_ANGLE} (left) to -{_ANGLE}", "radians"),
         Field("distance", Type.WHOLE, "how far away what it hit is", _DISTANCE, "map units"),
@@ -132,12 +132,12 @@ SELF = Record(
 
 SENSOR = Record(
     "sensor",
-    "a sensor",
+    "A sensor",
     (
         Field("forward_distance", Type.WHOLE, "how far the way ahead is", _DISTANCE, "map units"),
         Field("forward_object", Type.TEXT, "what is straight ahead", _OBJECT),
         Field("forward_label", Type.TEXT, "which one is straight ahead", _LABEL),
-        Field("radar", ListOf("the radar", RAY), f"{RADAR_RAYS} rays from left to right"),
+        Field("radar", ListOf("The radar", RAY), f"{RADAR_RAYS} rays from left to right"),
         Field("self", SELF, "the robot's own battery"),
         Field("clock", Type.WHOLE, "number of the tick", "1 or more"),
     ),
@@ -145,7 +145,7 @@ SENSOR = Record(
 
 DESIRE = Record(
     "desire",
-    "a desire",
+    "A desire",
     (
         Field("left_engine", Type.REAL, "power of the left engine", "-1 to 1"),
         Field("right_engine", Type.REAL, "power of the right engine", "-1 to 1"),

@@ -218,7 +218,7 @@ class _Supervisor:
             elif name in _FAULTS:
                 reason += ", a fault in compiled code"
         with suppress(OSError):
-            os.write(2, f"logical-robots: the game {reason}. {_KEPT}\n".encode())
+            os.write(2, f"logical-robots: The game {reason}. {_KEPT}\n".encode())
         return STUCK if "stuck" in reason else 128 - status
 
     def _restore_terminal(self) -> None:

@@ -346,7 +346,7 @@ def report(error: LogicalRobotsError, *, as_json: bool) -> int:
 
 def report_output(error: OSError) -> int:
     """Report that standard output can't be written; return the exit status."""
-    _say(f"can't write to standard output: {error.strerror}.")
+    _say(f"Can't write to standard output: {error.strerror}.")
     return BAD_INPUT
 
 
@@ -358,9 +358,9 @@ def report_bug(error: Exception, *, as_json: bool) -> int:
     if as_json:
         print_json({"error": {"kind": "bug", "message": name, "log": str(kept or "")}})
     if is_out_of_memory(error):
-        _say(f"the game has run out of memory. {where}.")
+        _say(f"The game has run out of memory. {where}.")
     else:
-        _say(f"this is a bug in the game, not your mistake ({name}). {where}.")
+        _say(f"This is a bug in the game, not your mistake ({name}). {where}.")
     return BUG
 
 

@@ -253,7 +253,7 @@ def _play(options: argparse.Namespace) -> int:
     manifest = folder.manifest()
     if manifest.kind != "grade":
         hint = "The last column of runs.csv has commands that play its runs."
-        raise InputError("this is not a graded class", place=str(folder.path), hint=hint)
+        raise InputError("This is not a graded class", place=str(folder.path), hint=hint)
     student = student_of(manifest, options.student)
     cell = cell_of(manifest, student, options.level)
     text, program = folder.text(cell.level), folder.text(cell.own or cell.program)

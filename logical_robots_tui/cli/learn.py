@@ -70,7 +70,7 @@ def learn(options: argparse.Namespace) -> int:
     number = options.question
     if number is not None and number > len(level.questions):
         asked = len(level.questions)
-        raise InputError(f"there is no question {number}.", hint=f"{level.title} has {asked}.")
+        raise InputError(f"There is no question {number}.", hint=f"{level.title} has {asked}.")
     file = folder_of(options.data_dir) / FILE_NAME
     with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as kept:
         lesson = _Lesson(level, kept, is_silent=options.json)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui import world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import harmless, print_json
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.errors import InputError, joined
 from logical_robots_tui.paths import is_file, is_folder
 
 if TYPE_CHECKING:
@@ -151,8 +151,8 @@ def _findings(name: str) -> list[LevelFinding]:
         return check(world.load_level(name))
     except world.LevelError as error:
         inner = error.place.removeprefix(name).lstrip(":, ")
-        text = f"{inner}: {error.message}" if inner else error.message
-        return [LevelFinding(f"{text} {error.hint}".rstrip(), forbids=True)]
+        text = f"{joined(inner, error.message)} {error.hint}".rstrip()
+        return [LevelFinding(text, forbids=True)]
 
 
 def _line(name: str, finding: LevelFinding) -> str:

@@ -102,7 +102,7 @@ def print_help(options: argparse.Namespace) -> int:
     if entry is None:
         close = similar(options.name)
         hint = f"Did you mean {close}?" if close else "`logical-robots help` lists all functions."
-        raise InputError(f"there is no function {options.name}.", hint=hint)
+        raise InputError(f"There is no function {options.name}.", hint=hint)
     article = "an" if entry.kind[0] in "ao" else "a"
     print(entry.signature, f"  {entry.summary} ({article} {entry.kind})", "", sep="\n")
     print(f"  {entry.example}", f"  gives {entry.result}", sep="\n")

@@ -172,7 +172,7 @@ def _refuse_shared_folder(folder: Path) -> None:
     """Raise InputError if the folder contains folders of named players."""
     if is_folder(folder_of(folder, ".")):
         raise InputError(
-            "no player is named, and this folder contains the folders of players",
+            "No player is named, and this folder contains the folders of players",
             place=str(folder),
             hint="Add --player NAME, or set LOGICAL_ROBOTS_PLAYER=NAME in the environment.",
         )
@@ -185,7 +185,7 @@ def _prepare_screen() -> None:
     if elsewhere or os.environ.get("TERM") == "dumb":
         some = 0 < len(elsewhere) < len(streams)
         raise InputError(
-            "the game needs a terminal"
+            "The game needs a terminal"
             + (f" for standard {' and '.join(elsewhere)} too." if some else "."),
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
@@ -229,7 +229,7 @@ def clear_environment() -> None:
     """
     if site.ENABLE_USER_SITE:
         raise InputError(
-            "restricted mode needs a Python that loads no packages from home folders",
+            "Restricted mode needs a Python that loads no packages from home folders",
             hint="Install the game in a virtual environment, or set PYTHONNOUSERSITE=1.",
         )
     for name in [*os.environ]:
@@ -254,7 +254,7 @@ def restrict(own: Path) -> OpenGames:
     except OSError as error:
         reason = error.strerror or str(error)
         hint = "Tell the administrator of this computer."
-        said = f"the player's folder can't be used: {reason}"
+        said = f"The player's folder can't be used: {reason}"
         raise InputError(said, place=str(own), hint=hint) from None
     os.environ.pop("XDG_DATA_HOME", None)
     os.environ["HOME"] = str(own)

@@ -153,7 +153,7 @@ def _read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
     try:
         content = read_text(file, _MOST_BYTES)
     except OSError as error:
-        raise InputError(f"Can't be read: {error.strerror or error}.", place=str(file)) from error
+        raise InputError(f"can't be read: {error.strerror or error}.", place=str(file)) from error
     try:
         export = msgspec.json.decode(content, type=_Export)
     except (msgspec.DecodeError, RecursionError) as error:

@@ -105,7 +105,7 @@ def check_name(what: str, name: str, known: Iterable[str]) -> None:
     if name not in names:
         listed = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
         raise InputError(
-            f"there is no {what} {name}.",
+            f"There is no {what} {name}.",
             hint=f"There {'is' if len(names) == 1 else 'are'} {listed}.",
         )
 

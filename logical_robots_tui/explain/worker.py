@@ -74,7 +74,7 @@ def read_call(text: str) -> Called:
         raise ProgramError(source.problems)
     called, result = _sides(source)
     if not isinstance(called, Atom | Call | PredicateName) or not called.name[:1].isalpha():
-        raise _refusal(source, called, "this is not a predicate with values")
+        raise _refusal(source, called, "This is not a predicate with values")
     given = _fields(() if isinstance(called, PredicateName) else called.arguments, source)
     if result is not None:
         given[VALUE] = _value(result, source)
@@ -84,7 +84,7 @@ def read_call(text: str) -> Called:
 def _sides(source: Prepared) -> tuple[Expression | Atom, Expression | None]:
     """Return the call, and what it is said to be, if anything."""
     if not source.text.strip():
-        raise ProgramError((Diagnostic(1, 1, "the question is empty", _HINT),))
+        raise ProgramError((Diagnostic(1, 1, "The question is empty", _HINT),))
     try:
         body = parse_proposition(source)
     except error_messages.COMPLAINTS:
@@ -96,7 +96,7 @@ def _sides(source: Prepared) -> tuple[Expression | Atom, Expression | None]:
         return sides
     if isinstance(body, Atom):
         return body, None
-    raise _refusal(source, None, "these are several conditions")
+    raise _refusal(source, None, "These are several conditions")
 
 
 def _fields(arguments: tuple[Argument, ...], source: Prepared) -> dict[str, Value]:
@@ -128,7 +128,7 @@ def _value(node: Expression, source: Prepared) -> Value:
                 if each.expression is not None
             }
     hint = 'Values are numbers, "texts", true, false, null, [lists] and {of: records}.'
-    raise _refusal(source, node, "this is not a value", hint)
+    raise _refusal(source, node, "This is not a value", hint)
 
 
 def _refusal(

@@ -139,7 +139,7 @@ def load_program(
                 return _read(found)
     known = list_programs(own)
     hint = did_you_mean(path.stem, known) or f"There are {', '.join(known) or 'none'}."
-    raise InputError("there is no such program", place=str(path_or_name), hint=hint)
+    raise InputError("There is no such program", place=str(path_or_name), hint=hint)
 
 
 def programs_for(
@@ -256,7 +256,7 @@ def target(
         try:
             path = path.absolute()
         except OSError as error:
-            message = "the current folder no longer exists"
+            message = "The current folder no longer exists"
             hint = "Use an absolute path such as /tmp/name."
             raise InputError(message, place=str(path), hint=hint) from error
         path = path if path.suffix or not path.name else path.with_suffix(usual)

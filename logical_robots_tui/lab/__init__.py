@@ -88,7 +88,7 @@ class Results:
         """Return the same as a `pyarrow.Table`; it raises alike."""
         from logical_robots_tui.lab.exporting import arrow_of, check_extra
 
-        check_extra("pyarrow", "a table of Arrow")
+        check_extra("pyarrow", "A table of Arrow")
         return arrow_of(self._tables[table or self.tables[0]])
 
     def report(self) -> Path:

@@ -54,10 +54,10 @@ def student_of(manifest: Manifest, called: str) -> Student:
         return found[0]
     if found:
         hint = f"Name one by the id: {', '.join(each.called for each in found[:10])}."
-        raise InputError("several students are called so", place=called, hint=hint)
+        raise InputError("Several students are called so", place=called, hint=hint)
     known = [name for each in everybody for name in (each.id, each.name, *each.name.split())]
     hint = did_you_mean(called, known) or "Name one by the id of the roster."
-    raise InputError("no students are called so", place=called, hint=hint)
+    raise InputError("No students are called so", place=called, hint=hint)
 
 
 def cell_of(manifest: Manifest, student: Student, level: str) -> Cell:
@@ -68,7 +68,7 @@ def cell_of(manifest: Manifest, student: Student, level: str) -> Cell:
         found = [name for name in names if name.partition("-")[0].lstrip("0") == level.lstrip("0")]
     if len(found) != 1:
         hint = did_you_mean(level, names) or f"Levels: {', '.join(names)}."
-        raise InputError("no program was run in such a level", place=level, hint=hint)
+        raise InputError("No program was run in such a level", place=level, hint=hint)
     for cell in manifest.cells:
         if (cell.student, cell.level_name) == (student.id, found[0]):
             return cell

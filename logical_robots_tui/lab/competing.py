@@ -67,7 +67,7 @@ def plan_tournament(file: Given, players: Path) -> tuple[Manifest, dict[str, str
     entries = entries_of(players, stems_of([level.name]))
     named = sorted(item for item in entries.items() if not item[1].is_stray)
     if len(named) < 2:
-        raise InputError("there are fewer than two players", place=str(players), hint=_HINT)
+        raise InputError("There are fewer than two players", place=str(players), hint=_HINT)
     entered = [_player(name, entry, level, inputs) for name, entry in named]
     is_swiss = table.format == "swiss" or (not table.format and len(entered) >= SWISS_FROM)
     manifest = Manifest(
@@ -106,7 +106,7 @@ def _level(spec: TomlFile, name: str) -> tuple[Level, str]:
         if len(level.teams) < 2:
             spec.problem(path, f"{level.name} has no teams that could play against each other")
         elif not level.scores:
-            spec.problem(path, f"nothing gives points in {level.name}: it has no [[scores]]")
+            spec.problem(path, f"Nothing gives points in {level.name}: it has no [[scores]]")
     spec.refuse()
     return level, text
 

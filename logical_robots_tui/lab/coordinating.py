@@ -199,7 +199,7 @@ class Coordinator:
     def _take(self, group: _Group, answer: Answer) -> None:
         if answer.refused:
             hint = "Install the same versions everywhere."
-            raise InputError("a worker has another version of Logical Robots", hint=hint)
+            raise InputError("A worker has another version of Logical Robots", hint=hint)
         manifest = self._manifest
         entries = []
         for start, result, seconds in answer.results:

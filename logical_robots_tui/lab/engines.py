@@ -105,7 +105,7 @@ class _Worker:
             has_begun = self._pid is not None and self._pid.exception() is None
             self._false_starts = 0 if has_begun else self._false_starts + 1
             if self._false_starts > _MOST_FALSE_STARTS:
-                raise InputError("a worker process can't start", hint="Is there memory left?")
+                raise InputError("A worker process can't start", hint="Is there memory left?")
             said = f"it took more than {self.task.seconds:g} seconds and could not be stopped"
             is_final = self._spent > self._limit
             answer = Answer(failure=said if self._is_stuck else "its worker process died")
@@ -205,7 +205,7 @@ class ClusterEngine:
             import distributed
         except ImportError:
             hint = "Install it with: pip install 'logical-robots-tui[dask]'"
-            raise InputError("a cluster needs Dask", hint=hint) from None
+            raise InputError("A cluster needs Dask", hint=hint) from None
         for name in ("distributed", "distributed.client"):  # the second has a level of its own
             logging.getLogger(name).setLevel(logging.CRITICAL)  # losses are expected
         self._dask: Any = distributed
@@ -269,7 +269,7 @@ class ClusterEngine:
         try:
             self._client = self._dask.Client(self._address, timeout=seconds)
         except (OSError, RuntimeError, TypeError, ValueError) as error:  # the last ones by TLS
-            message = f"there is no Dask scheduler that can be reached: {error}"
+            message = f"There is no Dask scheduler that can be reached: {error}"
             hint = "Start one with `dask scheduler`, and check the address and the keys."
             raise InputError(message, place=self._address, hint=hint) from error
 

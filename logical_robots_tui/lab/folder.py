@@ -205,7 +205,7 @@ class Folder:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 hint = "Wait for it to end, or name another folder."
-                raise self._error("another process is at work in this folder", hint) from None
+                raise self._error("Another process is at work in this folder", hint) from None
             yield
         finally:
             fcntl.flock(handle, fcntl.LOCK_UN)  # also for a process that is just starting
@@ -241,13 +241,13 @@ class Folder:
             content = read_ordinary(file, _MOST_BYTES + 1)
         except OSError as error:
             hint = "The folder is what `sweep`, `grade` or `tournament` wrote with -o."
-            raise self._error(f"there is no manifest: {error.strerror}", hint) from error
+            raise self._error(f"There is no manifest: {error.strerror}", hint) from error
         try:
             if len(content) > _MOST_BYTES or sum(map(content.count, _NESTING)) > _MOST_NESTED:
                 raise ValueError("it is too large")
             if msgspec.json.decode(content).get("format", _FORMAT) > _FORMAT:
                 hint = "Use the version of Logical Robots that wrote it."
-                raise InputError("a newer version wrote this manifest", place=str(file), hint=hint)
+                raise InputError("A newer version wrote this manifest", place=str(file), hint=hint)
             manifest = msgspec.json.decode(content, type=Manifest)
             if any(len(cell.parts) != len(manifest.teams) for cell in manifest.cells):
                 raise ValueError("there is no such team")
@@ -258,7 +258,7 @@ class Folder:
             return manifest
         except _UNREADABLE as error:
             hint = "Run the same command with -o again; results in the ledger are kept."
-            raise InputError("this manifest is damaged", place=str(file), hint=hint) from error
+            raise InputError("This manifest is damaged", place=str(file), hint=hint) from error
 
     def text(self, name: str) -> str:
         """Return an input by its digest; raises InputError if it is missing or damaged."""
@@ -267,9 +267,9 @@ class Folder:
         try:
             text = file.read_bytes().decode()
         except (OSError, ValueError) as error:
-            raise InputError("this input can't be read", place=str(file), hint=hint) from error
+            raise InputError("This input can't be read", place=str(file), hint=hint) from error
         if digest(text) != name:
-            raise InputError("this input is damaged", place=str(file), hint=hint)
+            raise InputError("This input is damaged", place=str(file), hint=hint)
         return text
 
     def _input(self, name: str) -> Path:
@@ -343,16 +343,16 @@ class Ledger:
         version = self._db.execute("PRAGMA user_version").fetchone()[0]
         if version > _VERSION:
             hint = "Use the version of Logical Robots that wrote it, or another folder."
-            raise LedgerError("a newer version wrote this ledger", place=str(self._file), hint=hint)
+            raise LedgerError("A newer version wrote this ledger", place=str(self._file), hint=hint)
         self._db.executescript("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;")
         if version == 0:
             self._db.executescript(f"BEGIN; {_SCHEMA} PRAGMA user_version = {_VERSION}; COMMIT;")
         kinds = self._db.execute("SELECT DISTINCT type FROM sqlite_schema").fetchall()
         if not {kind for (kind,) in kinds} <= {"table", "index"}:
-            raise LedgerError("it is damaged (it is not a ledger)", place=str(self._file))
+            raise LedgerError("It is damaged (it is not a ledger)", place=str(self._file))
         found = self._db.execute("SELECT DISTINCT engine FROM results").fetchall()
         if not self._mixed and any(engine != self._engine for (engine,) in found):
-            message = "its results are from another version of Logical Robots, Python or SQLite"
+            message = "Its results are from another version of Logical Robots, Python or SQLite"
             hint = "Take another folder, or keep them beside new ones with --mixed."
             raise LedgerError(message, place=str(self._file), hint=hint)
 
@@ -365,7 +365,7 @@ class Ledger:
         try:
             return {job: read(result) for job, result in found}
         except (msgspec.DecodeError, RecursionError, TypeError, ValueError) as error:
-            raise LedgerError("a result in it is damaged", place=str(self._file)) from error
+            raise LedgerError("A result in it is damaged", place=str(self._file)) from error
 
     def engines(self) -> Mapping[str, str]:
         return dict(self._rows(f"SELECT job, engine {self._counting()}"))
@@ -446,13 +446,13 @@ class Ledger:
             yield
         except (sqlite3.Error, UnicodeDecodeError) as error:  # damage in a name it would tell
             said = {
-                "SQLITE_FULL": ("the disk is full", "Make room, then resume."),
-                "SQLITE_IOERR": ("the disk is full or fails", "Make room, then resume."),
-                "SQLITE_READONLY": ("it may not be written", "Take a folder that is yours."),
-                "SQLITE_CANTOPEN": ("it can't be opened", "Take another folder."),
-                "SQLITE_BUSY": ("another process writes it", "Wait for it to end."),
+                "SQLITE_FULL": ("The disk is full", "Make room, then resume."),
+                "SQLITE_IOERR": ("The disk is full or fails", "Make room, then resume."),
+                "SQLITE_READONLY": ("It may not be written", "Take a folder that is yours."),
+                "SQLITE_CANTOPEN": ("It can't be opened", "Take another folder."),
+                "SQLITE_BUSY": ("Another process writes it", "Wait for it to end."),
             }
             name = "_".join(getattr(error, "sqlite_errorname", "").split("_")[:2])
             damaged = "Move it away and start again; nothing else in the folder is lost."
-            message, hint = said.get(name, (f"it is damaged ({error})", damaged))
+            message, hint = said.get(name, (f"It is damaged ({error})", damaged))
             raise LedgerError(message, place=str(self._file), hint=hint) from error

@@ -157,9 +157,9 @@ def pattern_problem(pattern: str) -> str:
     if unknown := set(fields) - FIELDS.keys():
         return f"{{{min(unknown)}}} can't be in a pattern; known are {{name}}, {{id}} and {{level}}"
     if len(fields) > len(set(fields)):
-        return "the same is twice in the pattern"
+        return "The same is twice in the pattern"
     if pattern and not {"name", "id"} & {*fields}:
-        return "a pattern needs {name} or {id}, such as {name}_{id}_{level}.l"
+        return "A pattern needs {name} or {id}, such as {name}_{id}_{level}.l"
     return ""
 
 
@@ -183,7 +183,7 @@ def entries_of(place: Path, stems: Mapping[str, str], pattern: str = "") -> dict
     shown: dict[str, Submission] = {}
     for key, entry in sorted(found.items()):
         if not entry.owner.id and not entry.owner.name and len(entry.tops) > 1:
-            message = f"there is more than one of this name: {', '.join(map(readable, entry.tops))}"
+            message = f"There is more than one of this name: {', '.join(map(readable, entry.tops))}"
             raise InputError(message, place=str(place / key), hint="Keep one of them.")
         entry.read(stems)
         name = readable(key)
@@ -205,15 +205,17 @@ def _files(place: Path) -> Iterator[File]:
             raise InputError(f"can't be read: {error.strerror}", place=str(place)) from error
         if len(content) > MOST_PACKED:
             hint = "Unpack it, and name the folder."
-            raise InputError("this archive is too large", place=str(place), hint=hint)
+            raise InputError("This archive is too large", place=str(place), hint=hint)
         room = Room(100_000, MOST_PACKED)
         found = sorted(unpack(File((), content), room, _most))
         for file in found[:1]:
             if not file.parts:
-                raise InputError(file.problem, place=str(place), hint="Unpack it by hand.")
+                raise InputError(
+                    f"can't be read: {file.problem}", place=str(place), hint="Unpack it by hand."
+                )
     else:
         hint = "It has one folder, file or archive for each student or player."
-        raise InputError("this is neither a folder nor an archive", place=str(place), hint=hint)
+        raise InputError("This is neither a folder nor an archive", place=str(place), hint=hint)
     rooms: dict[str, Room] = defaultdict(Room)
     for file in found:
         yield from _opened(file, rooms[file.parts[0]], 2)

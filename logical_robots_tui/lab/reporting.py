@@ -105,7 +105,7 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
     """Return a short report with text plots; raises InputError without the library."""
     if manifest.kind == "tournament":
         return tournament_lines(manifest, ledger)
-    check_extra("plotext", "a report")
+    check_extra("plotext", "A report")
     done = list(done_runs(manifest, ledger))
     if manifest.kind == "grade":
         grades = grades_of(manifest, ledger)
@@ -179,7 +179,7 @@ def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
     if manifest.kind == "tournament":
         parts = [*tournament_parts(manifest, ledger, done), _failures(manifest, ledger, done)]
     else:
-        check_extra("pygal", "a report")
+        check_extra("pygal", "A report")
         if manifest.kind == "grade":
             main = [*class_parts(folder, manifest, ledger), _overview(done), _ticks(done)]
         else:

@@ -99,15 +99,15 @@ def read_assignment(spec: TomlFile) -> Assignment:
     """
     found = spec.draft(Assignment)
     if not any(msgspec.structs.astuple(found.points)):
-        spec.problem(("points",), "at least one share of the points must be more than 0")
+        spec.problem(("points",), "At least one share of the points must be more than 0")
     if found.points.starts and not found.assignment.starts:
-        spec.problem(("points", "starts"), "there are points for starts, but starts = 0")
+        spec.problem(("points", "starts"), "There are points for starts, but starts = 0")
     if wrong := pattern_problem(found.assignment.pattern):
         spec.problem(("assignment", "pattern"), wrong)
     names = [level.name for level in found.level]
     for number, name in enumerate(names):
         if name in names[:number]:
-            spec.problem(("level", number, "name"), f'the level "{name}" is there twice')
+            spec.problem(("level", number, "name"), f'The level "{name}" is there twice')
     return found
 
 

@@ -127,46 +127,46 @@ def read_experiment(spec: TomlFile) -> Experiment:
         if spec.is_wrong(path):
             continue
         if bool(vary.constant) == bool(vary.level):
-            spec.problem(path, 'name either a "constant" or a field of the "level" to vary')
+            spec.problem(path, 'Name either a "constant" or a field of the "level" to vary')
         ways = (vary.values or None, vary.range, vary.between)
         if sum(way is not None for way in ways) != 1:
-            said = 'give "values", a "range" [from, to, step], or what it is "between" [from, to]'
+            said = 'Give "values", a "range" [from, to, step], or what it is "between" [from, to]'
             spec.problem(path, said)
         elif vary.between is not None:
             first, last = vary.between
             if not -math.inf < first <= last < math.inf:
-                spec.problem((*path, "between"), "it is between [from, to], the smaller one first")
+                spec.problem((*path, "between"), "It is between [from, to], the smaller one first")
             if "sample" not in spec.data:
-                said = "how it is sampled is missing: [sample] count = 20"
+                said = "How it is sampled is missing: [sample] count = 20"
                 spec.problem((*path, "between"), said)
         elif vary.range is not None and not _in_range(vary.range):
-            spec.problem((*path, "range"), f"a range is [from, to, step], at most {_MOST_VALUES:,}")
+            spec.problem((*path, "range"), f"A range is [from, to, step], at most {_MOST_VALUES:,}")
         _check_texts(spec, (*path, "values"), vary.values)
     for number, case in enumerate(found.case):
         _check_texts(spec, ("case", number, "constants"), case.constants.values())
         _check_texts(spec, ("case", number, "level"), case.level.values())
     if found.sample and not any(vary.between for vary in found.vary):
-        spec.problem(("sample",), 'nothing is varied "between" two numbers')
+        spec.problem(("sample",), 'Nothing is varied "between" two numbers')
     first, last = found.experiment.span if not spec.is_wrong(("experiment", "starts")) else (1, 1)
     if not -1 <= last - first < _MOST_VALUES:
-        said = f"varied starts are [from, to], at most {_MOST_VALUES:,}"
+        said = f"Varied starts are [from, to], at most {_MOST_VALUES:,}"
         spec.problem(("experiment", "starts"), said)
     for name, measure in found.measure.items():
         path = ("measure", name)
         if spec.is_wrong(path):
             continue
         if name in _COLUMNS:
-            spec.problem(path, f'a column of the tables is called "{name}": take another name')
+            spec.problem(path, f'A column of the tables is called "{name}": take another name')
         if isinstance(measure, Query) and bool(measure.at) and measure.every:
-            spec.problem(path, 'it is measured either at = "end" or every so many ticks')
+            spec.problem(path, 'It is measured either at = "end" or every so many ticks')
         if isinstance(measure, Query) and measure.reduce and not measure.every:
-            spec.problem(path, 'only what is measured "every" so many ticks can be reduced')
+            spec.problem(path, 'Only what is measured "every" so many ticks can be reduced')
         if (measure == "end") != (name in BUILT_IN):
             spec.problem(
                 path,
                 f'"{name}" is measured at the "end"'
                 if name in BUILT_IN
-                else f'write {name} = {{query = "...", every = 10}}; measured without a query are '
+                else f'Write {name} = {{query = "...", every = 10}}; measured without a query are '
                 + ", ".join(BUILT_IN),
             )
     return found
@@ -220,7 +220,7 @@ def _in_range(bounds: list[float]) -> list[Scalar]:
 def _check_texts(spec: TomlFile, path: Path_, values: Iterable[Scalar]) -> None:
     texts = [value for value in values if isinstance(value, str)]
     if not all(text.isprintable() and '"' not in text for text in texts):
-        spec.problem(path, "a text must be on one line, without double quotes")
+        spec.problem(path, "A text must be on one line, without double quotes")
 
 
 def plan_sweep(file: Given) -> tuple[Manifest, dict[str, str]]:
@@ -235,7 +235,7 @@ def level_with_text(name: str, folder: Path) -> tuple[Level, str]:
     level = load_level(folder / name if is_path else name)
     if not Path(level.source).exists():
         hint = f"Make one: logical-robots level new {name}.toml --copy {name}"
-        raise InputError("a labyrinth of the day has no file", place=name, hint=hint)
+        raise InputError("A labyrinth of the day has no file", place=name, hint=hint)
     return level, read_text(Path(level.source))
 
 
@@ -390,7 +390,7 @@ class _Plan:
                 crossed = dict(zip(varied, each, strict=True))
                 found.append(_combination(("vary",), crossed | some))
                 if len(found) > _MOST_CELLS:
-                    self._spec.problem(("vary",), f"more than {_MOST_CELLS:,} combinations")
+                    self._spec.problem(("vary",), f"More than {_MOST_CELLS:,} combinations")
                     break
         for number, case in enumerate(self._experiment.case):
             found.append((("case", number), case.constants, case.level))
@@ -458,7 +458,7 @@ def _set(data: Any, keys: list[str], whole: str, value: Scalar) -> None:
     tables = [each for each in found if isinstance(each, dict)]
     if not tables:
         hint = "Only tables that the level has can be varied, such as areas.0 in areas.0.radius."
-        raise InputError("the level has no such key", place=whole, hint=hint)
+        raise InputError("The level has no such key", place=whole, hint=hint)
     for table in tables:
         if isinstance(table.get(last), list) and type(value) is int:
             _keep(data, table, last, whole, value)
@@ -470,7 +470,7 @@ def _keep(data: Any, table: Any, key: str, whole: str, count: int) -> None:
     """Keep the first ones of a list, such as the robots, and goals for those only."""
     found = table[key]
     if not 0 <= count <= len(found):
-        raise InputError(f"the level has {len(found)}, so there can't be {count}", place=whole)
+        raise InputError(f"The level has {len(found)}, so there can't be {count}", place=whole)
     gone = {each.get("name") for each in found[count:] if isinstance(each, dict)}
     del found[count:]
     for area in data.get("areas", []) if key == "robots" else ():

@@ -125,9 +125,9 @@ def _annotations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagn
             if name in universe.Annotations.ANNOTATING_PREDICATES:
                 message, hint = f"{name} is for other engines", "Remove this line."
             elif close:
-                message, hint = f"there is no annotation {name}", f"Did you mean @{close}?"
+                message, hint = f"There is no annotation {name}", f"Did you mean @{close}?"
             else:
-                message = f"there is no annotation {name} for robots"
+                message = f"There is no annotation {name} for robots"
                 hint = f"There are {', '.join(sorted(ours))}."
             yield diagnostic_for(text, name, message, hint)
         elif name in _ARGUMENTS and not _fits(each, _ARGUMENTS[name][0]):
@@ -151,7 +151,7 @@ def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
             case int():
                 steps = float(value.value) if isinstance(value, tree.Number) else 0
                 if steps > MOST_STEPS:
-                    message = f"a recursion takes at most {MOST_STEPS:,} steps here"
+                    message = f"A recursion takes at most {MOST_STEPS:,} steps here"
                     hint = "Each step runs in every thought; let it come to an end sooner."
                     yield diagnostic_for(text, annotation.name, message, hint, "warning")
                 continue
@@ -223,10 +223,10 @@ def _names(
             continue
         seen.add(name)
         if name == "SqlExpr" or re.match(r"`\W*\w", name):
-            yield diagnostic_for(text, name, "robots can't use SQL", "Write it in Logica.")
+            yield diagnostic_for(text, name, "Robots can't use SQL", "Write it in Logica.")
         elif re.fullmatch(r"-\s*\w+", name):
             other = name[1:].strip()
-            message = f"a minus can't stand right before {other}"
+            message = f"A minus can't stand right before {other}"
             yield diagnostic_for(text, name, message, f"Add a space: - {other}(...).")
         elif name in _OUTSIDE:
             message = f"{name} is not available to robots"
@@ -368,7 +368,7 @@ _EXAMPLE = (
 def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     found = definitions(program).get(MAIN, [])
     if not found:
-        message = "there is no Robot predicate"
+        message = "There is no Robot predicate"
         close = next((n for n in definitions(program) if closest(n, [MAIN])), "")
         if close:
             yield diagnostic_for(text, close, message, f"Write {MAIN} instead of {close}.")
@@ -399,7 +399,7 @@ def engines(
             problems |= found
         elif names:
             for engine in sorted(set(_ENGINES) - set(names)):
-                message = f"this desire has no {engine}; that engine will stand still"
+                message = f"This desire has no {engine}; that engine will stand still"
                 hint = f"Add {engine}: with a number from -1 to 1."
                 problem = diagnostic_for(text, names[0], message, hint, "warning")
                 problems.setdefault((problem.line, problem.column), problem)
@@ -415,7 +415,7 @@ def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator
     for name in names:
         meant = closest(name, missing, cutoff)
         if meant and name not in _ENGINES:
-            message = f"there is no engine {name}; this would be ignored"
+            message = f"There is no engine {name}; this would be ignored"
             yield diagnostic_for(text, name, message, f"Did you mean {meant}?")
 
 
@@ -458,7 +458,7 @@ def verbatim(
         if each.name == "@DefineFlag" and is_within_a_text:
             for value in each.values[:1]:
                 if _PLAIN.fullmatch(tree.text_of(value) or "") is None:
-                    message = "a flag that ${...} puts into a text can't hold quotes, \\ or $"
+                    message = "A flag that ${...} puts into a text can't hold quotes, \\ or $"
                     hint = 'Write FlagValue("name") instead of ${name}.'
                     yield diagnostic_for(text, each.name, message, hint)
         if each.name == "@OrderBy":
@@ -476,10 +476,10 @@ def _wrong_type(wanted: tree.Expression, cast: str) -> tuple[str, str] | None:
         written_type(wanted)
     except KeyError as error:
         if error.args[0] in _TIMES:
-            return "robots have no dates and times", "Use sensor.clock, which is a number."
+            return "Robots have no dates and times", "Use sensor.clock, which is a number."
         if cast == "Cast":
             name = tree.text_of(wanted)
-            shown = "this" if name is None else name[:40]
+            shown = "This" if name is None else name[:40]
             return f"{shown} is not a type that Cast knows", _TYPES_HINT
     return None
 
@@ -494,5 +494,5 @@ def _wrong_column(columns: str, signature: Signature | None) -> str:
         if signature is not None:
             numbered = {f"col{number}" for number in range(signature.count)}
             if found[1] not in {*numbered, *signature.named, *[VALUE] * signature.has_value}:
-                return f"there is no column {found[1]} to order by"
+                return f"There is no column {found[1]} to order by"
     return ""

@@ -210,7 +210,7 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
         lines = text.count("\n", start, stop)
         text = text[:start] + value + "\n" * lines + text[stop:]
     if _statements_of(text) != wanted:
-        message = "the constants can't be written into the program"
+        message = "The constants can't be written into the program"
         raise ProgramError((Diagnostic(1, 1, message, "Try simpler values."),))
     return text
 

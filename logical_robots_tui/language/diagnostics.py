@@ -146,10 +146,10 @@ def unknown_names(mentions: Iterable[Mention], names: Names) -> Iterator[Diagnos
     """
     for each in mentions:
         if each.of == "robot_name":
-            known, what = names.robots, "no robot of this level"
+            known, what = names.robots, "No robot of this level"
         else:
             known = names.robots | names.others | {WALL, NO_LABEL}
-            what = "no robot, beacon or solid area of this level"
+            what = "No robot, beacon or solid area of this level"
         if each.text not in known:
             message = f'{what} is called "{printable(each.text[:_LONGEST])}"'
             hint = name_hint(each.text, known)

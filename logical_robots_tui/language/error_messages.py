@@ -28,19 +28,19 @@ COMPLAINTS = (
 FUNCTION = "{} is a function of its arguments; it has no rows of its own."
 OPEN = "{} uses {}, which is a parameter for :=; it has no rows of its own."
 
-_NO_CONDITION = "this is not a condition"
-_NOT_IN_HEAD = "this does not belong in the head of a rule"
-_NO_HEAD = "a rule starts with a predicate such as Robot(...)"
-_TWO_SIGNS = "there are two ':-'"
-_NO_FIELD = "names of fields are lower case"
+_NO_CONDITION = "This is not a condition"
+_NOT_IN_HEAD = "This does not belong in the head of a rule"
+_NO_HEAD = "A rule starts with a predicate such as Robot(...)"
+_TWO_SIGNS = "There are two ':-'"
+_NO_FIELD = "Names of fields are lower case"
 _TOO_MANY_EQUALS = (
-    "there is more than one '=' in the head of this rule",
-    "this needs exactly one '='",
+    "There is more than one '=' in the head of this rule",
+    "This needs exactly one '='",
 )
-_NO_EXPRESSION = "this is not an expression"
-_NO_CALL = "this is not a predicate with arguments"
-_NO_IF = "this 'if' can't be read"
-_NO_COPY = "this is not a predicate made from another"
+_NO_EXPRESSION = "This is not an expression"
+_NO_CALL = "This is not a predicate with arguments"
+_NO_IF = "This 'if' can't be read"
+_NO_COPY = "This is not a predicate made from another"
 _UNREAD = (_NO_CONDITION, _NO_EXPRESSION, _NO_CALL, _NO_IF)
 
 _IF = "(if a < b then c else d)"
@@ -74,7 +74,7 @@ def explain(
     start, end = within or rule_of(error, source)
     if isinstance(error, RecursionError) or isinstance((error.args or (None,))[0], RecursionError):
         hint = "Give parts of it names of their own."
-        return diagnostic_at(source.original, start, 0, "the program is nested too deeply", hint)
+        return diagnostic_at(source.original, start, 0, "The program is nested too deeply", hint)
     if names := unbound_variables(error):
         return _without_value(names, source, start, end)
     message, hint = _plain(error)
@@ -141,7 +141,7 @@ def _plain(error: BaseException) -> tuple[str, str]:
     for pattern, plain, hint in _PLAIN:
         if found := re.search(pattern, message):
             return found.expand(plain), hint
-    return message[:1].lower() + message[1:300], undo
+    return message[:300], undo
 
 
 def unbound_variables(error: BaseException) -> list[str]:
@@ -187,7 +187,7 @@ def _mentions(name: str, rule: str) -> list[int]:
     return [found.start() for found in re.finditer(pattern, rule)]
 
 
-_AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "a text can't hold"}
+_AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "A text can't hold"}
 """Messages that are better shown at the sign they are about."""
 
 _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null", "true", "false"})
@@ -200,72 +200,72 @@ _PLAIN = (
     (r"^Found no call in rule head", _NO_HEAD, "Names of predicates start with a capital letter."),
     (r"^Too many :-", f"{_TWO_SIGNS} in one rule; is a ';' missing before the second?", _ENDS),
     (r"should have been split by :- ", f"{_TWO_SIGNS} here", _ENDS),
-    (r"^Unexpected :- in record", "a ':-' can't be used in parentheses", _BRACES),
-    (r"^Can not parse rule head|^Too many distinct", "the head of this rule can't be understood",
+    (r"^Unexpected :- in record", "A ':-' can't be used in parentheses", _BRACES),
+    (r"^Can not parse rule head|^Too many distinct", "The head of this rule can't be understood",
      "The word distinct comes last in a head, before ':-'."),
-    (r"^Denotation (\w+) should go last", r"the word \1 comes last in the head", _TO_THE_END),
+    (r"^Denotation (\w+) should go last", r"The word \1 comes last in the head", _TO_THE_END),
     (r"split by (else|then)", _NO_IF, f"Put it in parentheses: x = {_IF}."),
-    (r"^If-then-else clause", "an 'if' gives a value; it is not a condition",
+    (r"^If-then-else clause", "An 'if' gives a value; it is not a condition",
      f"Write x = {_IF}, or join conditions with ','."),
     (r"split by =", _TOO_MANY_EQUALS[1], _HEADS),
-    (r"split by : in", "expected a comma", "A comma or a ';' seems to be missing."),
-    (r"^Aggregating predicate must be", "a head that aggregates needs the word distinct",
+    (r"split by : in", "Expected a comma", "A comma or a ';' seems to be missing."),
+    (r"^Aggregating predicate must be", "A head that aggregates needs the word distinct",
      "Write it before ':-': P(x, best? Max= v) distinct :- ..."),
-    (r"^Aggregation of fields is only", "only the head of a rule can aggregate with '?'", _HEADS),
-    (r"^Aggregated fields have to", "what is aggregated needs a name before the '?'", _HEADS),
+    (r"^Aggregation of fields is only", "Only the head of a rule can aggregate with '?'", _HEADS),
+    (r"^Aggregated fields have to", "What is aggregated needs a name before the '?'", _HEADS),
     (r"^Unexpected text in the head", _NOT_IN_HEAD, "Is a ';' missing before it?"),
     (r"^Too many '=' in predicate", _TOO_MANY_EQUALS[0], "A head has one value: F(x) = y :- ..."),
-    (r"^Variables starting with x_", "names of variables can't start with x_",
+    (r"^Variables starting with x_", "Names of variables can't start with x_",
      "Choose another name."),
-    (r"^Record fields may not start", "names of fields start with a lower case letter", _LOWER),
-    (r"^Backticks in variable", "give this column a variable", "For example: `my column`: x."),
-    (r"^Positional argument can not", "arguments without a name come before those with one",
+    (r"^Record fields may not start", "Names of fields start with a lower case letter", _LOWER),
+    (r"^Backticks in variable", "Give this column a variable", "For example: `my column`: x."),
+    (r"^Positional argument can not", "Arguments without a name come before those with one",
      "Name all that follow, or move this one to the front."),
     (r"^Field \.\.<rest_of> must", "'..' comes last", _TO_THE_END),
     (r"^Field \.\.<rest_of> in record", "'..' can't be used in a record",
      "Name its fields instead."),
     (r"^Subscript must be", _NO_FIELD, _LOWER),
-    (r"^Array subscription must", "an index is a number, without a name", _ELEMENT),
+    (r"^Array subscription must", "An index is a number, without a name", _ELEMENT),
     (r"^Negation", "'~' goes before what it negates", "Write ~P(x) or ~(a == b)."),
     (r"^Incorrect syntax for functor", _NO_COPY, _COPY),
     (r"^Disjunction is disallowed", "'|' can't be used in an aggregate or a negation",
      "Give the alternatives a predicate of their own."),
-    (r"^Tables with no columns", "a predicate needs at least one column",
+    (r"^Tables with no columns", "A predicate needs at least one column",
      "Give it an argument or a value."),
-    (r"circular dependency of In", "these lists depend on each other",
+    (r"circular dependency of In", "These lists depend on each other",
      "Take one of them from a predicate."),
-    (r"^Could not create record", "a whole row can't be used as a value",
+    (r"^Could not create record", "A whole row can't be used as a value",
      "Name the columns that you need."),
     (r"^Built-in function (\S+) takes", r"\1 has the wrong number of arguments",
      "The list of functions says what it takes."),
     (r"^Unsupported supposedly built-in function: (\S+)", r"\1 can't be used as a function",
      "Give it a value with '=', or use it as a condition."),
-    (r"^Expected field (\S+) missing in a record", r"not all branches of this 'if' have \1",
+    (r"^Expected field (\S+) missing in a record", r"Not all branches of this 'if' have \1",
      "Give every branch the same fields."),
-    (r"^Predicate (\S+) was proven", r"the recursion of \1 has nothing to start from", _START),
-    (r"^All rules contain nil for predicate", "this recursion has nothing to start from", _START),
+    (r"^Predicate (\S+) was proven", r"The recursion of \1 has nothing to start from", _START),
+    (r"^All rules contain nil for predicate", "This recursion has nothing to start from", _START),
     (r"^Failed to eliminate recursion of (\S+)", r"\1 can't be recursive in this way",
      "Recursion works for predicates, not for functions."),
     (r"^Functor (\S+) is applied to arguments (\S+),", r"\1 does not use \2",
      "Name a predicate that its rules mention."),
-    (r"^Rules for (\S+) when making", r"there is no predicate \1 to make this from",
+    (r"^Rules for (\S+) when making", r"There is no predicate \1 to make this from",
      "Define it, or correct its name."),
-    (r"^Could not resolve Make", "these predicates are made from each other",
+    (r"^Could not resolve Make", "These predicates are made from each other",
      "Define one of them by rules."),
     (r"^Bad functor call", _NO_COPY, _COPY),
-    (r"^Signature differs for bodies of ([^\s.]+)", r"the rules of \1 aggregate differently",
+    (r"^Signature differs for bodies of ([^\s.]+)", r"The rules of \1 aggregate differently",
      "Use the same aggregate in all of them."),
     (r"^Inconsistency in distinct|^Either all rules of a",
-     "some rules of this predicate are distinct and some are not",
+     "Some rules of this predicate are distinct and some are not",
      "Write distinct in all of its heads, or in none."),
-    (r"^Parameters .* are undefined", "a text can't hold ${...}", "Separate '$' and '{'."),
+    (r"^Parameters .* are undefined", "A text can't hold ${...}", "Separate '$' and '{'."),
     (r"^Cast must have", "Cast needs a value and the name of a type in quotes",
      'For example: Cast("12", "INTEGER").'),
-    (r"^Unspecified flag: (\S+)", r"there is no flag \1",
+    (r"^Unspecified flag: (\S+)", r"There is no flag \1",
      'Define it: @DefineFlag("name", "value");'),
     (r"^Annotation (\S+) must be applied to an existing predicate.*predicate (\S+)$",
      r"\1 refers to \2, which is not defined", "Define it, or remove the annotation."),
-    (r"[Aa]nnotation", "this annotation can't be understood",
+    (r"[Aa]nnotation", "This annotation can't be understood",
      'For example: @Recursive(P, 50); @OrderBy(P, "col0"); @Limit(P, 3);'),
 )  # fmt: skip
 """Patterns for what the package says, the same in plain words, and what to do about it."""

@@ -195,11 +195,12 @@ class Inference:
 
     def _no_list(self, node: Expression, kind: Kind) -> str:
         """Return what is wrong with an expression that has to be a list, or ""."""
+        shown = self._source(node, "The list")
         if isinstance(node, tree.Number | tree.Text):
-            return f"{self._source(node)} is not a list"
+            return f"{shown} is not a list"
         if isinstance(kind, RecordOf):
             return f"{kind.title} is a record, not a list"
-        return f"{self._source(node)} is a plain value, not a list" if _is_scalar(kind) else ""
+        return f"{shown} is a plain value, not a list" if _is_scalar(kind) else ""
 
     def _bind(self, pattern: Expression, kind: Kind, scope: Scope) -> None:
         if kind in (Plain.ANY, Plain.NULL):
@@ -214,7 +215,7 @@ class Inference:
         else:
             known = self._kind(pattern, scope)
             if clash(known, kind):
-                shown = self._source(pattern, "this")
+                shown = self._source(pattern, "This")
                 what = f"{shown} is {describe(known)}; {describe(kind)} is needed here"
                 is_negated = isinstance(pattern, tree.Call) and pattern.name == "!"
                 self._warn(
@@ -246,7 +247,7 @@ class Inference:
                 return types.common(self._alternatives(node, scope))
             case tree.List():
                 kinds = [self._kind(each, scope) for each in node.elements]
-                self._check_alike("this list", node.elements, kinds)
+                self._check_alike("This list", node.elements, kinds)
                 return ListOf(types.common(kinds))
         return _LITERALS.get(type(node), Plain.ANY)
 
@@ -265,7 +266,7 @@ class Inference:
             self._kind(branch.condition, scope)
         values = [*(branch.value for branch in node.branches), node.otherwise]
         kinds = [self._kind(value, scope) for value in values]
-        self._check_alike("this if", values, kinds)
+        self._check_alike("This if", values, kinds)
         return kinds
 
     def _field(self, node: tree.FieldAccess, scope: Scope) -> Kind:
@@ -279,7 +280,7 @@ class Inference:
             self._report(name, f"{kind.title} is a list; it has no field {name}", hint)
         elif _is_scalar(kind):
             hint = "It is a plain value; only records have fields."
-            what = f"{self._source(node.record)} has no field {name}"
+            what = f"{self._source(node.record, 'The list')} has no field {name}"
             self._report(name, what, hint, _severity(kind))
         return Plain.ANY
 
@@ -338,7 +339,7 @@ class Inference:
             for place, (argument, kind) in enumerate(zip(given, kinds, strict=True)):
                 if clash(kind, wanted := types.FUNCTIONS[node.name].wanted(place)):
                     what = f"{describe(kind)}; {node.name} takes {describe(wanted)}"
-                    what = f"{self._source(argument, 'this')} is {what}"
+                    what = f"{self._source(argument, 'This')} is {what}"
                     hint = _NEGATED if node.name == "!" else types.repair(argument, wanted, kind)
                     self._warn(argument, what, hint)
         return types.result_of(node.name, kinds)
@@ -348,9 +349,9 @@ class Inference:
     def _compared(self, left: Expression, right: Expression, first: Kind, second: Kind) -> None:
         if clash(first, second):
             node = left if isinstance(left, tree.Literal) else right
-            what = f"{describe(first)} is compared with {describe(second)}"
+            what = f"{describe(first).replace('a', 'A', 1)} is compared with {describe(second)}"
             if types.family(first) == types.family(second) == "record":
-                what = "these records have fields of different types"
+                what = "These records have fields of different types"
             wanted, given = (second, first) if node is left else (first, second)
             hint = self._of_operators(left, right) or types.repair(node, wanted, given)
             self._warn(node, what, hint)
@@ -381,7 +382,7 @@ class Inference:
         if not clash(kind, Plain.REAL):
             return
         is_word = isinstance(node, tree.Text) and not types.is_numeral(node)
-        what = f"{self._source(node, 'this')} is {describe(kind)}; {name} computes with numbers"
+        what = f"{self._source(node, 'This')} is {describe(kind)}; {name} computes with numbers"
         hint = types.repair(node, Plain.REAL, kind)
         if is_word or isinstance(kind, ListOf):
             hint = f"++ joins {types.family(kind)}s."
@@ -404,7 +405,7 @@ class Inference:
         other = next((each for each in earlier if clash(each, kind)), None)
         if other is not None and column.expression is not None:
             place = column.field + 1 if isinstance(column.field, int) else column.field
-            name = "the value" if place == VALUE else f"column {place}"
+            name = "The value" if place == VALUE else f"Column {place}"
             what = f"{name} of {rule.name} is {describe(kind)} here"
             what += f", and {describe(other)} elsewhere"
             self._warn(column.expression, what, "Give it one type in all rules.")
@@ -419,7 +420,7 @@ class Inference:
             mention = Mention(node.value, kind.of, place.line, place.column, place.excerpt)
             self._mentions[start] = mention
         elif node.value not in OBJECTS:
-            self._warn(node, f'a ray hits no "{node.value}"', name_hint(node.value, OBJECTS))
+            self._warn(node, f'A ray hits no "{node.value}"', name_hint(node.value, OBJECTS))
 
     def _mention_elements(self, collection: Expression, kind: Kind) -> None:
         for each in collection.elements if isinstance(collection, tree.List) else ():

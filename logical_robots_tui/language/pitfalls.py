@@ -173,13 +173,13 @@ class _Finder:
             is_bound = infix.operator != "=" and in_body[name] > 1
             is_test = not name or isinstance(node, tree.Call) or is_bound
             if is_test and not isinstance(other, tree.Literal):
-                message = "a comparison with null never holds"
+                message = "A comparison with null never holds"
                 word = "is not" if infix.operator == "!=" else "is"
                 hint = self._with_example("Write", f"{self._source(other)} {word} null", " ")
         elif infix.operator != "!=" and isinstance(node, tree.Atom | tree.Equation):
             name = tree.variable_of(left)
             if name and _is_shifted(right, name):
-                message = "this never holds: a variable has one value"
+                message = "This never holds: a variable has one value"
                 new = f"new_{name} = {self._source(right)}"
                 hint = self._with_example("Give the new value a name of its own", new)
             name = tree.variable_of(right)
@@ -236,7 +236,7 @@ class _Finder:
             argument = self._source(node.argument)
             has_rows = any(not is_built_in(each.name) for each in calls(node.argument))
             if function and not has_rows and tree.variables(node.argument):
-                message = f"this {function} has no body, so it is of a single value"
+                message = f"This {function} has no body, so it is of a single value"
                 hint = self._with_example("Put the body inside", f"{function}{{{argument} :- ...}}")
         if message:
             yield self._warning(node.span, message, hint)
@@ -248,7 +248,7 @@ class _Finder:
         sign, at = node.operator, getattr(node.operator, "start", -1)
         is_own = {sign, f"`{sign}`"} & self._own.keys()
         if at >= 0 and not (sign[0].isalnum() or sign[0] in "`+" or is_own):
-            message = f"there is no {sign}= in Logica"
+            message = f"There is no {sign}= in Logica"
             hint = "Write != where values must differ."
             if sign not in _UNEQUAL:
                 hint = f"A variable has one value; give the new one a name: y = x {sign} 1."

@@ -59,7 +59,7 @@ def wrong_copies(program: Sequence[tree.Statement], text: str) -> Iterator[Diagn
         for argument in each.arguments if isinstance(each, tree.Functor) else ():
             value = argument.value
             if value.span is not None and not isinstance(value, _GIVEN):
-                message = "a copy takes a predicate by its name, or a constant"
+                message = "A copy takes a predicate by its name, or a constant"
                 hint = "Define a predicate with this value, and write its name here."
                 length = value.span.stop - value.span.start
                 yield diagnostic_at(text, value.span.start, length, message, hint)
@@ -174,7 +174,7 @@ def _wrong_call(
         hint = "Compare with the rule that defines it." if signature.count else _shape(signature)
         message = f"{name} takes {_arguments(signature.count)}, here {_are(positional)}"
         if not signature.count and signature.named:
-            message = f"the columns of {name} have names"
+            message = f"The columns of {name} have names"
         yield diagnostic_for(text, name, message, hint)
     for field in given:
         if isinstance(field, str) and field not in allowed:
@@ -215,7 +215,7 @@ def _wrong_built_in(call: tree.Call | tree.Atom, text: str) -> Iterator[Diagnost
     named = [field for field in given if isinstance(field, str)]
     if named:
         hint = f"Write {name}(...) with plain values in order."
-        yield diagnostic_for(text, named[0], f"the arguments of {name} have no names", hint)
+        yield diagnostic_for(text, named[0], f"The arguments of {name} have no names", hint)
     elif not least <= len(given) <= most:
         takes = _arguments(least)
         if most == math.inf:

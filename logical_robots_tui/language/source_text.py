@@ -73,7 +73,7 @@ def prepare(source: str) -> Prepared:
         token, kind, at = found.group(), found.lastgroup, found.start()
         blank = "".join("\n" if c == "\n" else " " for c in token) if kind else ""
         if kind == "comment" and token.startswith("/*") and not _is_closed(token, "/*", "*/"):
-            brackets.report(at, 2, "this comment is never closed", "Add */ at its end.")
+            brackets.report(at, 2, "This comment is never closed", "Add */ at its end.")
         if kind == "text":
             brackets.text(at, token)
         elif kind == "sign":
@@ -85,7 +85,7 @@ def prepare(source: str) -> Prepared:
     bare = "".join(skeleton)
     for found in _IMPORT.finditer(bare):
         hint = "Copy the predicates that you need into this program."
-        brackets.report(found.start(1), 6, "robots can't import other files", hint)
+        brackets.report(found.start(1), 6, "Robots can't import other files", hint)
     # The parser's form of an aggregate is ``Name{ ``.
     pieces, at = [], 0
     text = "".join(kept)
@@ -173,7 +173,7 @@ class _Brackets:
         quote = '"""' if token.startswith('"""') else token[0]
         if not _is_closed(token, quote, quote):
             self._complained = True
-            message = f"this text is never closed with {quote}"
+            message = f"This text is never closed with {quote}"
             self.report(at, len(token), message, f"Add {quote} at its end.")
         for found in _ESCAPE.finditer(token) if quote == "'" else ():
             if _character(found.group()) is None:
@@ -190,22 +190,22 @@ class _Brackets:
             self._opened.append((sign, at))
             if len(self._opened) > _DEEPEST:
                 hint = "Give parts of it names of their own."
-                self._complain(at, "brackets are nested too deeply here", hint)
+                self._complain(at, "Brackets are nested too deeply here", hint)
         elif self._opened and self._opened[-1][0] == _CLOSES[sign]:
             self._opened.pop()
         elif not self._opened:
-            self._complain(at, f"this '{sign}' closes nothing", "Remove it.")
+            self._complain(at, f"This '{sign}' closes nothing", "Remove it.")
         else:
             bracket, place = self._opened[-1]
             line = self._source.count("\n", 0, place) + 1
-            message = f"this '{sign}' does not match the '{bracket}' of line {line}"
+            message = f"This '{sign}' does not match the '{bracket}' of line {line}"
             self._complain(at, message, "Brackets close in the order in which they were opened.")
 
     def end_statement(self) -> None:
         """End a statement, and report its first bracket that was never closed."""
         if self._opened:
             bracket, place = self._opened[0]
-            self._complain(place, f"this '{bracket}' is never closed", "Add the closing bracket.")
+            self._complain(place, f"This '{bracket}' is never closed", "Add the closing bracket.")
         self._opened.clear()
         self._complained = False
 

@@ -50,7 +50,7 @@ class Word:
 @dataclass(frozen=True, slots=True)
 class ListOf:
     element: Kind
-    title: str = field(default="this list", compare=False)
+    title: str = field(default="This list", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class RecordOf:
     """
 
     fields: tuple[tuple[str, Kind], ...]
-    title: str = field(default="this record", compare=False)
+    title: str = field(default="This record", compare=False)
     names: tuple[str, ...] = field(default=(), compare=False)
 
     def field(self, name: str) -> Kind:

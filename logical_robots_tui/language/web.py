@@ -27,7 +27,7 @@ _remark_at = partial(diagnostic_at, severity="warning")
 def web_remarks(program: Sequence[tree.Statement], source: Prepared) -> list[Diagnostic]:
     """Return what the web platform would refuse or understand otherwise, in text order."""
     text = source.original
-    message = "the web platform has no @Visible: there all robots see everything"
+    message = "The web platform has no @Visible: there all robots see everything"
     found = [
         *(
             _remark(text, each.name, message, "Leave it out there.")
@@ -66,7 +66,7 @@ def _recursions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagno
         steps = float(depth.value) if isinstance(depth, tree.Number) else 0
         is_unrolled = isinstance(unrolled, tree.Boolean) and unrolled.value == "false"
         if not is_unrolled and (len(circle) > 1 or steps not in _EXACT):
-            message = "the web platform ends this recursion after four to six steps"
+            message = "The web platform ends this recursion after four to six steps"
             hint = f"@Recursive({name}, 30, iterative: false); makes it take 30 steps there too."
             if annotation is not None:
                 message += ", whatever @Recursive says"
@@ -105,7 +105,7 @@ def _field_names(program: Sequence[tree.Statement], text: str) -> Iterator[Diagn
             if name.lower() in _SQL_WORDS.split():
                 message = f"{name} is a word of SQL, which the web platform can't read as a field"
             elif name == _OF_THE_COMPILER:
-                message = f"the web platform can't have a field named {name}"
+                message = f"The web platform can't have a field named {name}"
             else:
                 continue
             if name not in seen:  # once is enough
@@ -154,7 +154,7 @@ class _Wholes:
                 bounds = self._calculated(node, scope) if isinstance(node, tree.Call) else None
                 if bounds is not None and not _fits(bounds) and node.span:
                     start, stop = node.span
-                    message = "this may exceed 32 bits, where the web platform fails"
+                    message = "This may exceed 32 bits, where the web platform fails"
                     hint = "Write one of the numbers with a point, such as 1000.0."
                     yield _remark_at(self._text, start, stop - start, message, hint)
 
@@ -239,10 +239,10 @@ def _lists(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Diag
         if isinstance(kind, reference_algebra.BadType):
             if _NESTED not in str(kind):
                 continue
-            message = "the web platform has no lists of lists"
+            message = "The web platform has no lists of lists"
             hint = "Put the inner list into a record: [{items: [1]}]."
         elif span in empty and not reference_algebra.IsFullyDefined(kind):
-            message = "the web platform can't tell the type of the elements of []"
+            message = "The web platform can't tell the type of the elements of []"
             hint = "Name the list and say its type: l = [], l ~ [Num]."
         else:
             continue
@@ -284,7 +284,7 @@ def _ties(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
                     value = values.get(name)
                 if _is_coarse(value) and pair.span:
                     message = (
-                        f"if values tie, {node.operator} may choose another one on the web platform"
+                        f"If values tie, {node.operator} may choose another one on the web platform"
                     )
                     hint = "Here it is the first one. Let the value tell them apart."
                     length = pair.span.stop - pair.span.start

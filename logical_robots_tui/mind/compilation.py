@@ -55,7 +55,7 @@ def check_text(text: str, limits: Limits | None) -> None:
     most = (limits or Limits()).program_characters
     if len(text) > most:
         raise _refusal(
-            f"the program has {len(text):,} characters, more than the {most:,} that a program may "
+            f"The program has {len(text):,} characters, more than the {most:,} that a program may "
             "have",
             "A robot's program is a short text; is this the right file?",
         )
@@ -66,7 +66,7 @@ def check_text(text: str, limits: Limits | None) -> None:
         at = error.start
     if at >= 0:
         line = text.count("\n", 0, at) + 1
-        raise _refusal("this is not text", "Is this the right file?", line)
+        raise _refusal("This is not text", "Is this the right file?", line)
 
 
 class _Compiler:
@@ -203,7 +203,7 @@ def _check(stop: threading.Event | None) -> None:
 
 def _too_slow(limits: Limits) -> ProgramError:
     return _refusal(
-        f"compiling took longer than {limits.compile_seconds:g} seconds",
+        f"Compiling took longer than {limits.compile_seconds:g} seconds",
         "Simplify the program; deep recursion and many mentions of a long expression are what "
         "takes time.",
         is_unfinished=True,
@@ -218,14 +218,14 @@ def _ended(status: int, limits: Limits) -> ProgramError:
         _log.warning("The compile process ended with status %d.", status)
         return _gave_up()
     return _refusal(
-        "the program needs too much memory to compile",
+        "The program needs too much memory to compile",
         "Shorten it, or let a recursion take fewer steps: @Recursive(P, 8);",
         is_unfinished=status != NO_MEMORY,
     )
 
 
 def _gave_up(*, is_unfinished: bool = True) -> ProgramError:
-    message = "the compiler gave up on this program"
+    message = "The compiler gave up on this program"
     return _refusal(message, "Try a simpler one.", is_unfinished=is_unfinished)
 
 

@@ -207,7 +207,7 @@ def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iter
         place = f"Line {known.line}: " if known and known.line else ""
         yield Notice(
             "recursion",
-            f"{place}the recursion of {predicate} was still growing after "
+            f"{place}The recursion of {predicate} was still growing after "
             f"{steps} steps; later rows are missing. Add a condition that ends it, or allow more "
             f"steps with @Recursive({predicate}, N).",
         )

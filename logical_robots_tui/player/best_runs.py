@@ -86,7 +86,7 @@ def _write(path: Path, replay: Replay) -> None:
     """Write a run, and remove the oldest of too many; raise InputError, OSError."""
     content = replay.to_bytes()
     if len(content) > MOST_BYTES:
-        raise InputError(f"it takes {len(content):,} bytes.")
+        raise InputError(f"It takes {len(content):,} bytes.")
     path.parent.mkdir(parents=True, exist_ok=True)
     write_atomically(path, content)
     runs = sorted(path.parent.glob("*.replay"), key=lambda run: run.stat().st_mtime)

@@ -285,7 +285,7 @@ class OpenGames:
                 break
         else:
             hint = "Leave one of them first; a game whose connection broke ends within a minute."
-            raise InputError(f"you have {MOST_GAMES} games open, the most allowed", hint=hint)
+            raise InputError(f"You have {MOST_GAMES} games open, the most allowed", hint=hint)
         self._request(self._number).unlink(missing_ok=True)
         os.ftruncate(self._handle, 0)
         os.write(self._handle, datetime.now(UTC).isoformat(timespec="seconds").encode())

@@ -82,7 +82,7 @@ class TeamSources:
         if error.team in ("", self.team):
             return error.diagnostics
         first = error.diagnostics[0]
-        words = f"in the program of {error.team}, line {first.line}: {first.message}"
+        words = f"In the program of {error.team}, line {first.line}: {first.message}"
         return (replace(first, line=1, column=1, message=words, excerpt=""),)
 
 

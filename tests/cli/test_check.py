@@ -45,7 +45,7 @@ def test_all_that_is_wrong_is_told_with_its_line_a_caret_and_a_hint(
     told = command("check", path)
     assert told.status == 2
     assert told.out.splitlines() == [
-        f"{path}:3:32: error: a sensor has no field clok",
+        f"{path}:3:32: error: A sensor has no field clok",
         "   desire = {left_engine: sensor.clok, right_engine: Sqrtt(2)};",
         "                                 ^^^^",
         "  Did you mean clock?",
@@ -110,7 +110,7 @@ def test_a_name_that_a_level_lacks_is_told_with_that_level_only(
     told = command("check", path, "--level", "05-lighthouse")
     assert told.status == 0
     assert told.out.splitlines() == [
-        f'{path}:2:57: warning: no robot, beacon or solid area of this level is called "Hrbour"',
+        f'{path}:2:57: warning: No robot, beacon or solid area of this level is called "Hrbour"',
         '    Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";',
         "                                                          ^^^^^^^^",
         '  Did you mean "Harbour"?',
@@ -135,7 +135,7 @@ def test_several_programs_are_checked_and_one_mistake_is_enough(
     assert wrong["diagnostics"][0] == {
         "line": 3,
         "column": 32,
-        "message": "a sensor has no field clok",
+        "message": "A sensor has no field clok",
         "hint": "Did you mean clock?",
         "excerpt": "clok",
         "severity": "error",

@@ -201,7 +201,7 @@ def test_a_full_disk_is_said_where_output_goes_there(typed: str) -> None:
         ["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False, timeout=PATIENCE
     )
     assert done.stderr == (
-        "logical-robots: can't write to standard output: No space left on device.\n"
+        "logical-robots: Can't write to standard output: No space left on device.\n"
     )
     assert done.returncode == 2
 

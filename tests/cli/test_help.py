@@ -35,7 +35,7 @@ def test_a_function_is_explained_with_an_example(name: str, command: Command) ->
 def test_a_misspelt_name_gets_a_suggestion(command: Command) -> None:
     told = command("help", "Squrt")
     assert told.status == 2
-    assert told.err == "logical-robots: there is no function Squrt. Did you mean Sqrt?\n"
+    assert told.err == "logical-robots: There is no function Squrt. Did you mean Sqrt?\n"
     assert "`logical-robots help` lists" in command("help", "Xyzzyx").err
 
 

@@ -105,7 +105,7 @@ def test_mistakes_in_what_is_typed_are_told(typed: Callable[..., Told], command:
     assert told.err.startswith(f"{WRONG}\n      ^\n")
     told = typed(options=("--question", "1", "--answer", WRONG, "--json"))
     assert (told.status, told.data["error"]["kind"]) == (2, "program")
-    assert "there is no question 3" in typed(options=("--question", "3")).err
+    assert "There is no question 3" in typed(options=("--question", "3")).err
     assert "Add --question N." in typed(options=("--answer", "Robot")).err
     assert 'no level called "99"' in command("learn", "99").err
 

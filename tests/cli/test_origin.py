@@ -65,7 +65,7 @@ def test_any_value_of_a_predicate_is_traced(command: Command, level: Path, tmp_p
 
 @pytest.mark.parametrize(
     ("value", "message"),
-    [("at[x]", "'at[x]' is not a part"), ("memory.of", "this value has no part of")],
+    [("at[x]", "'at[x]' is not a part"), ("memory.of", "This value has no part of")],
 )
 def test_a_part_that_is_not_there_is_named(
     command: Command, level: Path, keeper: Path, value: str, message: str

@@ -59,7 +59,7 @@ def test_a_name_that_the_level_lacks_is_told_at_the_start(typed: TypedCommand) -
         '  Sensor(robot_name:, sensor:), robot_name != "Pipp";\n'
     )
     assert (
-        'Warning, line 2: no robot of this level is called "Pipp". Did you mean "Pip"?'
+        'Warning, line 2: No robot of this level is called "Pipp". Did you mean "Pip"?'
         in typed().out.splitlines()
     )
 
@@ -277,8 +277,8 @@ def test_a_player_inspects_in_lines(typed: TypedCommand) -> None:
     assert "For more, type why tree or one of:\n  why Speed(41) == 1" in told
     assert "Speed for Pip at tick 3\n- line 1: " in told
     assert "sensor.forward_distance = 41" in told
-    assert "there is no predicate Sped." in told
-    assert "Line 1: this '(' is never closed." in told
+    assert "There is no predicate Sped." in told
+    assert "Line 1: This '(' is never closed." in told
     assert '1. Pip\'s memory = "far"\n' in told
     assert "1. Pip's desire.right_engine = 1\n" in told
     assert "'1+' is not a part such as memory.plan" in told

@@ -270,7 +270,7 @@ def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
     assert played("--restricted", "--player", "ada").returncode == 0
     done = played("--restricted")
     assert done.returncode == 2
-    assert "no player is named" in done.stderr
+    assert "No player is named" in done.stderr
     assert "LOGICAL_ROBOTS_PLAYER=NAME" in done.stderr
     assert played("--restricted", "--player", "ben").returncode == 0
     assert played().returncode == 0
@@ -291,7 +291,7 @@ def test_a_folder_that_cant_be_made_is_told_in_a_sentence(tmp_path: Path) -> Non
     (tmp_path / "players").write_text("in the way")
     done = in_lines(tmp_path, "")
     assert done.returncode == 2
-    assert "the player's folder can't be used: " in done.stderr
+    assert "The player's folder can't be used: " in done.stderr
     assert "mistake" not in done.stderr
 
 
@@ -313,7 +313,7 @@ def test_a_player_has_so_many_games_and_no_more(tmp_path: Path) -> None:
                 assert each.poll() is None
         done = in_lines(tmp_path, "")
         assert done.returncode == 2
-        assert f"you have {MOST_GAMES} games open" in done.stderr
+        assert f"You have {MOST_GAMES} games open" in done.stderr
         games[0].kill()
         games[0].wait(PATIENCE)
         assert in_lines(tmp_path, "quit\n").returncode == 0

@@ -74,7 +74,7 @@ def test_why_explains_with_the_program_of_the_robot(
     [
         (("on.l", "off.l", "on.l"), "3 programs are too many: match has 2 teams."),
         (("on.l", "--team", "bleu=off.l"), "match has no team bleu."),
-        (("on.l", "missing.l"), "there is no such program"),
+        (("on.l", "missing.l"), "There is no such program"),
         (("on.l", "--team", "red=off.l"), "Two programs are named for red."),
         ((), "No program is named."),
     ],

@@ -102,7 +102,7 @@ def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
     assert command(*run, "--robot", "Bo").data["first"] == 7
     told = command(*run, "--robot", "Eve")
     assert told.status == 2
-    assert "there is no robot Eve. There are Ada, Bo." in told.err.replace("\n", " ")
+    assert "There is no robot Eve. There are Ada, Bo." in told.err.replace("\n", " ")
 
 
 def test_a_wrong_question_is_told_with_its_place_before_the_run(

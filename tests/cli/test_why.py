@@ -74,12 +74,12 @@ def _asked(nodes: list[dict[str, Any]]) -> list[dict[str, Any]]:
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        (["--robot", "Pop"], "there is no robot Pop. There is Pip."),
-        (["--robot", "Pip", "--predicate", "Robbot"], "there is no predicate Robbot."),
+        (["--robot", "Pop"], "There is no robot Pop. There is Pip."),
+        (["--robot", "Pip", "--predicate", "Robbot"], "There is no predicate Robbot."),
         (["--robot", "Pip", "--predicate", "Speed"], "Speed is a function of d"),
         (["--robot", "Pip", "--given", "nonsense"], "'nonsense' is not COLUMN=VALUE"),
-        (["--robot", "Pip", "--predicate", "Speed(x + 1)"], "this is not a value"),
-        (["--robot", "Pip", "--predicate", "Speed(1"], "this '(' is never closed"),
+        (["--robot", "Pip", "--predicate", "Speed(x + 1)"], "This is not a value"),
+        (["--robot", "Pip", "--predicate", "Speed(1"], "This '(' is never closed"),
         (["--robot", "Pip", "--predicate", "Robot(pace: 1)"], "Robot has no column pace"),
         (["--robot", "Pip", "--tick", "0"], "'0' is not an integer of at least 1"),
     ],

@@ -92,7 +92,7 @@ def test_a_stuck_game_is_ended_and_says_so(tmp_path: Path, how: str) -> None:
         assert terminal.finish() == 70
         assert settings(terminal) == before
         assert is_put_back(terminal)
-        assert "the game was stuck and was ended. What you typed is kept." in terminal.everything
+        assert "The game was stuck and was ended. What you typed is kept." in terminal.everything
     assert texts(tmp_path) == ["hello"]
 
 
@@ -104,7 +104,7 @@ def test_three_interrupts_end_a_stuck_game_at_once(tmp_path: Path) -> None:
         until(lambda: interrupts(terminal))
         assert terminal.finish() == 70
         assert is_put_back(terminal)
-        assert "the game was stuck and was interrupted" in terminal.everything
+        assert "The game was stuck and was interrupted" in terminal.everything
 
 
 def interrupts(terminal: Terminal) -> bool:

@@ -65,15 +65,15 @@ def test_what_has_no_value_is_left_open(text: str, asked: Ask) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "the question is empty"),
-        ("x > 5", "this is not a predicate with values"),
-        ("12", "this is not a predicate with values"),
-        ("A(1), B(2)", "these are several conditions"),
-        ("Speed(1 + 2)", "this is not a value"),
-        ("Speed(F(2))", "this is not a value"),
+        ("", "The question is empty"),
+        ("x > 5", "This is not a predicate with values"),
+        ("12", "This is not a predicate with values"),
+        ("A(1), B(2)", "These are several conditions"),
+        ("Speed(1 + 2)", "This is not a value"),
+        ("Speed(F(2))", "This is not a value"),
         ("Speed(1", "bracket"),
-        ('Speed("a)', "this text is never closed"),
-        ("Speed(1).x == 2", "this is not a predicate with values"),
+        ('Speed("a)', "This text is never closed"),
+        ("Speed(1).x == 2", "This is not a predicate with values"),
     ],
 )
 def test_nonsense_is_refused_with_the_reason(text: str, message: str) -> None:

@@ -288,7 +288,7 @@ async def test_a_game_is_asked_with_the_program_that_decided(level: Level) -> No
     ("value", "predicate", "message"),
     [
         ("memory.plan.at", "Robot", "plan has no part at"),
-        ("desire.speed", "Robot", "this value has no part speed"),
+        ("desire.speed", "Robot", "This value has no part speed"),
         ("plan", "Robot", "Robot has no column plan; it has robot_name, desire, memory"),
         ("robot_name", "Start", "Start has no such row"),
     ],

@@ -38,7 +38,7 @@ def test_a_shipped_program_is_marked_as_such() -> None:
     ("content", "words"),
     [
         (b"\x7fELF\x00\x00", "binary file"),
-        (b"A(1);\nB(\xff);", "line 2: is not UTF-8"),
+        (b"A(1);\nB(\xff);", "line 2 is not UTF-8"),
         (b"x" * 1_000_001, "larger than 1 MB"),
     ],
 )
@@ -52,7 +52,7 @@ def test_what_is_not_a_program_is_refused(tmp_path: Path, content: bytes, words:
 def test_a_folder_and_a_missing_file_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is a folder"):
         load_program(tmp_path)
-    with pytest.raises(InputError, match="there is no such program"):
+    with pytest.raises(InputError, match="There is no such program"):
         load_program(tmp_path / "none.l")
 
 
@@ -61,7 +61,7 @@ def test_a_pipe_is_waited_for_only_by_who_says_so(tmp_path: Path) -> None:
     os.mkfifo(pipe)
     with pytest.raises(InputError, match="is not a regular file"):
         load_program(pipe)
-    with pytest.raises(InputError, match="there is no such program"):
+    with pytest.raises(InputError, match="There is no such program"):
         load_program("pipe", tmp_path)
     with pytest.raises(InputError, match="is not a regular file"):
         target("pipe", tmp_path)
@@ -74,7 +74,7 @@ def test_a_pipe_is_waited_for_only_by_who_says_so(tmp_path: Path) -> None:
 def test_a_path_that_is_out_of_reach_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="can't be read"):
         load_program(tmp_path / ("x" * 300))
-    with pytest.raises(InputError, match="there is no such program"):
+    with pytest.raises(InputError, match="There is no such program"):
         load_program("none", tmp_path / ("x" * 300))
 
 

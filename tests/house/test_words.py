@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import re
+from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.errors import joined
 from tests.house.examples import PAGES
 from tests.installed import CHECKOUT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
 
 INSTEAD = {
     r"\bsecond goals?\b": "bonus goal",
@@ -42,3 +48,53 @@ def test_a_word_stands_for_one_thing(pattern: str) -> None:
         if re.search(pattern, line)
     ]
     assert found == [], f"Say: {INSTEAD[pattern]}"
+
+
+MESSAGES = {
+    **dict.fromkeys(("InputError", "LevelError", "LedgerError", "LevelFinding"), 0),
+    **dict.fromkeys(("Notice", "problem", "_complain", "_warn", "_error"), 1),
+    **dict.fromkeys(("Diagnostic", "diagnostic_for", "_remark", "_refusal", "_warning"), 2),
+    **dict.fromkeys(("diagnostic_at", "_remark_at", "Oddity"), 3),
+}
+"""Which argument of a call is a message."""
+
+NAMES = ("points for ", "until for ")
+"""Names of columns, with which messages begin."""
+
+
+def beginnings(node: ast.expr, known: Mapping[str, list[ast.expr]]) -> Iterator[str]:
+    """The literal texts with which an expression can begin."""
+    match node:
+        case ast.Constant(value=str(text)):
+            yield text
+        case ast.JoinedStr(values=[left, *_]) | ast.BinOp(left=left):
+            yield from beginnings(left, known)
+        case ast.IfExp(body=one, orelse=other):
+            yield from (text for each in (one, other) for text in beginnings(each, known))
+        case ast.Name(id=name):
+            yield from (text for each in known.get(name, ()) for text in beginnings(each, {}))
+
+
+def messages(function: ast.AST) -> Iterator[str]:
+    known: dict[str, list[ast.expr]] = {}
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            known.setdefault(node.targets[0].id, []).append(node.value)
+    for node in ast.walk(function):
+        if isinstance(node, ast.Call):
+            at = MESSAGES.get(getattr(node.func, "attr", getattr(node.func, "id", "")), 9)
+            for message in node.args[at : at + 1]:
+                yield from beginnings(message, known)
+
+
+def test_messages_begin_with_a_capital_or_go_on_from_their_place() -> None:
+    found = [
+        f"{path.relative_to(CHECKOUT)}: {message}"
+        for path in sorted(CHECKOUT.glob("logical_robots_tui/**/*.py"))
+        for function in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef)
+        for message in messages(function)
+        if message[:1].islower() and joined("x", message)[1] == ":"
+        if not message.startswith(NAMES)
+    ]
+    assert found == []

@@ -96,7 +96,7 @@ def test_what_is_wrong_with_a_mapping_is_said_with_its_place(tmp_path: Path) -> 
         sweep(experiment(tics=3) | {"vary": [{"values": [1]}]}, tmp_path / "out")
     keys, vary = caught.value.problems
     assert keys == 'experiment.tics: "tics" is not a known key. Did you mean "ticks"?'
-    assert vary.startswith("vary[0]: name either")
+    assert vary.startswith("vary[0]: Name either")
     assert not (tmp_path / "out").exists()
     with pytest.raises(InputError, match="no manifest"):
         Results(tmp_path / "out")

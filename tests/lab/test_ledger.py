@@ -67,12 +67,12 @@ def test_failures_count_until_there_is_a_result(tmp_path: Path) -> None:
 def test_a_ledger_that_is_damaged_or_newer_gets_a_sentence(tmp_path: Path) -> None:
     file = tmp_path / "l.db"
     file.write_bytes(b"no ledger at all" * 100)
-    with pytest.raises(LedgerError, match="it is damaged"):
+    with pytest.raises(LedgerError, match="It is damaged"):
         Ledger(file, "e")
     file.unlink()
     with closing(sqlite3.connect(file)) as other:
         other.execute("PRAGMA user_version = 99")
-    with pytest.raises(LedgerError, match="a newer version wrote this ledger"):
+    with pytest.raises(LedgerError, match="A newer version wrote this ledger"):
         Ledger(file, "e")
 
 
@@ -97,7 +97,7 @@ def test_a_full_disk_gets_a_sentence_and_loses_nothing(tmp_path: Path) -> None:
 def test_a_folder_has_one_coordinator(tmp_path: Path) -> None:
     with (
         Folder(tmp_path).locked(),
-        pytest.raises(InputError, match="another process is at work"),
+        pytest.raises(InputError, match="Another process is at work"),
         Folder(tmp_path).locked(),
     ):
         pass
@@ -107,7 +107,7 @@ def test_a_folder_has_one_coordinator(tmp_path: Path) -> None:
 
 def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
     folder = Folder(tmp_path / "out")
-    with pytest.raises(InputError, match="there is no manifest"):
+    with pytest.raises(InputError, match="There is no manifest"):
         folder.manifest()
     with folder.locked():
         written = folder.write(*plan_sweep(write_experiment(tmp_path)))
@@ -116,13 +116,13 @@ def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
     assert [*written.files.values()] == ["01-first-steps.toml", "first.l", "first-2.l"]
     assert "Near() = 20;" in folder.text(program)
     (folder.path / "inputs" / written.files[program]).write_text("Robot();")
-    with pytest.raises(InputError, match="this input is damaged"):
+    with pytest.raises(InputError, match="This input is damaged"):
         folder.text(program)
     (folder.path / "manifest.json").write_text('{"format": 7}')
     with pytest.raises(InputError, match="newer version"):
         folder.manifest()
     (folder.path / "manifest.json").write_text('{"kind": 7}')
-    with pytest.raises(InputError, match="this manifest is damaged"):
+    with pytest.raises(InputError, match="This manifest is damaged"):
         folder.manifest()
 
 
@@ -159,7 +159,7 @@ def test_a_forged_manifest_is_refused(swept: Folder, tmp_path: Path, how: str) -
     forged = MANIFESTS[how](told)
     assert forged != told
     (tmp_path / "manifest.json").write_bytes(forged)
-    with bounded_memory(), pytest.raises(InputError, match="this manifest is damaged"):
+    with bounded_memory(), pytest.raises(InputError, match="This manifest is damaged"):
         Folder(tmp_path).manifest()
 
 
@@ -168,7 +168,7 @@ def test_an_export_says_which_input_is_damaged(swept: Folder, tmp_path: Path) ->
     folder = Folder(copy)
     manifest = folder.manifest()
     (copy / "inputs" / manifest.files[manifest.cells[0].level]).write_text("another")
-    with folder.ledger() as ledger, pytest.raises(InputError, match="this input is damaged"):
+    with folder.ledger() as ledger, pytest.raises(InputError, match="This input is damaged"):
         export_runs(folder, manifest, ledger)
 
 
@@ -178,7 +178,7 @@ def test_of_a_ledger_whose_damage_is_no_text_that_is_said(swept: Folder, tmp_pat
         whole.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     content = (swept.path / "ledger.db").read_bytes()
     file.write_bytes(content.replace(b"CREATE TABLE results", b"CREATE \xa0ABLE results"))
-    with pytest.raises(LedgerError, match="it is damaged"):
+    with pytest.raises(LedgerError, match="It is damaged"):
         Ledger(file, "engine").outcomes()
 
 
@@ -188,7 +188,7 @@ def test_a_ledger_with_a_view_is_none(tmp_path: Path) -> None:
         ledger.record([entry("a")])
     with closing(sqlite3.connect(file)) as other:
         other.execute("CREATE VIEW endless AS SELECT 1")
-    with pytest.raises(LedgerError, match="it is damaged"):
+    with pytest.raises(LedgerError, match="It is damaged"):
         Ledger(file, "e")
 
 

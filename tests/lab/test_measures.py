@@ -130,7 +130,7 @@ def test_the_number_of_robots_can_be_varied() -> None:
     for level in levels:
         goal = next(area.victory_robots for area in level.areas if area.victory_robots)
         assert {*goal} == {robot.name for robot in level.robots}
-    assert "the level has 3" in wrong({"level": "robots", "values": [4]}, level="04-everybody-home")
+    assert "The level has 3" in wrong({"level": "robots", "values": [4]}, level="04-everybody-home")
 
 
 def test_varied_starts_can_be_others(tmp_path: Path) -> None:
@@ -145,8 +145,8 @@ def test_varied_starts_can_be_others(tmp_path: Path) -> None:
     [
         ({"between": [1, 2]}, {}, "[sample] count = 20"),
         ({"between": [2, 1]}, {"sample": {"count": 2}}, "the smaller one first"),
-        ({"values": [1]}, {"sample": {"count": 2}}, "nothing is varied"),
-        ({"values": [1], "between": [1, 2]}, {"sample": {"count": 2}}, "give "),
+        ({"values": [1]}, {"sample": {"count": 2}}, "Nothing is varied"),
+        ({"values": [1], "between": [1, 2]}, {"sample": {"count": 2}}, "Give "),
         ({"values": [1]}, {"experiment": {"starts": [3, 1]}}, "starts are [from, to]"),
         ({"values": [1]}, {"experiment": {"until": "Nobody(x:)"}}, "Nobody"),
         ({"values": [1]}, {"measure": {"tick": {"query": "1"}}}, "take another name"),

@@ -90,7 +90,7 @@ won = 3
 def test_a_range_is_finite_and_not_too_long(tmp_path: Path, bounds: str) -> None:
     begin = '[experiment]\nlevel = "01-first-steps"\nprogram = "first.l"\n'
     (said,) = problems(tmp_path, f'{begin}[[vary]]\nconstant = "Near"\nrange = [{bounds}]\n')
-    assert said.startswith("e.toml:6: a range is [from, to, step], at most 10,000")
+    assert said.startswith("e.toml:6: A range is [from, to, step], at most 10,000")
 
 
 def test_names_are_looked_up_with_the_line_that_names_them(tmp_path: Path) -> None:
@@ -101,7 +101,7 @@ def test_names_are_looked_up_with_the_line_that_names_them(tmp_path: Path) -> No
     )
     assert len(found) == 3
     assert found[0].startswith('e.toml:2: There is no level called "01-first-step"')
-    assert found[1].startswith("e.toml:3: frist.l: there is no such program")
+    assert found[1].startswith("e.toml:3: frist.l: There is no such program")
     assert found[2].startswith('e.toml:4: "ticks" is a number or like')
 
 
@@ -217,5 +217,5 @@ def test_what_is_wrong_with_an_assignment_is_said(tmp_path: Path) -> None:
         '[assignment]\nroster = "r.csv"\nstarts = 0\n[[level]]\nname = "01-first-steps"\n'
         "[points]\nstarts = 1\n"
     )
-    with pytest.raises(TomlFileError, match=r"a\.toml:7: there are points for starts"):
+    with pytest.raises(TomlFileError, match=r"a\.toml:7: There are points for starts"):
         plan_grading(file, tmp_path)

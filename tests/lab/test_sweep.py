@@ -232,7 +232,7 @@ def test_a_second_coordinator_is_refused(tmp_path: Path, command: Command) -> No
         until(running.workers)
         told = command("lab", "resume", out)
         assert told.status == 2
-        assert "another process is at work in this folder" in told.err
+        assert "Another process is at work in this folder" in told.err
         assert command("lab", "status", out).status == 1
     finally:
         running.kill()

@@ -73,13 +73,13 @@ def test_a_label_that_a_level_has_is_met_with_silence(name: str) -> None:
 
 
 def test_an_unknown_name_is_told_with_the_nearest() -> None:
-    nobody = "no robot, beacon or solid area of this level is called"
+    nobody = "No robot, beacon or solid area of this level is called"
     assert told("harbor", "label") == [(f'{nobody} "harbor"', 'Did you mean "Harbour"?')]
     assert told("Add", "robot_name") == [
-        ('no robot of this level is called "Add"', 'Did you mean "Ada"?')
+        ('No robot of this level is called "Add"', 'Did you mean "Ada"?')
     ]
     assert told("Harbour", "robot_name") == [
-        ('no robot of this level is called "Harbour"', 'It can be "Ada" or "Bo".')
+        ('No robot of this level is called "Harbour"', 'It can be "Ada" or "Bo".')
     ]
 
 

@@ -119,13 +119,13 @@ def test_an_equation_among_conditions_is_to_be_a_comparison(written: str, meant:
     [
         ("P(y) :- y == (if c then x = 1 else x = 2);", "'=' in a branch must hold", "x = (if"),
         ("P(y) :- y == Count(list);", "Count(...) is of a single value", "Count{x :- x in list}"),
-        ("P(y) :- y -= 1;", "there is no -= in Logica", "y = x - 1"),
-        ("P(y) :- y /= 1;", "there is no /= in Logica", "Write !="),
+        ("P(y) :- y -= 1;", "There is no -= in Logica", "y = x - 1"),
+        ("P(y) :- y /= 1;", "There is no /= in Logica", "Write !="),
         ("Q(n: 1); P(y) :- Q(n = 1);", "'=' does not name a column", "Write n: 1."),
         ("P(n = 1);", "'=' does not name a column", "Write n: 1."),
         ("P(n: {m = 1});", "'=' does not name a field of a record", "Write m: 1."),
-        ("P(y) :- Q(y, z), z != null;", "a comparison with null never holds", "z is not null"),
-        ("P(y) = (y == null);", "a comparison with null never holds", "Write y is null."),
+        ("P(y) :- Q(y, z), z != null;", "A comparison with null never holds", "z is not null"),
+        ("P(y) = (y == null);", "A comparison with null never holds", "Write y is null."),
     ],
 )
 def test_other_pitfalls_are_marked_once(text: str, message: str, hint: str) -> None:

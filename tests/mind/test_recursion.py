@@ -79,7 +79,7 @@ def test_a_recursion_that_is_cut_off_says_so_at_its_line_and_what_to_do() -> Non
     (decision,) = think(f"# far\n\n{ONE}\n{ROBOT}m == Max{{n :- A(n)}};", [row("Ada")], {})
     (notice,) = decision.notices
     assert notice.message == (
-        "Line 3: the recursion of A was still growing after 32 steps; later rows are missing. "
+        "Line 3: The recursion of A was still growing after 32 steps; later rows are missing. "
         "Add a condition that ends it, or allow more steps with @Recursive(A, N)."
     )
 

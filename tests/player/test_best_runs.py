@@ -98,7 +98,7 @@ async def test_the_runs_are_bounded_and_what_is_too_large_is_told(
         path.unlink()
         await win(at)
         assert not path.exists()
-        assert any("can't be kept to race against: it takes" in said for said in at.ui.said)
+        assert any("can't be kept to race against: It takes" in said for said in at.ui.said)
 
 
 async def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:

@@ -229,7 +229,7 @@ def part_of(value: Value, path: Path) -> Value:
         elif isinstance(value, list) and isinstance(name, int) and -len(value) <= name < len(value):
             value = value[name]
         else:
-            here = ".".join(map(str, path[:place])) or "this value"
+            here = ".".join(map(str, path[:place])) or "This value"
             raise QueryError(f"{here} has no part {name}{_parts_of(value)}.")
     return value
 

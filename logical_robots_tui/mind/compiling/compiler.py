@@ -218,7 +218,7 @@ def _endless(error: BaseException, program: Sequence[Statement], text: str) -> D
     culprit = next((name for name, rules in own.items() if name in reach(rules, own)), None)
     if culprit is None:
         return None
-    message = f"the recursion of {culprit} has nothing to start from"
+    message = f"The recursion of {culprit} has nothing to start from"
     return diagnostic_for(text, culprit, message, "Add a rule of it that does not mention itself.")
 
 
@@ -273,7 +273,7 @@ def _take_visibility(
         if wanted in _VISIBILITY.get(each.subject, ()):
             visibility[each.subject.lower()] = wanted
         else:
-            message = "this is not a visibility that robots can have"
+            message = "This is not a visibility that robots can have"
             hint = 'Write @Visible(Memory, "own"), "seen" or "all", '
             hint += 'or @Visible(Sensor, "own") or "all".'
             problems.append(diagnostic_for(text, each.name, message, hint))

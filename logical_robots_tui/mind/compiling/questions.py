@@ -39,7 +39,7 @@ def compile_question(text: str, query: str) -> Question:
     bare = source.text.strip()
     if not bare:
         hint = "Type a predicate, such as Robot, or an expression."
-        raise ProgramError((Diagnostic(1, 1, "the question is empty", hint),))
+        raise ProgramError((Diagnostic(1, 1, "The question is empty", hint),))
     own = definitions(read_program(text)[1])
     before, after = "", ""
     gives: Gives = "rows"
@@ -110,11 +110,11 @@ def _define(source: Prepared, own: Own) -> str:
     defined = [*definitions(parsed.statements)]
     for name in defined:
         if name in own or name in INPUTS:
-            message = f"the program already defines {name}"
+            message = f"The program already defines {name}"
             problem = diagnostic_for(source.original, name, message, "Use another name.")
             raise ProgramError((problem,))
     if not defined:
-        raise ProgramError((Diagnostic(1, 1, "this defines no predicate"),))
+        raise ProgramError((Diagnostic(1, 1, "This defines no predicate"),))
     return str(defined[-1])
 
 

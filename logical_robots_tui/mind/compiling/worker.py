@@ -140,7 +140,7 @@ def answer(
     except SystemError:  # without memory, CPython may lose the exception that says so
         raise MemoryError from None
     except RecursionError:
-        nested = "the program is nested too deeply"
+        nested = "The program is nested too deeply"
         deep = Diagnostic(1, 1, nested, "Give parts of it names of their own.")
         return {"diagnostics": [asdict(deep)]}
     except Exception:  # the package may raise anything, and the process must survive
@@ -223,5 +223,5 @@ def is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
 
 
 def _too_large() -> ProgramError:
-    message = "the program becomes too large when its predicates are inlined"
+    message = "The program becomes too large when its predicates are inlined"
     return ProgramError((Diagnostic(1, 1, message, "Mention long predicates less often."),))

@@ -43,7 +43,7 @@ class KeyMap:
         for name, value in found.items():
             if name not in known:
                 hint = did_you_mean(name, known) or "logical-robots config lists all."
-                complain(name, f'keys: there is no command "{name}". {hint}')
+                complain(name, f'keys: There is no command "{name}". {hint}')
                 continue
             keys = []
             for text in value if isinstance(value, list) else [value]:
@@ -157,7 +157,7 @@ def key_from(text: object) -> str:
         return wanted
     if len(text) == 1 and text.isascii() and text.isprintable():
         return wanted
-    raise ValueError(f'there is no key "{text}"; write n, ?, F5, ^R or space')
+    raise ValueError(f'There is no key "{text}"; write n, ?, F5, ^R or space')
 
 
 def _name_of(text: str) -> str:

@@ -144,7 +144,7 @@ def test_the_words_of_sql_are_those_that_duckdb_refuses() -> None:
 def test_a_choice_by_counts_is_marked_once_as_ties_are_likely(value: str) -> None:
     choice = f"ArgMin{{x -> {value} :- x in [1, 2], n = Size([x])}}"
     (found,) = remarks(f"P(a: {choice}, b: {choice}) :- Sensor(sensor:);")
-    assert found.message == "if values tie, ArgMin may choose another one on the web platform"
+    assert found.message == "If values tie, ArgMin may choose another one on the web platform"
 
 
 @pytest.mark.parametrize("value", ["ray.distance", "x * 0.5", "Abs(ray.angle)"])

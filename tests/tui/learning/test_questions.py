@@ -135,9 +135,9 @@ async def test_many_rows_are_scrolled_with_the_cursor_in_the_line(
 async def test_a_program_that_is_missing_is_named(data_dir: Path, gone: Path) -> None:
     async with opened(data_dir, level=gone) as game:
         await begin(game)
-        await game.sees("nowhere: there is no such program")
+        await game.sees("nowhere: There is no such program")
         await answer(game, "Robot")
-        await game.sees("nowhere: there is no such program")
+        await game.sees("nowhere: There is no such program")
 
 
 async def test_a_lesson_without_questions_offers_none(data_dir: Path, short: Path) -> None:

@@ -368,7 +368,7 @@ class ValuesPrompt(Prompt[Ask]):
                 found = await asyncio.to_thread(read_ask, self._program, text, self._within)
             except ProgramError as error:
                 first = error.diagnostics[0]
-                self.complain(f"{first.message[:1].upper()}{first.message[1:]}. {first.hint}")
+                self.complain(f"{first.message}. {first.hint}")
             except QueryError as error:
                 self.complain(str(error))
             else:
