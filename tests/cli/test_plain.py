@@ -284,7 +284,7 @@ def test_a_player_inspects_in_lines(typed: TypedCommand) -> None:
     assert "'1+' is not a part such as memory.plan" in told
     assert "Ticks 1 to 3, not won." in told
     assert "\n1: Speed(d) = 1 :- d > 20;\n2: Robot(" in told
-    assert "The robot is Pip.\nthere is no robot Pop. There is Pip." in told
+    assert "The robot is Pip.\nThere is no robot Pop. There is Pip." in told
 
 
 def test_a_program_is_edited_in_lines(typed: TypedCommand, ahead: Path, tmp_path: Path) -> None:
