@@ -132,7 +132,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step("U", "Run until tick")
     yield Step(f"2000{ENTER}", "Again", "6-won")
     yield Step(f"{LEFT}{ENTER}", "Ask · tick")  # the last answer, to stay, uncovers it
-    yield Step("C", "The two branches part", "7-parted")
+    yield Step("C", "The two branches differ", "7-parted")
 
 
 def play(send: Callable[[str], None], wait_for: Callable[[str], object]) -> Iterator[Step]:

@@ -19,7 +19,7 @@ class Type(Enum):
     TRUTH = "Boolean"
     WHOLE = "whole number"
     REAL = "number"
-    TEXT = "text"
+    TEXT = "string"
 
 
 @dataclass(frozen=True, slots=True)

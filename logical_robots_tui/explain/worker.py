@@ -127,7 +127,7 @@ def _value(node: Expression, source: Prepared) -> Value:
                 for each in node.arguments
                 if each.expression is not None
             }
-    hint = 'Values are numbers, "texts", true, false, null, [lists] and {of: records}.'
+    hint = 'Values are numbers, "strings", true, false, null, [lists] and {of: records}.'
     raise _refusal(source, node, "This is not a value", hint)
 
 

@@ -220,7 +220,7 @@ def _in_range(bounds: list[float]) -> list[Scalar]:
 def _check_texts(spec: TomlFile, path: Path_, values: Iterable[Scalar]) -> None:
     texts = [value for value in values if isinstance(value, str)]
     if not all(text.isprintable() and '"' not in text for text in texts):
-        spec.problem(path, "A text must be on one line, without double quotes")
+        spec.problem(path, "A string must be on one line, without double quotes")
 
 
 def plan_sweep(file: Given) -> tuple[Manifest, dict[str, str]]:

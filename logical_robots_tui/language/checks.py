@@ -253,7 +253,7 @@ def _meant_as_value(name: str) -> str:
     literal = {"none": "null"}.get(name.lower(), name.lower())
     if literal in ("true", "false", "null"):
         return f"Write {literal}."
-    return f'Names of variables are lower case, and texts are in quotes: "{name[:40]}".'
+    return f'Names of variables are lower case, and strings are in quotes: "{name[:40]}".'
 
 
 NO_VALUE = "is named without its arguments, so it has no value"
@@ -458,7 +458,7 @@ def verbatim(
         if each.name == "@DefineFlag" and is_within_a_text:
             for value in each.values[:1]:
                 if _PLAIN.fullmatch(tree.text_of(value) or "") is None:
-                    message = "A flag that ${...} puts into a text can't hold quotes, \\ or $"
+                    message = "A flag that ${...} puts into a string can't hold quotes, \\ or $"
                     hint = 'Write FlagValue("name") instead of ${name}.'
                     yield diagnostic_for(text, each.name, message, hint)
         if each.name == "@OrderBy":

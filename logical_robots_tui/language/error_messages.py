@@ -178,7 +178,7 @@ def _value_hint(name: str, before: str) -> str:
     if table:
         return f"Take it from {table}({', '.join(f'{column}:' for column in INPUTS[table])})."
     if re.search(r"(label|object|robot_name)\s*(!=|==?)\s*$", before):
-        return f'A text is written in quotes: "{name}".'
+        return f'A string is written in quotes: "{name}".'
     return "Give it a value in the body, or take it from a predicate."
 
 
@@ -187,7 +187,7 @@ def _mentions(name: str, rule: str) -> list[int]:
     return [found.start() for found in re.finditer(pattern, rule)]
 
 
-_AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "A text can't hold"}
+_AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "A string can't hold"}
 """Messages that are better shown at the sign they are about."""
 
 _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null", "true", "false"})
@@ -258,7 +258,7 @@ _PLAIN = (
     (r"^Inconsistency in distinct|^Either all rules of a",
      "Some rules of this predicate are distinct and some are not",
      "Write distinct in all of its heads, or in none."),
-    (r"^Parameters .* are undefined", "A text can't hold ${...}", "Separate '$' and '{'."),
+    (r"^Parameters .* are undefined", "A string can't hold ${...}", "Separate '$' and '{'."),
     (r"^Cast must have", "Cast needs a value and the name of a type in quotes",
      'For example: Cast("12", "INTEGER").'),
     (r"^Unspecified flag: (\S+)", r"There is no flag \1",

@@ -186,7 +186,7 @@ class _Finder:
             is_text = isinstance(left, tree.FieldAccess) and left.field in _SENSED_TEXTS
             if name and in_rule[name] == 1 and (is_text or tree.variable_of(left) == "robot_name"):
                 message = f"{name} is a new variable here, so this always holds"
-                hint = f'A text is written in quotes: "{name}".'
+                hint = f'A string is written in quotes: "{name}".'
         if message:
             yield self._warning(span, message, hint)
 

@@ -173,11 +173,11 @@ class _Brackets:
         quote = '"""' if token.startswith('"""') else token[0]
         if not _is_closed(token, quote, quote):
             self._complained = True
-            message = f"This text is never closed with {quote}"
+            message = f"This string is never closed with {quote}"
             self.report(at, len(token), message, f"Add {quote} at its end.")
         for found in _ESCAPE.finditer(token) if quote == "'" else ():
             if _character(found.group()) is None:
-                message = f"{found.group()} stands for no character that a text can hold"
+                message = f"{found.group()} stands for no character that a string can hold"
                 hint = r"Write \\ for a backslash, or put the text in double quotes."
                 self.report(at + found.start(), len(found.group()), message, hint)
 

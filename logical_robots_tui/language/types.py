@@ -167,7 +167,7 @@ def family(kind: Kind) -> str:
     if is_number(kind):
         return "number"
     if is_text(kind):
-        return "text"
+        return "string"
     if isinstance(kind, ListOf):
         return "list"
     if isinstance(kind, RecordOf):
@@ -344,10 +344,10 @@ def repair(node: tree.Expression, wanted: Kind, given: Kind) -> str:
     if is_short and is_number(wanted) and isinstance(node, tree.Text) and is_numeral(node):
         return f"Write {node.value} without quotes."
     match family(wanted), family(given):
-        case "number", "text":
-            return "ToFloat64 makes a number of a text."
-        case "text", "number":
-            return "ToString makes a text of a number."
+        case "number", "string":
+            return "ToFloat64 makes a number of a string."
+        case "string", "number":
+            return "ToString makes a string of a number."
         case ("list", "list") | ("record", "record"):
             return "Their parts must have the same type."
         case (_, "list") | ("list", _):

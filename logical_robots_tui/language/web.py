@@ -119,7 +119,7 @@ def _formats(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnosti
     for call in calls(program):
         if call.name == "Format" and len(call.arguments) > 1 + _MOST_VALUES:
             message = f"Format takes at most {_MOST_VALUES} values on the web platform"
-            hint = "Use it twice, and join the texts with ++."
+            hint = "Use it twice, and join the strings with ++."
             yield _remark(text, call.name, message, hint)
 
 

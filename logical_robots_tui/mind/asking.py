@@ -328,7 +328,7 @@ def in_plain_words(error: Exception) -> str:
 
 _WORDS = (
     (r"malformed JSON", "a field was read from something that is neither a record nor a list"),
-    (r"user-defined: '?utf", "a text holds half of a character, as Chr(55296) makes it"),
+    (r"user-defined: '?utf", "a string holds half of a character, as Chr(55296) makes it"),
     (
         r"user-defined",
         "a function was given a value that it can't use, such as text instead of a list",

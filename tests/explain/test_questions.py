@@ -72,7 +72,7 @@ def test_what_has_no_value_is_left_open(text: str, asked: Ask) -> None:
         ("Speed(1 + 2)", "This is not a value"),
         ("Speed(F(2))", "This is not a value"),
         ("Speed(1", "bracket"),
-        ('Speed("a)', "This text is never closed"),
+        ('Speed("a)', "This string is never closed"),
         ("Speed(1).x == 2", "This is not a predicate with values"),
     ],
 )

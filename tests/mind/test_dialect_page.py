@@ -34,7 +34,7 @@ NOTHING = "x in Range(0)"
             {"count": "2", "other": 1},
             3,
         ),
-        ("numbers become texts where a text is", 'TryCast(5, "") ++ "!"', "", "5!"),
+        ("numbers become strings where a string is", 'TryCast(5, "") ++ "!"', "", "5!"),
         ("or null", "TryCast(memory, 0) is null", "x", 1),
         ("A type may also be written out: `Num`", "TryCast(memory, Num)", 5, 5),
         ("`Int`", "TryCast(memory, Int)", "7", 7),

@@ -269,7 +269,7 @@ def check_items(count: float, most: int = MAX_ITEMS) -> None:
 
 def check_text(length: int) -> None:
     if length > MAX_TEXT:
-        raise TooLargeError(f"a text of {length:,} characters")
+        raise TooLargeError(f"a string of {length:,} characters")
 
 
 def charge(

@@ -272,7 +272,7 @@ class Database:
             most = self._limits.aggregate_bytes
             return TooMuchError(f"aggregates collect more than {most:,} bytes at a time")
         return TooMuchError(
-            f"a value became too large; a text, list or record may have "
+            f"a value became too large; a string, list or record may have "
             f"{self._limits.value_bytes:,} bytes, a list in a function {budget.MAX_ITEMS:,} items"
         )
 

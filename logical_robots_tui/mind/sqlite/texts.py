@@ -171,7 +171,7 @@ def _find(piece: list[str], text: str, start: int, end: int) -> int:
     if "" not in piece:
         return text.find("".join(piece), start, end)
     if (end - start) * len(piece) > _MOST_COMPARISONS and end - start > len(piece):
-        raise TooLargeError("a pattern with many _ on a long text")
+        raise TooLargeError("a pattern with many _ on a long string")
     pattern = re.compile("".join(re.escape(c) if c else "." for c in piece), re.DOTALL)
     found = pattern.search(text, start, end)
     return found.start() if found else -1
