@@ -202,7 +202,7 @@ class Simulation:
         """Explain which rules gave a row in a robot's mind, or why there is none.
 
         Args:
-            robot: In whose mind.
+            robot: The robot to ask.
             row: A predicate, or one with values as in ``Next(robot_name: "Crow")``.
             given: Values of its columns.
 

@@ -104,7 +104,7 @@ MISTAKES = [
     Mistake("m = {count = 1}", "3:8 '=' does not name a field ... Write count: 1."),
     Mistake("m = 1, sensor.radar[0].distance < 3", "3:10 Element(list, 0)"),
     # Types and null.
-    Mistake('m = 1, sensor.clock == "3"', "3:26 compared with a string ... Write 3 without quotes."),
+    Mistake('m = 1, sensor.clock == "3"', "3:26 with a string ... Write 3 without quotes."),
     Mistake(
         "m = 1, memory.count == null",
         "3:10 never holds ... Write memory.count is null.",
