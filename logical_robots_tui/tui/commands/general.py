@@ -130,8 +130,8 @@ def drawing(screen: MainScreen) -> None:
 def help_(screen: MainScreen) -> None:
     from logical_robots_tui.tui.commands.help import Help
 
-    labyrinth: Subject = "editing" if screen.editing.is_on else "labyrinth"
-    subjects: tuple[Subject, ...] = (labyrinth, "editor", "inspector")
+    shown: Subject = "editing" if screen.editing.is_on else "map"
+    subjects: tuple[Subject, ...] = (shown, "editor", "inspector")
     about = subjects[screen.arrangement.panes.index(screen.arrangement.active)]
     if screen.focused is screen.timeline:
         about = "timeline"

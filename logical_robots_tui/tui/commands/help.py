@@ -32,11 +32,11 @@ _INSPECTOR_SIGNS = (
     ("✓", "a condition that holds; ✗ one that nothing satisfied"),
     ("→", "a call; enter makes it the root, backspace goes back"),
 )
-Subject: TypeAlias = Literal["labyrinth", "editing", "editor", "inspector", "timeline"]
+Subject: TypeAlias = Literal["map", "editing", "editor", "inspector", "timeline"]
 """What the help can start with."""
 
 _ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
-    "labyrinth": (
+    "map": (
         "The map shows the world at the current tick. Arrow keys or dragging move the view, "
         "the wheel zooms, a click selects a robot. Single letters are commands here.",
         ("Running", "View", "On the map"),
@@ -90,7 +90,7 @@ class Help(Dialog[None]):
 
     keys = "letters filter   ↑↓ scroll   esc close"
 
-    def __init__(self, drawing: Drawing, about: Subject = "labyrinth") -> None:
+    def __init__(self, drawing: Drawing, about: Subject = "map") -> None:
         super().__init__(f"Help · {about}")
         self._drawing, self._about = drawing, about
 

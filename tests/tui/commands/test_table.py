@@ -260,7 +260,7 @@ async def test_the_help_begins_with_what_the_player_works_in(data_dir: Path) -> 
             await game.until(lambda: game.app.screen is game.main)
             return [line for line in shown.plain.splitlines() if line[:1].isalpha()][:5]
 
-        assert "Running" in await headings("labyrinth")
+        assert "Running" in await headings("map")
         await game.press("2")
         assert "In the program" in await headings("editor")
         await game.press("escape", "3")
