@@ -167,25 +167,25 @@ def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
                 is_right = isinstance(value, tree.Boolean)
             case _:
                 message = f"@Recursive has no option {argument.field}"
-                yield diagnostic_for(text, annotation.name, message, f"Such as {_OPTIONS}")
+                yield diagnostic_for(text, annotation.name, message, f"For example: {_OPTIONS}")
                 continue
         if not is_right:
             message = f"@Recursive can't use this value of {argument.field}"
             hint = f"It is one of {', '.join(MODES)}." if argument.field == "mode" else ""
-            yield diagnostic_for(text, annotation.name, message, hint or f"Such as {_OPTIONS}")
+            yield diagnostic_for(text, annotation.name, message, hint or f"For example: {_OPTIONS}")
 
 
 _ARGUMENTS: dict[str, tuple[type[tree.Expression], str, str]] = {
-    "@Limit": (tree.Number, "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
+    "@Limit": (tree.Number, "@Limit needs a predicate and a number", "For example: @Limit(P, 3);"),
     "@OrderBy": (
         tree.Text,
         "@OrderBy needs a predicate and its columns in quotes",
-        'Such as @OrderBy(P, "col0 DESC");',
+        'For example: @OrderBy(P, "col0 DESC");',
     ),
     "@Recursive": (
         tree.Number,
         "@Recursive needs a predicate and a number of steps",
-        "Such as @Recursive(P, 50);",
+        "For example: @Recursive(P, 50);",
     ),
 }
 
@@ -230,7 +230,8 @@ def _names(
             yield diagnostic_for(text, name, message, f"Add a space: - {other}(...).")
         elif name in _OUTSIDE:
             message = f"{name} is not available to robots"
-            yield diagnostic_for(text, name, message, "Robots can only think.")
+            hint = "A program can only use what robots sense and remember."
+            yield diagnostic_for(text, name, message, hint)
         elif is_built_in(name):
             if name.isidentifier() and not runs(name) and name != _FLAG:
                 hint = _instead(name, known, runs)

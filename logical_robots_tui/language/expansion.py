@@ -156,7 +156,7 @@ TYPES = {
 }
 """Accepted names of types, in upper case, and their name here."""
 
-CAST_HINT = 'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
+CAST_HINT = 'Write TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
 
 
 def spell_out(program: Iterable[tree.Statement], text: str) -> list[tree.Statement]:

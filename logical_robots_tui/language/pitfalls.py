@@ -236,7 +236,7 @@ class _Finder:
             argument = self._source(node.argument)
             has_rows = any(not is_built_in(each.name) for each in calls(node.argument))
             if function and not has_rows and tree.variables(node.argument):
-                message = f"This {function} has no body, so it is of a single value"
+                message = f"This {function} has no body, so it aggregates a single value"
                 hint = self._with_example("Put the body inside", f"{function}{{{argument} :- ...}}")
         if message:
             yield self._warning(node.span, message, hint)
@@ -264,7 +264,7 @@ class _Finder:
     def _called_aggregate(self, node: Node) -> Iterator[Diagnostic]:
         name = node.name if isinstance(node, tree.Call) else ""
         if name in _OVER_ROWS and name.isalpha() and node.span is not None:
-            message = f"{name}(...) is of a single value"
+            message = f"{name}(...) aggregates a single value"
             hint = f"Aggregates have braces and a body: {name}{{x :- x in list}}."
             yield self._warning(node.span, message, hint)
 
@@ -294,8 +294,8 @@ def _own_negations(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
             if call.name == rule.name or rule.name in below.get(call.name, ()):
                 message = f"{rule.name} depends on its own negation, ~{call.name}"
                 hint = (
-                    "A row that is there only if it is missing comes and goes without end. "
-                    f"Put ~ before predicates that don't need {rule.name}."
+                    "A row that exists only while it is missing never settles. "
+                    f"Negate only predicates that don't depend on {rule.name}."
                 )
                 yield diagnostic_for(text, call.name, message, hint, "warning")
 

@@ -345,16 +345,16 @@ def repair(node: tree.Expression, wanted: Kind, given: Kind) -> str:
         return f"Write {node.value} without quotes."
     match family(wanted), family(given):
         case "number", "string":
-            return "ToFloat64 makes a number of a string."
+            return "ToFloat64 turns a string into a number."
         case "string", "number":
-            return "ToString makes a string of a number."
+            return "ToString turns a number into a string."
         case ("list", "list") | ("record", "record"):
             return "Their parts must have the same type."
         case (_, "list") | ("list", _):
             return "A list's elements are taken one by one: x in list."
         case (_, "record") | ("record", _):
-            return "A field is taken from a record with a point: record.field."
-    return "A Boolean is true or false, or what a comparison gives."
+            return "Read a field of a record with a dot: record.field."
+    return "A Boolean is true, false or the result of a comparison."
 
 
 def is_numeral(node: tree.Text) -> bool:

@@ -204,8 +204,7 @@ def _check(stop: threading.Event | None) -> None:
 def _too_slow(limits: Limits) -> ProgramError:
     return _refusal(
         f"Compiling took longer than {limits.compile_seconds:g} seconds",
-        "Simplify the program; deep recursion and many mentions of a long expression are what "
-        "takes time.",
+        "Simplify the program: deep recursion and repeated long expressions take the most time.",
         is_unfinished=True,
     )
 

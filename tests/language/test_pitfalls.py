@@ -118,7 +118,7 @@ def test_an_equation_among_conditions_is_to_be_a_comparison(written: str, meant:
     ("text", "message", "hint"),
     [
         ("P(y) :- y == (if c then x = 1 else x = 2);", "'=' in a branch must hold", "x = (if"),
-        ("P(y) :- y == Count(list);", "Count(...) is of a single value", "Count{x :- x in list}"),
+        ("P(y) :- y == Count(list);", "Count(...) aggregates a single", "Count{x :- x in list}"),
         ("P(y) :- y -= 1;", "There is no -= in Logica", "y = x - 1"),
         ("P(y) :- y /= 1;", "There is no /= in Logica", "Write !="),
         ("Q(n: 1); P(y) :- Q(n = 1);", "'=' does not name a column", "Write n: 1."),
@@ -186,7 +186,7 @@ def test_a_predicate_that_depends_on_its_own_negation_is_marked(
     made = text.partition("(")[0]
     assert (one.line, one.column, one.severity) == (1, column, "warning")
     assert one.message == f"{made} depends on its own negation, ~{negated}"
-    assert f"Put ~ before predicates that don't need {made}." in one.hint
+    assert f"Negate only predicates that don't depend on {made}." in one.hint
 
 
 @pytest.mark.parametrize(

@@ -345,7 +345,7 @@ def explain(error: BaseException, source: Prepared, program: Sequence[Statement]
     is_given_only = len(takers) == sum(1 for _ in _uses_of(name, rule.body or ()))
     if len({*takers}) == 1 and is_given_only and not found.hint.startswith("Did you mean"):
         taker = takers[0]
-        hint = f"{taker} leaves it open: it needs a value here, or in the rule of {taker}."
+        hint = f"{taker} gives it no value: set it here, or in the rule of {taker}."
         return replace(found, hint=hint)
     return found
 
