@@ -289,7 +289,7 @@ def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
         return Finding("several rows", "warning", gave[-1], tick, message, hint, others, robot)
     places = [place for number in given for place in _multipliers(tally, number, set())]
     span, others = _split([*places, *gave])
-    hint = "Part of it holds in several ways; a predicate may have a surplus row."
+    hint = "A part of this rule has several matches. Look for an extra row of a predicate."
     return Finding("several rows", "warning", span, tick, first, hint, others, robot)
 
 
@@ -396,11 +396,11 @@ def _of_definitions(checkup: Checkup, first: int) -> Iterator[Finding]:
     for made, other in checkup.same:
         source = shorten(made.span.text.partition(":=")[2].strip())
         message = f"{made.name} and {other.name} are the same: both are `{source}`."
-        hint = "Is something else to be put in?"
+        hint = "Give one of them another predicate, or remove it."
         yield Finding("same copy", "note", made.span, first, message, hint, (other.span,))
     for each in checkup.unused:
         message = f"Nothing uses {each.name}."
-        yield Finding("unused", "note", each.span, first, message, "Which rule should?")
+        yield Finding("unused", "note", each.span, first, message, "Use it, or remove it.")
 
 
 def _of_movement(
@@ -440,19 +440,22 @@ def _of_unchanged(checkup: Checkup, observed: Observations) -> Iterator[Finding]
             tick, value, robot = remain[field.name]
             quoted = f"{robot}'s memory.{field.name} stayed {spell(shorten(value))}"
             message = f"{quoted} from tick {tick} to {observed.last}."
-            hint = "Which condition should change it, and can that hold?"
+            hint = "Check the condition that should change it: can it ever hold?"
             span, others = _split([*field.places, field.span])
             yield Finding("unchanged", "note", span, tick, message, hint, others, robot)
 
 
 _MOVEMENTS = {
-    "circle": ("goes round in a circle of", "It repeats the same movement; what should end that?"),
+    "circle": (
+        "goes round in a circle of",
+        "It repeats the same movement. Which rule should stop it?",
+    ),
     "blocked": (
         "was blocked",
         "It pushes against a wall; does it turn soon enough, and to the right side?",
     ),
-    "still": ("stood still", "Nothing makes it move on; which condition should?"),
-    "unfinished": ("was still on its way", "Should it do that here, and with these values?"),
+    "still": ("stood still", "No rule makes it move. Which rule should?"),
+    "unfinished": ("was still on its way", "Check whether it should move like this here."),
 }
 """What is said of each kind of stretch, the most significant first, and the hint."""
 

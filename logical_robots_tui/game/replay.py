@@ -372,7 +372,7 @@ class Verifier:
         if self._replay.has_programs:
             for decision in decisions:
                 if decision.desire != wanted[decision.robot_name]:
-                    self._note(tick, f"{decision.robot_name} wants something else.")
+                    self._note(tick, f"{decision.robot_name} decides differently.")
         return tuple(
             [replace(decision, desire=wanted[decision.robot_name]) for decision in decisions]
         )
@@ -380,7 +380,7 @@ class Verifier:
     def look(self, frame: Frame) -> None:
         known = self._replay.hashes.get(frame.tick)
         if known is not None and known != _hash_of(frame.after):
-            self._note(frame.tick, "The world is another one.")
+            self._note(frame.tick, "The state of the world differs.")
 
     def _note(self, tick: int, reason: str) -> None:
         if self.difference is None:

@@ -230,7 +230,7 @@ def _text_of(path: Path, *, pipes: bool = False) -> str:
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         place += f", line {line}"
-        hint = "Is it a program at all?"
+        hint = "Check that it is a program, and save it as UTF-8."
         raise InputError("is not UTF-8 text", place=place, hint=hint) from error
     if "\0" in text:
         raise InputError("is a binary file, not a program", place=place)

@@ -300,8 +300,8 @@ def failures_in_words(within: Within) -> Iterator[None]:
     except TooSlowError:
         is_late, message = within.budget.is_late, f"thinking took more than {within.steps:,} steps"
         if is_late:
-            message = f"a guard ended it after {within.seconds:g} seconds, "
-            message += "elsewhere it may go otherwise"
+            message = f"a time limit ended it after {within.seconds:g} seconds; "
+            message += "another run may differ"
         raise FailureError(message, slow=True, late=is_late) from None
     except TooHeavyError as error:
         raise FailureError(str(error), slow=True) from None

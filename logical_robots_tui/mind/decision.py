@@ -74,7 +74,8 @@ def note_stranger(name: Value, notices: list[Notice]) -> None:
     if name is None:
         notices.append(Notice("null name", "Robot has a row whose robot_name is null."))
     else:
-        notices.append(Notice("unknown robot", f"Robot has a row for {name!r}, who is not here."))
+        said = f"Robot has a row for {name!r}, which this program does not control."
+        notices.append(Notice("unknown robot", said))
 
 
 def decide(

@@ -68,7 +68,7 @@ def test_what_would_be_different_now_is_named_and_ends_with_status_3(
     texts = (msgspec.structs.replace(replay.texts[0], text=text),)
     recorded.write_bytes(msgspec.structs.replace(replay, texts=texts).to_bytes())
     told = command("replay", "verify", recorded)
-    assert (told.status, told.out) == (3, "Tick 1 is different: Pip wants something else.\n")
+    assert (told.status, told.out) == (3, "Tick 1 is different: Pip decides differently.\n")
     data = command("replay", "verify", recorded, "--json").data
     assert (data["same"], data["tick"]) == (False, 1)
 

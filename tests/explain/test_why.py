@@ -107,7 +107,7 @@ def test_what_holds_for_others_only_is_told_where_all_is_visible() -> None:
     rows = [row("Ada"), row("Bo"), row("Cy")]
     (rule,) = why(text, "Named", rows=rows, memory="all", sensor="all").rules
     assert rule.stopped_by is not None
-    assert rule.stopped_by.said == "not here, but in 2 ways elsewhere"
+    assert rule.stopped_by.said == "not here, but 2 matches elsewhere"
 
 
 def test_negation_tells_what_there_is_that_must_not_be() -> None:

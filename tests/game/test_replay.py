@@ -121,7 +121,7 @@ async def test_the_robots_do_what_they_did_whatever_the_program_would_do_now(
     replay = await kept(played)
     texts = (msgspec.structs.replace(replay.texts[0], text=BACKWARDS),)
     async with again(msgspec.structs.replace(replay, texts=texts)) as (other, verifier):
-        assert verifier.difference == (1, "Ada wants something else.")
+        assert verifier.difference == (1, "Ada decides differently.")
         assert other.go_to(30).after == played.frame.after
         other.go_to(10)
         other.forget_future()
@@ -138,7 +138,7 @@ async def test_another_world_is_noticed_at_the_next_hash() -> None:
     async with again(
         msgspec.structs.replace(replay, hashes={**replay.hashes, 200: b"12345678"})
     ) as (_other, verifier):
-        assert verifier.difference == (200, "The world is another one.")
+        assert verifier.difference == (200, "The state of the world differs.")
     await played.close()
 
 

@@ -197,7 +197,7 @@ class _Reporter:
             return None
         never = f"{_quote(site)} was never null{self._asked(site, count)}"
         message = f"{never}: `{shorten(site.other)}` was never used."
-        hint = "Can it have no value, and is it to come first?"
+        hint = "Remove the unused value, or put it first if it should win."
         return self._finding("never null", "note", site, count, message, hint)
 
     def _is_explained(self, whole: Site) -> bool:

@@ -84,7 +84,7 @@ class Derivations:
             if ways and not is_aggregated(rule):
                 break
         if not ways:
-            raise QueryError(f"How {asked.predicate} has this row can't be told.")
+            raise QueryError(f"The rule that gives {asked.predicate} this row can't be determined.")
         return Derived(probing, row, tuple(ways))
 
     def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:

@@ -120,7 +120,7 @@ class Explainer:
                 if len(found) > most:
                     break
         except FailureError as failure:
-            raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
+            raise QueryError(f"The calls of {function} can't be listed: {failure}.") from None
         labels = tuple(self._program.label(function, column) for column in probing.columns)
         return Table(labels, tuple(found[:most]), truncated=len(found) > most)
 

@@ -257,7 +257,7 @@ def _note(like: RuleFound, text: str) -> RuleFound:
 
 def _unexplained(probing: Probing) -> str:
     if not probing.recursive:
-        return "How this row came about could not be told."
+        return "The origin of this row can't be determined."
     if not probing.founded:
         return "This row is from a recursion that goes through a sum or a negation."
     return "This row is from a recursion that was cut off."

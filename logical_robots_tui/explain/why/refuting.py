@@ -13,7 +13,6 @@ from logical_robots_tui.explain.why.deriving import (
     ask_of,
     grouped,
     negation,
-    number_of,
     value_of,
 )
 from logical_robots_tui.explain.why.explanation import Ask, Node, spell_call, unlike_types
@@ -249,10 +248,11 @@ class Refuting:
             number = self._relations.count(sql, self._given, (), _MOST_WAYS)
         if not number:
             return ""
-        ways = number_of(number, "way", is_all=number < _MOST_WAYS)
+        more = "" if number < _MOST_WAYS else " or more"
+        matches = f"{number:,}{more} match{'' if number == 1 else 'es'}"
         if self._wanted.keys() == {"robot_name"}:
-            return f"not here, but in {ways} elsewhere"
-        return f"not for these values, but in {ways} for others"
+            return f"not here, but {matches} elsewhere"
+        return f"not for these values, but {matches} for others"
 
     def _call(self, call: Call, reached: _Reached, known: Way) -> tuple[Ask, tuple[Node, ...]]:
         """Return what a call was asked for, nearest to a row that is there first."""

@@ -79,7 +79,7 @@ class _Sourcing:
         for frame in frames:
             if (found := self._inside(frame, subject)) is not None:
                 return found
-        raise QueryError("Where this value comes from can't be told.")
+        raise QueryError("The origin of this value can't be determined.")
 
     def _column(self, subject: Subject) -> str:
         derived, name = self._first(subject.asked), subject.asked.predicate

@@ -221,7 +221,7 @@ class _Tracing:
         try:
             source = await self._past.source(change.tick, link.robot, Subject(path=change.path))
             if not alike(source.value, change.value):
-                raise QueryError("how it was made can't be told")
+                raise QueryError("its source can't be determined")
         except QueryError as error:
             self._complete = False
             return replace(link, problem=str(error).rstrip("."))
@@ -388,7 +388,7 @@ def _decided(decision: Decision | None, subject: Subject) -> dict[str, Value]:
 _SHOWN_INPUTS = 5
 _SHOWN_CONDITIONS = 3
 
-INCOMPLETE = "This is not all of it: some of the values that were read are not traced."
+INCOMPLETE = "This is incomplete: some of the values that were read are not traced."
 
 
 def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:

@@ -230,7 +230,7 @@ async def test_it_has_room_in_a_small_terminal(data_dir: Path) -> None:
         await game.until(lambda: pointed(game).tick == 2)
         await game.sees("the same since tick 2")
         links(game).show(Origin((pointed(game),), complete=False))
-        await game.sees("This is not all of it")
+        await game.sees("This is incomplete")
 
 
 OF_ADA = (("robot_name", "Ada"),)
