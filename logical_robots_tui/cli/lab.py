@@ -168,9 +168,9 @@ def _status(options: argparse.Namespace) -> int:
 
 @command.declare("lab resume", _FOLDER, *_ENGINE)
 def _resume(options: argparse.Namespace) -> int:
-    """go on where it was stopped
+    """pick up where it left off
 
-    Do the runs that are left, and try again what could not be done.
+    Do the runs that are left, and retry those that could not be done.
 
     examples:
       logical-robots lab resume out

@@ -126,7 +126,7 @@ def _of_zip(content: bytes, room: Room) -> Iterator[_Member]:
             if info.flag_bits & 1:
                 problem = "it is encrypted"
             elif info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                problem = "it is packed in a way that is not read here"
+                problem = "its compression method is not supported"
             try:
                 changed = datetime(*info.date_time).timestamp()
             except (OverflowError, ValueError):

@@ -54,10 +54,10 @@ def student_of(manifest: Manifest, called: str) -> Student:
         return found[0]
     if found:
         hint = f"Name one by the id: {', '.join(each.called for each in found[:10])}."
-        raise InputError("Several students are called so", place=called, hint=hint)
+        raise InputError("Several students match", place=called, hint=hint)
     known = [name for each in everybody for name in (each.id, each.name, *each.name.split())]
     hint = did_you_mean(called, known) or "Name one by the id of the roster."
-    raise InputError("No students are called so", place=called, hint=hint)
+    raise InputError("No student matches", place=called, hint=hint)
 
 
 def cell_of(manifest: Manifest, student: Student, level: str) -> Cell:

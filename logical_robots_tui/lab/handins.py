@@ -114,7 +114,7 @@ class Submission:
         if len(unnamed) == 1 and not self.programs:
             self._take("", *unnamed[0][1:])
         else:
-            self.remarks += [f"{shown}: it is not named like a level here" for shown, *_ in unnamed]
+            self.remarks += [f"{shown}: its name is not that of a level" for shown, *_ in unnamed]
         self.files = [(file._replace(content=b""), name) for file, name in self.files]
         if not self.programs and (others or not self.remarks):
             more = f", but {join_names(others[:_MOST_NAMED])}" if others else ""
@@ -157,7 +157,7 @@ def pattern_problem(pattern: str) -> str:
     if unknown := set(fields) - FIELDS.keys():
         return f"{{{min(unknown)}}} can't be in a pattern; known are {{name}}, {{id}} and {{level}}"
     if len(fields) > len(set(fields)):
-        return "The same is twice in the pattern"
+        return "The pattern has the same field twice"
     if pattern and not {"name", "id"} & {*fields}:
         return "A pattern needs {name} or {id}, such as {name}_{id}_{level}.l"
     return ""
@@ -183,7 +183,7 @@ def entries_of(place: Path, stems: Mapping[str, str], pattern: str = "") -> dict
     shown: dict[str, Submission] = {}
     for key, entry in sorted(found.items()):
         if not entry.owner.id and not entry.owner.name and len(entry.tops) > 1:
-            message = f"There is more than one of this name: {', '.join(map(readable, entry.tops))}"
+            message = f"Several entries have this name: {', '.join(map(readable, entry.tops))}"
             raise InputError(message, place=str(place / key), hint="Keep one of them.")
         entry.read(stems)
         name = readable(key)

@@ -130,14 +130,14 @@ def read_experiment(spec: TomlFile) -> Experiment:
             spec.problem(path, 'Name either a "constant" or a field of the "level" to vary')
         ways = (vary.values or None, vary.range, vary.between)
         if sum(way is not None for way in ways) != 1:
-            said = 'Give "values", a "range" [from, to, step], or what it is "between" [from, to]'
+            said = 'Give "values", a "range" [from, to, step], or "between" [from, to]'
             spec.problem(path, said)
         elif vary.between is not None:
             first, last = vary.between
             if not -math.inf < first <= last < math.inf:
                 spec.problem((*path, "between"), "It is between [from, to], the smaller one first")
             if "sample" not in spec.data:
-                said = "How it is sampled is missing: [sample] count = 20"
+                said = "Say how many values to sample: [sample] count = 20"
                 spec.problem((*path, "between"), said)
         elif vary.range is not None and not _in_range(vary.range):
             spec.problem((*path, "range"), f"A range is [from, to, step], at most {_MOST_VALUES:,}")

@@ -90,7 +90,7 @@ def test_headers_can_not_keep_the_parser_busy(kind: bytes) -> None:
 
 def test_encrypted_and_strangely_packed_files_are_told_apart() -> None:
     for method, problem in (
-        (zipfile.ZIP_LZMA, "it is packed in a way that is not read here"),
+        (zipfile.ZIP_LZMA, "its compression method is not supported"),
         (zipfile.ZIP_STORED, "it is encrypted"),
     ):
         out = io.BytesIO()

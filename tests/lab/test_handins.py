@@ -239,5 +239,5 @@ def test_what_can_not_be_read_is_said(tmp_path: Path) -> None:
     assert two.remarks == ["old/first-steps.l: first-steps.l is there for this level, too"]
     utf_16 = only(tmp_path / "d", {"ada/first-steps.l": "x".encode("utf-16")})
     assert utf_16.remarks == ["first-steps.l: it is not UTF-8 text"]
-    with pytest.raises(InputError, match=r"more than one of this name: ada, ada\.zip"):
+    with pytest.raises(InputError, match=r"Several entries have this name: ada, ada\.zip"):
         entries(tmp_path, {"ada/x.l": "", "ada.zip": zipped({"x.l": ""})})

@@ -135,7 +135,7 @@ class Help(Dialog[None]):
             if found:
                 content += [Content.styled(f"\n{heading}", f"bold {INK.title}"), *found]
         if not content:
-            content = [Content.styled("Nothing here has that in it.", INK.dim)]
+            content = [Content.styled("No matches.", INK.dim)]
         return [line for part in content for line in part.split("\n", allow_blank=True)]
 
 

@@ -63,7 +63,7 @@ async def search_rows(screen: MainScreen) -> None:
     from logical_robots_tui.tui.layout.dialogs import LinePrompt
 
     if (table := _table(screen)) is not None:
-        question = "Only rows with this text; nothing shows all"
+        question = "Only rows with this text (empty: all rows)"
         text = await screen.ui.ask(LinePrompt(question, table.how.search))
         if text is not None:
             table.rearrange(replace(table.how, search=text))

@@ -296,7 +296,7 @@ class Replays:
             replay = await gather(history, write_native, lambda _program: name)
             size = await asyncio.to_thread(_write, path, replay)
         except Superseded:
-            self._ui.warn("The robots went another way meanwhile: no replay was saved.")
+            self._ui.warn("The timeline changed before the replay was saved. Save it again.")
         except InputError as error:
             self._ui.warn(str(error))
         except OSError as error:

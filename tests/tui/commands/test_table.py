@@ -279,7 +279,7 @@ async def test_the_help_shows_what_matches_the_typed_words(data_dir: Path) -> No
         shown = game.app.screen.query_one("#help", LinesView)
         await game.until(lambda: "Restart" not in shown.plain and "Watch" in shown.plain)
         await game.press(*"qqq")
-        await game.sees("Nothing here has that in it.")
+        await game.sees("No matches.")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
 

@@ -217,7 +217,7 @@ async def test_a_question_of_ticks_that_were_left_says_so(data_dir: Path) -> Non
         assert game.session.game is not None
         game.session.game.forget_future()
         game.inspector.follow()
-        await game.sees("another branch since then")
+        await game.sees("went on in another branch")
         assert links(game).pointed is None
 
 

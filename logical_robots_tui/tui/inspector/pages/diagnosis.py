@@ -80,7 +80,7 @@ class DiagnosisPage(Page):
         except QueryError as error:
             self._describe(str(error))
         except Superseded:
-            self._describe("Another future has begun. Look again.")
+            self._describe("Another branch has begun. Look again.")
         finally:
             self._worker = None
             self._shown = None

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Game
     from logical_robots_tui.tui.inspector.page import Traced
 
-_STALE = "The robots went on in another branch since then. {origin} on a value asks again."
+_STALE = "The robots went on in another branch. Press {origin} on a value to trace it again."
 _INDENT = "    "
 _INPUTS = ("from ", "copied from ", "read from ", "and from ")
 _LONGEST = 60  # characters of a value that was read
