@@ -56,7 +56,7 @@ def test_sshd_prints_nothing_when_the_account_logs_in_to_a_home_it_cannot_change
 
 
 @pytest.mark.parametrize(
-    ("how", "said"), [("-O", "the game needs a terminal"), ("-s", "Connection closed")]
+    ("how", "said"), [("-O", "game needs a terminal"), ("-s", "Connection closed")]
 )
 def test_scp_copies_nothing_and_prints_what_the_page_says(
     how: str, said: str, installed: Installed, tmp_path: Path

@@ -46,7 +46,7 @@ def test_a_desire_is_as_the_schema_says() -> None:
 
 USES = """if True:
     import sys
-    from docs.reference import page, programs
+    from docs.reference import language, page
     from logical_robots_tui import Mind, Program, ProgramError, World, load_level
     from logical_robots_tui.game.run import simulation_digest
     from logical_robots_tui.mind.compilation import _maker
@@ -74,7 +74,7 @@ USES = """if True:
     assert word.told == "how far down the robot is: 0 or more map units"
     told = "`sensor.self.y` | number | 0 or more map units | how far down the robot is |"
     assert told in page()
-    assert told in programs()
+    assert told in language()
 
     assert sys.argv[1] != _maker().hex(), "what was compiled for other fields is used"
     assert sys.argv[2] != simulation_digest().hex(), "what was computed for other fields is used"
