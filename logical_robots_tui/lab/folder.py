@@ -7,11 +7,12 @@ import hashlib
 import os
 import re
 import sqlite3
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from datetime import timedelta
 from errno import ENOSPC
-from itertools import chain, count
+from itertools import count
 from pathlib import Path
 from time import monotonic, time
 from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
@@ -170,18 +171,18 @@ def _files_of(manifest: Manifest, inputs: Mapping[str, str]) -> dict[str, str]:
         program = f"{cell.student}-{cell.level_name}" if cell.student else cell.program_name
         for name in filter(None, (cell.own, cell.program)):
             called.setdefault(name, program.removesuffix(SUFFIX))
-        called.setdefault(cell.level, cell.level_name)
-        endings[cell.level] = WEB if is_of_web(inputs.get(cell.level, "")) else NATIVE
+        if cell.level not in endings:
+            called.setdefault(cell.level, cell.level_name)
+            endings[cell.level] = WEB if is_of_web(inputs.get(cell.level, "")) else NATIVE
     files: dict[str, str] = {}
     taken: set[str] = {SUFFIX, NATIVE, WEB}
+    numbers: defaultdict[str, Iterator[int]] = defaultdict(lambda: count(2))
     for name in filter(called.__contains__, inputs):
         stem = re.sub(r"[^\w.+-]+", "_", called[name])[:_LONGEST_STEM].strip("._-+")
-        numbered = (f"{stem}-{number}".lstrip("-") for number in count(2))
-        file = next(
-            file
-            for each in chain([stem], numbered)
-            if (file := each + endings.get(name, SUFFIX)).casefold() not in taken
-        )
+        ending = endings.get(name, SUFFIX)
+        file = first = stem + ending
+        while file.casefold() in taken:
+            file = f"{stem}-{next(numbers[first.casefold()])}".lstrip("-") + ending
         taken.add(file.casefold())
         files[name] = file
     return files
