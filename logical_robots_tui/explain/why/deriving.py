@@ -326,4 +326,5 @@ def negation(text: str, *, holds: bool) -> tuple[str, str]:
 
 def number_of(number: int, what: str, *, is_all: bool) -> str:
     more = "" if is_all else " or more"
-    return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
+    ending = "" if number == 1 else "es" if what.endswith("ch") else "s"
+    return f"{number:,}{more} {what}{ending}"

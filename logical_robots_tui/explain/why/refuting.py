@@ -13,6 +13,7 @@ from logical_robots_tui.explain.why.deriving import (
     ask_of,
     grouped,
     negation,
+    number_of,
     value_of,
 )
 from logical_robots_tui.explain.why.explanation import Ask, Node, spell_call, unlike_types
@@ -205,9 +206,8 @@ class Refuting:
     def _held(self, clause: Clause, reached: _Reached, way: Way | None) -> tuple[Node, ...]:
         nodes = self.telling.derivation(clause, way or {}, reached.steps)
         if reached.ways > 1 and nodes:
-            is_all = reached.ways < _MOST_WAYS
-            said = f"1 of {reached.ways:,}{'' if is_all else ' or more'} matches"
-            nodes = (*nodes[:-1], replace(nodes[-1], said=said))
+            matches = number_of(reached.ways, "match", is_all=reached.ways < _MOST_WAYS)
+            nodes = (*nodes[:-1], replace(nodes[-1], said=f"1 of {matches}"))
         return nodes
 
     def _failed(self, clause: Clause, step: Step, reached: _Reached, way: Way | None) -> Node:
@@ -248,8 +248,7 @@ class Refuting:
             number = self._relations.count(sql, self._given, (), _MOST_WAYS)
         if not number:
             return ""
-        more = "" if number < _MOST_WAYS else " or more"
-        matches = f"{number:,}{more} match{'' if number == 1 else 'es'}"
+        matches = number_of(number, "match", is_all=number < _MOST_WAYS)
         if self._wanted.keys() == {"robot_name"}:
             return f"not here, but {matches} elsewhere"
         return f"not for these values, but {matches} for others"

@@ -43,7 +43,7 @@ class KeyMap:
         for name, value in found.items():
             if name not in known:
                 hint = did_you_mean(name, known) or "logical-robots config lists all."
-                complain(name, f'keys: There is no command "{name}". {hint}')
+                complain(name, f'keys: there is no command "{name}". {hint}')
                 continue
             keys = []
             for text in value if isinstance(value, list) else [value]:

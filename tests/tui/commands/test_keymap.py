@@ -53,7 +53,7 @@ def test_what_is_printed_sets_the_same_keys(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("rum = 'n'", ':2: keys: There is no command "rum". Did you mean "run"?'),
+        ("rum = 'n'", ':2: keys: there is no command "rum". Did you mean "run"?'),
         ("run = 7", ":2: keys.run: 7 is not a key; write it as a string."),
         ("run = 'F13'", ':2: keys.run: There is no key "F13"; write n, ?, F5, ^R or'),
         ("run = '^B'", ":2: keys.run: ^B can't be used: tmux uses it."),
