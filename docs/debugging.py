@@ -245,7 +245,7 @@ the value under the cursor; `Enter` goes to the tick that made it.
 
 ## When does it happen? Search
 
-`(` goes to the start. `Q` asks for any question in Logica, here `{SOUGHT}`, and goes to
+`(` goes to the start. `Q` asks for a query, here `{SOUGHT}`, and goes to
 the next tick in which it holds; `;` and `:` go to the following and the previous one.
 
 {pictures["3"]}
@@ -254,11 +254,11 @@ The command line shows all of them at once:
 
 {told(f"logical-robots when {FILES} '{SOUGHT}'")}
 
-`*` makes a question a breakpoint: a run stops where it begins to hold. `B` lists all breakpoints.
+`*` makes a query a breakpoint: a run stops where it begins to hold. `B` lists all breakpoints.
 
 ## When did it change? Watch
 
-`@` pins a question, a number of rows, or the value under the cursor, here the word in Dot's
+`@` pins a query, a number of rows, or the value under the cursor, here the word in Dot's
 memory. `V` shows the pinned values, each with a line of the surrounding ticks. `←` and `→` go to
 where a value changes: the `┼` marks where `left` became `lamp`.
 
@@ -272,7 +272,7 @@ labyrinth shows the ray under the cursor.
 {pictures["5"]}
 
 Every condition on it holds: it ends at a beacon, and close by. No condition checks what is written
-there. `/` answers any question about this tick, here which beacons are in sight:
+there. `/` answers any query about this tick, here which beacons are in sight:
 
 ```prolog
 {QUERY}
@@ -319,7 +319,7 @@ back.
 | it happens now and then | in which ticks? | `Q`, then `;` `:` | `when` |
 | it happens too late to wait for | stop there | `*`, `B` | `when` |
 | a value comes and goes | when does it change? | `@`, `V` | `trace --predicates P` |
-| you have a question about one tick | any question in Logica | `/` | `query` |
+| you have a question about one tick | a query in Logica | `/` | `query` |
 | a record or a list is too long to read | what is in it? | `X`, enter on a value | `query --json` |
 | two programs behave differently | where do they diverge? | `C`, `F` | |
 | you don't know a program | what uses what? | `R` | |

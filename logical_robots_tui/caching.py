@@ -19,7 +19,7 @@ FOLDER_VARIABLE = "LOGICAL_ROBOTS_CACHE_DIR"
 """Environment variable that names another folder; if empty, there is no cache on disk."""
 
 _UNFINISHED = ".unfinished"
-_CONFINED_SHARE = 8  # on a shared machine, where caches count as files of the player
+_CONFINED_SHARE = 8  # on a shared computer, where caches count as files of the player
 
 
 def cache_place(name: str, *, named: str = "") -> Path | None:

@@ -1,4 +1,4 @@
-"""Confine a player's files on a shared machine to one folder with a quota, process-wide.
+"""Confine a player's files on a shared computer to one folder with a quota, process-wide.
 
 Without `confine` everything is allowed. Memory is bounded by the process's address space.
 """

@@ -157,12 +157,12 @@ class Simulation:
 
         Args:
             ticks: The most ticks from now on.
-            until: A question in Logica, which holds where it has rows or a value other than null,
+            until: A query in Logica, which holds where it has rows or a value other than null,
                 false and 0; or a function of this simulation.
 
         Raises:
-            ProgramError: The question is wrong.
-            QueryError: The question failed.
+            ProgramError: The query is wrong.
+            QueryError: The query failed.
         """
         is_met = self._test(until)
         for _ in range(ticks):
@@ -185,10 +185,10 @@ class Simulation:
         return self._world.look()
 
     def query(self, query: str) -> Table:
-        """Return the rows of a predicate, or the answer to a question, in the present tick.
+        """Return the rows of a predicate, or the answer to a query, in the present tick.
 
         Raises:
-            ProgramError: The question is wrong.
+            ProgramError: The query is wrong.
             QueryError: The predicate has no rows of its own, or it failed.
         """
         if self.program.predicate(query) is None:

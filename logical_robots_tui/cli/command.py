@@ -337,7 +337,7 @@ class ProgramFileError(LogicalRobotsError):
 
 
 def report(error: LogicalRobotsError, *, as_json: bool) -> int:
-    """Report a mistake on standard error, with `as_json` also on standard output."""
+    """Report an error on standard error, with `as_json` also on standard output."""
     if as_json:
         print_json({"error": _as_data(error)})
     _say(*_lines(error))

@@ -70,7 +70,7 @@ def _sweep(options: argparse.Namespace) -> int:
     _path("assignment", "a TOML file"),
     _path("submissions", "a folder or an archive with one entry per student"),
     _OUTPUT,
-    command.option("--student", "ID", "run this one, and print what they would read"),
+    command.option("--student", "ID", "run only this student, and print their feedback"),
     *_ENGINE,
 )
 def _grade(options: argparse.Namespace) -> int:
@@ -149,7 +149,9 @@ command.group(
 """,
 )
 
-_FOLDER = command.option("folder", "FOLDER", "what sweep, grade or tournament wrote", type=Path)
+_FOLDER = command.option(
+    "folder", "FOLDER", "the folder of a sweep, grade or tournament", type=Path
+)
 
 
 @command.declare("lab status", _FOLDER, *_ENGINE)

@@ -146,7 +146,7 @@ def print_settings(options: argparse.Namespace) -> int:
 PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
 
 SAFE_SQLITE = (3, 50, 2)
-"""The first SQLite without a known hole that a query of a robot's program might reach."""
+"""The first SQLite without a known vulnerability that a query of a robot's program might reach."""
 
 
 Fact: TypeAlias = tuple[str, str, str]
@@ -233,8 +233,8 @@ def _versions() -> Iterator[Fact]:
     yield "python", f"{platform.python_version()} on {platform.platform()}", ""
     sqlite = sqlite3.sqlite_version
     if sqlite3.sqlite_version_info < SAFE_SQLITE:
-        # Not a problem: distributions mend it without changing the version.
-        sqlite += ", which has a hole (CVE-2025-6965) unless your system has mended it"
+        # Not a problem: distributions patch it without changing the version.
+        sqlite += ": vulnerable (CVE-2025-6965) unless your system has patched it"
     yield "sqlite", sqlite, ""
     sandbox = shutil.which("bwrap")
     yield "bubblewrap", sandbox or "not installed, a sandbox for classes", ""

@@ -161,7 +161,7 @@ def _choose_daily(options: argparse.Namespace) -> None:
     from logical_robots_tui.progress import FILE_NAME, Progress
 
     if options.programs:
-        raise InputError("--daily is the level; name a program at most, not two things.")
+        raise InputError("--daily chooses the level: give at most the name of a program.")
     with closing(Progress(options.data_dir / FILE_NAME)) as progress:
         level = daily_level(progress, options.daily, options.size)
     options.programs = [options.level] if options.level else []

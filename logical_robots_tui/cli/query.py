@@ -1,4 +1,4 @@
-"""``logical-robots query``, ``when``, ``diagnose``: questions about a run, and likely mistakes."""
+"""``logical-robots query``, ``when``, ``diagnose``: queries about a run, and likely mistakes."""
 
 from __future__ import annotations
 
@@ -118,12 +118,12 @@ async def _ask(level: world.Level, program: mind.Program, query: str, tick: int)
     of_run(
         ticks=(DEFAULT_TICKS, "stop after this many ticks"), robot="only rows in this robot's mind"
     ),
-    command.option("question", "QUESTION", "a call, an expression, conditions, or whole rules"),
+    command.option("query", "QUERY", "a call, an expression, conditions, or whole rules"),
 )
 def when(options: argparse.Namespace) -> int:
     """find the ticks of a run in which something holds
 
-    Ask a question in Logica at every tick of a run, and print where it holds.
+    Answer a query in Logica at every tick of a run, and print where it holds.
 
     examples:
       logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 Fresh
@@ -134,19 +134,19 @@ def when(options: argparse.Namespace) -> int:
       logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
         'Drive("Crow").left_engine > 1'
 
-    A question is anything that query accepts. It holds in the ticks in which it has
+    QUERY is anything that `query` accepts. It holds in the ticks in which it has
     rows; an expression holds where it is not null, false or 0. The run ends at
     victory, or after N ticks.
 
-    exit status: 0 found, 1 it never holds, 2 bad level, program or question
+    exit status: 0 found, 1 it never holds, 2 bad level, program or query
     """
     level, program = open_run(options)
-    with _mistakes_in("question"):
-        question = program.question(options.question)
+    with _mistakes_in("query"):
+        question = program.question(options.query)
     found = asyncio.run(_search(level, program, question, options))
     if found.failed_in == found.ticks:
         raise mind.QueryError(f"It failed in every tick: {found.reason}")
-    show(options, _data(options.question, found), _lines(options.question, found))
+    show(options, _data(options.query, found), _lines(options.query, found))
     return FOUND if found.stretches else NOTHING
 
 
@@ -157,7 +157,7 @@ async def _search(
         return await game.find_matches(run, question, options.ticks, options.robot or "", show)
 
 
-def _lines(question: str, found: game.Matches) -> list[str]:
+def _lines(query: str, found: game.Matches) -> list[str]:
     extent = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
     extent += ", up to victory" if found.won_at is not None else ""
     lines = []
@@ -165,13 +165,13 @@ def _lines(question: str, found: game.Matches) -> list[str]:
         first, last = stretches[0][0], stretches[-1][1]
         rows = [(str(start), str(end), str(end - start + 1)) for start, end in stretches]
         lines += [
-            f"{harmless(question)}",
+            f"{harmless(query)}",
             f"holds in {found.holds_in} of {extent}: first in tick {first}, last in tick {last}.",
             "",
             *columns([("FROM", "TO", "TICKS"), *rows]),
         ]
     else:
-        lines.append(f"{harmless(question)} never holds in {extent}.")
+        lines.append(f"{harmless(query)} never holds in {extent}.")
     if found.failed:
         (first, last), *more = found.failed
         where = f"tick {first}" if first == last else f"ticks {first} to {last}"
@@ -182,10 +182,10 @@ def _lines(question: str, found: game.Matches) -> list[str]:
     return lines
 
 
-def _data(question: str, found: game.Matches) -> dict[str, Any]:
+def _data(query: str, found: game.Matches) -> dict[str, Any]:
     stretches = found.stretches
     return {
-        "question": question,
+        "query": query,
         "ticks": found.ticks,
         "won_at": found.won_at,
         "first": stretches[0][0] if stretches else None,

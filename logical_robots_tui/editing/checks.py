@@ -108,19 +108,19 @@ def _placement(level: Level) -> Iterator[LevelFinding]:
         if isinstance(some, Area):
             where = ""
             if some.radius < 1:
-                where = "has no room"
+                where = "is too small: its radius is below 1"
             elif in_wall or not on_map:
                 window, disc = units_of(some, level)
                 is_inside = bool(level.walls[window][disc].all())
                 where = "is inside walls" if is_inside else ""
-                where = where if disc.any() else "is outside the map"
+                where = where if disc.any() else "is outside the labyrinth"
             if where:
                 yield LevelFinding(f'Area "{some.name}" {where}.', some.x, some.y)
         elif in_wall:
             what = "Robot" if isinstance(some, Robot) else "Beacon"
             yield LevelFinding(f'{what} "{some.name}" is inside a wall.', some.x, some.y)
         elif not on_map and isinstance(some, Beacon):
-            yield LevelFinding(f'Beacon "{some.name}" is outside the map.', some.x, some.y)
+            yield LevelFinding(f'Beacon "{some.name}" is outside the labyrinth.', some.x, some.y)
 
 
 def _goals(level: Level) -> Iterator[LevelFinding]:

@@ -230,7 +230,7 @@ def _check(width: int, grid: int, points: Sequence[Point]) -> None:
             raise LevelError(f"The {what} must be from 1 to {MOST_SIDE} wide, not {size}.")
     for point in points:
         if not all(abs(number) <= MOST_OF_A_NUMBER for number in point):
-            raise LevelError("This point is too far from the map.")
+            raise LevelError("This point is too far outside the labyrinth.")
 
 
 def _snap(place: float, width: int) -> float:

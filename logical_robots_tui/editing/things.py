@@ -66,7 +66,7 @@ def resize(
         return level
     for some in all_things(level):
         if max(abs(some.x + left), abs(some.y + top)) > MOST_OF_A_NUMBER:
-            raise LevelError(f'"{some.name}" would be too far from the map.')
+            raise LevelError(f'"{some.name}" would be too far outside the labyrinth.')
     walls = np.full((height, width), wall, np.bool_)
     new_rows, old_rows = _overlap(height, level.height, top)
     new_columns, old_columns = _overlap(width, level.width, left)

@@ -84,7 +84,7 @@ def read_call(text: str) -> Called:
 def _sides(source: Prepared) -> tuple[Expression | Atom, Expression | None]:
     """Return the call, and what it is said to be, if anything."""
     if not source.text.strip():
-        raise ProgramError((Diagnostic(1, 1, "The question is empty", _HINT),))
+        raise ProgramError((Diagnostic(1, 1, "The query is empty", _HINT),))
     try:
         body = parse_proposition(source)
     except error_messages.COMPLAINTS:

@@ -328,7 +328,7 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     aggregate = next((place for place in nulls if _AGGREGATE.search(place.text)), None)
     if aggregate is not None:
         where = f"The aggregation in line {aggregate.line}"
-        hint = f"{where} had nothing to go over; Coalesce replaces null."
+        hint = f"{where} had no rows; Coalesce replaces null."
     return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
 
 
@@ -389,7 +389,7 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
         hint = "Robots, beacons and solid areas have other names here."
         hint = f'Did you mean "{close}"?' if close else hint
         message = f'Nothing in this level is called "{field.name}".'
-        yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
+        yield Finding("unknown string", "warning", field.span, observed.first, message, hint)
 
 
 def _of_definitions(checkup: Checkup, first: int) -> Iterator[Finding]:

@@ -50,7 +50,7 @@ class Game:
     Going back, restarting or changing the program while a tick is being computed drops that tick.
 
     After going back, stored ticks are replayed. They are recomputed only under another program;
-    the course they belonged to is then kept, to compare with and to switch to.
+    the branch they belonged to is then kept, to compare with and to switch to.
 
     Args:
         level: The level.
@@ -223,7 +223,7 @@ class Game:
     def go_on_in(
         self, level: Level, state: WorldState, memories: Mapping[str, Value], keeps_decisions: bool
     ) -> Frame:
-        """Continue in a given state; one of another tick begins a new course of history."""
+        """Continue in a given state; one of another tick begins a new branch of history."""
         frame = replace(self._frame, after=state)
         if not keeps_decisions:
             frame = fresh_frame(self._past.worlds.of(level), state, memories)
@@ -236,17 +236,17 @@ class Game:
         self._show(frame)
         return frame
 
-    def change_course(self) -> Frame:
-        """Switch to the course that was abandoned when another branch began, and to its program.
+    def change_branch(self) -> Frame:
+        """Switch to the branch that was abandoned when another branch began, and to its program.
 
-        The tick stays the same, if the other course holds it.
+        The tick stays the same, if the other branch holds it.
 
         Raises:
-            NoSuchTickError: There is no other course.
+            NoSuchTickError: There is no other branch.
         """
         self._supersede()
         history = self.history
-        history.change_course()
+        history.change_branch()
         self.program = history.program_at(history.last) or self.program
         self._is_program_wanted = False
         self._show(self._past.frame(min(max(self._frame.tick, history.first), history.last)))
@@ -319,7 +319,7 @@ class Game:
         run, here, texts = self.run_number, self._frame.tick, self.program.texts
         together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
         leads_on = not self._is_program_wanted
-        known = self.history.known_ahead(here, together, texts, is_course_wanted=leads_on)
+        known = self.history.known_ahead(here, together, texts, is_branch_wanted=leads_on)
         for each in await self._ahead(most, known, seconds):
             frame = each.frame
             follows = frame.before is self._frame.after or not frame.decisions

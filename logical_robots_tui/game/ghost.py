@@ -72,7 +72,7 @@ def ghost_of(replay: Replay, level: Level, name: str) -> Ghost:
     It must be of the level as given, from its start, without changes by hand.
     """
     if not alike(replay.levels[0], level):
-        raise InputError("It is of another level, or this level has changed since.")
+        raise InputError("It was recorded in another level, or this level has changed since.")
     if len(replay.stages) > 1 or replay.stages[0].state != start_state(level):
         raise InputError("It was changed by hand, or does not begin at the start of the level.")
     poses = np.empty((replay.last + 1, len(level.robots), 3), np.float32)

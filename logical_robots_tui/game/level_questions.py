@@ -119,7 +119,7 @@ def ticks_in_words(ticks: Sequence[int]) -> str:
 
 
 def mistake_lines(query: str, error: ProgramError) -> list[str]:
-    """Return the first mistake in a query: its line, a caret below the place, and what is wrong."""
+    """Return the first error in a query: its line, a caret below the place, and what is wrong."""
     first = error.diagnostics[0]
     line = (*query.splitlines(), *[""] * first.line)[first.line - 1]
     caret = " " * (first.column - 1) + "^" * max(1, len(first.excerpt))

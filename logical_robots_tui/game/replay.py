@@ -238,7 +238,7 @@ def load_replay(path: Path) -> Replay:
 def _read(content: bytes) -> Replay:
     line, _, rest = content.partition(b"\n")
     if not line.startswith(_MAGIC):
-        raise ValueError("its first line is another")
+        raise ValueError("its first line is wrong")
     if len(content) > _MOST_BYTES:
         raise ValueError(f"it has more than {_MOST_BYTES:,} bytes")
     number = line.removeprefix(_MAGIC)
@@ -297,7 +297,7 @@ async def gather(
 ) -> Replay:
     """Return the replay of a history's ticks, or those up to `last`, in turn with other tasks.
 
-    A program must have decided a tick. Raises Superseded if the course changes meanwhile,
+    A program must have decided a tick. Raises Superseded if the branch changes meanwhile,
     InputError if the level changed too often.
     """
     begin, turns = max(history.first - 1, 0), history.turns

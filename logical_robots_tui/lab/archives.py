@@ -46,7 +46,7 @@ class File(NamedTuple):
 
 @dataclass(slots=True)
 class Room:
-    """What may still be unpacked of one hand-in."""
+    """What may still be unpacked of one submission."""
 
     members: int = 10_000
     bytes: int = 50_000_000

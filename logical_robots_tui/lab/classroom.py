@@ -68,7 +68,7 @@ def cell_of(manifest: Manifest, student: Student, level: str) -> Cell:
         found = [name for name in names if name.partition("-")[0].lstrip("0") == level.lstrip("0")]
     if len(found) != 1:
         hint = did_you_mean(level, names) or f"Levels: {', '.join(names)}."
-        raise InputError("No program was run in such a level", place=level, hint=hint)
+        raise InputError("No program was run in this level", place=level, hint=hint)
     for cell in manifest.cells:
         if (cell.student, cell.level_name) == (student.id, found[0]):
             return cell

@@ -449,9 +449,9 @@ class Ledger:
             said = {
                 "SQLITE_FULL": ("The disk is full", "Make room, then resume."),
                 "SQLITE_IOERR": ("The disk is full or fails", "Make room, then resume."),
-                "SQLITE_READONLY": ("It may not be written", "Take a folder that is yours."),
-                "SQLITE_CANTOPEN": ("It can't be opened", "Take another folder."),
-                "SQLITE_BUSY": ("Another process writes it", "Wait for it to end."),
+                "SQLITE_READONLY": ("It is read-only", "Choose a folder that you can write to."),
+                "SQLITE_CANTOPEN": ("It can't be opened", "Choose another folder."),
+                "SQLITE_BUSY": ("Another process is writing to it", "Wait for it to end."),
             }
             name = "_".join(getattr(error, "sqlite_errorname", "").split("_")[:2])
             damaged = "Move it away and start again; nothing else in the folder is lost."

@@ -40,7 +40,7 @@ QUESTIONS = {
     "no row": "Which rule should cover that case?",
     "bad engine": "Which part of the value can be missing, and when?",
     "notice": "What was special about that tick?",
-    "unknown text": "What are things called in this level?",
+    "unknown string": "What are things called in this level?",
     "unused": "Which rule should use it?",
     "same copy": "What should be different in one of them?",
     "memory never written": "Which rule should write it, and under which name?",

@@ -117,9 +117,8 @@ class Submission:
             self.remarks += [f"{shown}: its name is not that of a level" for shown, *_ in unnamed]
         self.files = [(file._replace(content=b""), name) for file, name in self.files]
         if not self.programs and (others or not self.remarks):
-            more = f", but {join_names(others[:_MOST_NAMED])}" if others else ""
-            said = f"there is no program in it; their names end with {SUFFIX}{more}"
-            self.remarks.append(said)
+            more = f", only {join_names(others[:_MOST_NAMED])}" if others else ""
+            self.remarks.append(f"there is no program (*{SUFFIX}) in it{more}")
 
     def _take(self, level: str, text: str, changed: float) -> None:
         self.programs[level] = text

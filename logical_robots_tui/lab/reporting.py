@@ -134,7 +134,7 @@ def _sweep_lines(manifest: Manifest, done: list[Done]) -> list[str]:
             medians = {label: spread[0] for label, spread in spreads.items() if spread}
             if len({*medians.values()}) > 1:
                 lines += _bars(f"{name}, medians{over}", medians)
-    for name, (ticks, found) in _courses(manifest, done).items():
+    for name, (ticks, found) in _over_time(manifest, done).items():
         lines += _plot(name, ticks, found)
     return lines
 
@@ -291,7 +291,7 @@ def _by_label(manifest: Manifest, done: list[Done]) -> dict[str, list[Done]]:
     return found
 
 
-def _courses(
+def _over_time(
     manifest: Manifest, done: list[Done]
 ) -> dict[str, tuple[list[int], dict[str, list[Spread | None]]]]:
     """Return, for each question that is asked over time, ticks and what it gave at them."""
@@ -336,7 +336,7 @@ def _variation(manifest: Manifest, done: list[Done]) -> str:
                 parts.append(_chart(f"{what}, over {name}", name, [*groups], {"median": spreads}))
     if len(names) == 2:
         parts.append(_grid(manifest, names[0], names[1], done))
-    for name, (ticks, found) in _courses(manifest, done).items():
+    for name, (ticks, found) in _over_time(manifest, done).items():
         parts.append(f"<h2>{html.escape(harmless_text(name))} over time</h2>")
         parts.append(_chart(f"{name}, medians", "tick", [f"{t:,}" for t in ticks], found))
     return "\n".join(parts)

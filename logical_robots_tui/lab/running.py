@@ -67,7 +67,7 @@ Outcome: TypeAlias = Literal[
     "does not compile",
     "infrastructure",
 ]
-"""How a run ended: `played` to the end of a match, `stopped` because a question held;
+"""How a run ended: `played` to the end of a match, `stopped` because a query held;
 `infrastructure` could not be done."""
 
 

@@ -265,7 +265,7 @@ def account_of(manifest: Manifest) -> list[str]:
         said = f"{count_of(len(roster), 'submission')}"
     said += f"; not matched: {', '.join(missing)}" if missing else ""
     nobody = [*(each.submission for each in others), *manifest.strays]
-    lines = [said + (f"; files that nobody handed in: {', '.join(nobody)}" if nobody else "")]
+    lines = [said + (f"; files that belong to nobody: {', '.join(nobody)}" if nobody else "")]
     return lines + [
         f"{each.called}: {'; '.join(each.remarks)}"
         for each in roster

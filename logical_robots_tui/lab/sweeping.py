@@ -53,7 +53,7 @@ class RunLimit(Limit, frozen=True):
 
 
 class Query(msgspec.Struct, frozen=True):
-    """A Logica question, asked every so many ticks; 0 means in the last tick only."""
+    """A query in Logica, asked every so many ticks; 0 means in the last tick only."""
 
     query: Name
     at: Literal["end"] | None = None

@@ -15,7 +15,7 @@ _LONGEST = 60  # characters of a name in a message
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One mistake in a program.
+    """One error or warning in a program.
 
     Attributes:
         line: Line in the program's text, from 1.

@@ -293,7 +293,7 @@ _BESIDE = (
     (r"[A-Z]\w*\s*\{\s*$", r"[^{}:]*,", "An aggregate takes one value, or a pair: x -> y."),
     (r"[A-Z]\w*\s*\{\s*$", r"[^{}]*?\s[:|]\s", "A body follows ':-': List{x :- x in [1, 2]}."),
     (r"\bin\s*\(\s*$", r"", "A list is in brackets: x in [1, 2]."),
-    (r"~\s*$", r"", "Put what is negated in parentheses: ~(a == b)."),
+    (r"~\s*$", r"", "Put the condition after ~ in parentheses: ~(a == b)."),
     (r"=\s*$", r"\s*<", "Write '<='."),
     (r"==\s*$", r"=", "Write '=='."),
     (r"<\s*$", r">", "Write '!='."),

@@ -22,7 +22,7 @@ from logical_robots_tui.schema import MAIN, OBJECTS, VALUE
 _ROUNDS = 6  # how far a kind is traced from predicate to predicate
 _MOST_STEPS = 100_000  # nested aggregates are visited repeatedly
 _LIST = "A list is needed here, such as sensor.radar, [1, 2] or Range(10)."
-_NEGATED = "Put what is negated in parentheses, as in !(a == b)."
+_NEGATED = "Put the condition after ! in parentheses: !(a == b)."
 _CHOOSING = frozenset({"ArgMin", "ArgMax"})
 _OF_PAIRS = {
     "Array": "order -> value",

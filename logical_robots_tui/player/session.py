@@ -231,12 +231,12 @@ class Session:
         if self.game is not None:
             self.game.go_to(tick)
 
-    def change_course(self) -> None:
+    def change_branch(self) -> None:
         """Switch to the other branch and its program, or raise NoSuchTickError."""
         self.pause()
         if self.game is not None:
             self._spawn(nothing, "compile", exclusive=True)
-            self.game.change_course()
+            self.game.change_branch()
             self._think_with(self.game.program)
             self._changed()
 

@@ -82,8 +82,8 @@ def drive(
     """Turn and move a robot, in place, for one tick.
 
     The turn always succeeds. The move is cancelled if it ends in a wall, or closer to one of the
-    others than before and closer than they are wide; there are no walls outside the map. The
-    wanted power is finite.
+    others than before and closer than they are wide; there are no walls outside the
+    labyrinth. The wanted power is finite.
     """
     left, right = min(1.0, max(-1.0, left)), min(1.0, max(-1.0, right))
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)

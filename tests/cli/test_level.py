@@ -92,11 +92,11 @@ def test_a_file_that_is_there_is_kept_unless_forced(command: Command, level: Pat
     ("arguments", "message"),
     [
         (("--room", "9"), "is not a size such as 8x6"),
-        (("--room", "50x5000"), "The map would be 50 x 5000 units; at most 4000 x 4000 "),
-        (("--room", "30x30"), "has no room for a robot"),
+        (("--room", "50x5000"), "The labyrinth would be 50 x 5000 units; at most 4000 x 4000 "),
+        (("--room", "30x30"), "A robot does not fit"),
         (("--room", "90x90", "--wall", "0"), "A wall must be 1 to 4000 units thick, not 0."),
         (("--labyrinth", "1x1"), "at least 2 cells, not 1 x 1"),
-        (("--labyrinth", "80x8"), "The map would be 5610 x 570 units; at most 4000 x 4000 "),
+        (("--labyrinth", "80x8"), "The labyrinth would be 5610 x 570 units; at most 4000 x 4000 "),
         (
             ("--labyrinth", "8x8", "--loops", "2"),
             "The share of loops must be between 0 and 1, not 2.",

@@ -58,7 +58,7 @@ def test_the_labyrinth_of_a_day_is_played(
     ("words", "message"),
     [
         (("--daily", "yesterday"), "'yesterday' is not a date such as 2026-11-22"),
-        (("a-level", "a-program", "--daily"), "--daily is the level"),
+        (("a-level", "a-program", "--daily"), "--daily chooses the level"),
         (("--size", "huge"), "invalid choice: 'huge'"),
     ],
 )

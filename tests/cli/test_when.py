@@ -105,13 +105,13 @@ def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
     assert "There is no robot Eve. There are Ada, Bo." in told.err.replace("\n", " ")
 
 
-def test_a_wrong_question_is_told_with_its_place_before_the_run(
+def test_a_wrong_query_is_reported_with_its_place_before_the_run(
     command: Command, level: Path, ahead: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Mind, "think", None)
     told = command("when", level, ahead, "Sensor(robot_nam:)")
     assert told.status == 2
-    assert "question:1:8: Sensor has no column robot_nam" in told.err
+    assert "query:1:8: Sensor has no column robot_nam" in told.err
 
 
 def test_the_ticks_in_which_it_fails_are_told(command: Command, level: Path, counter: Path) -> None:

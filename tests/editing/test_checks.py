@@ -124,13 +124,13 @@ def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
     )
     level = replace(level, robots=(Robot("Ann", 398, 50), Robot("Bob", -1, 50)))
     assert [(finding.text, finding.x) for finding in check(level)] == [
-        ('Robot "Bob" is outside the map. The map is 400 x 200 units.', -1),
+        ('Robot "Bob" is outside the labyrinth. The labyrinth is 400 x 200 units.', -1),
         ('Robot "Ann" is inside a wall.', 398),
         ('Beacon "lamp" is inside a wall.', 2),
-        ('Beacon "star" is outside the map.', 500),
+        ('Beacon "star" is outside the labyrinth.', 500),
         ('Area "cave" is inside walls.', 3),
-        ('Area "sky" is outside the map.', 900),
-        ('Area "dot" has no room.', 50),
+        ('Area "sky" is outside the labyrinth.', 900),
+        ('Area "dot" is too small: its radius is below 1.', 50),
     ]
 
 
@@ -194,7 +194,7 @@ def test_a_shared_name_that_nothing_shares_is_told() -> None:
         (
             {"width": 4001, "walls": np.zeros((200, 4001), np.bool_)},
             LevelFinding(
-                "The map is 4001 x 200 units; at most 4000 x 4000 is allowed.", forbids=True
+                "The labyrinth is 4001 x 200 units; at most 4000 x 4000 is allowed.", forbids=True
             ),
         ),
     ],

@@ -61,7 +61,7 @@ def test_the_same_size_is_the_level_itself() -> None:
     ("size", "message"),
     [
         ((0, 5), '"width" must be 1 or more'),
-        ((5, 4001), "The map is 5 x 4001 units; at most 4000 x 4000 is allowed."),
+        ((5, 4001), "The labyrinth is 5 x 4001 units; at most 4000 x 4000 is allowed."),
     ],
 )
 def test_a_size_out_of_bounds_is_refused(size: tuple[int, int], message: str) -> None:
@@ -77,7 +77,7 @@ def test_nothing_is_moved_further_than_a_file_can_say() -> None:
     ]
     for things in kinds:
         level = replace(room(), **things)
-        with pytest.raises(LevelError, match="too far from the map"):
+        with pytest.raises(LevelError, match="too far outside the labyrinth"):
             resize(level, 120, 81, left=1, top=1)
 
 

@@ -123,8 +123,8 @@ def test_the_level_before_stays_as_it_was() -> None:
         ({"width": 0}, "The brush must be from 1 to 4000 wide, not 0."),
         ({"width": 5000}, "The brush must be from 1 to 4000 wide, not 5000."),
         ({"grid": 0}, "The grid must be from 1 to 4000 wide, not 0."),
-        ({"points": [(math.nan, 3)]}, "This point is too far from the map."),
-        ({"points": [(3, 1e9)]}, "This point is too far from the map."),
+        ({"points": [(math.nan, 3)]}, "This point is too far outside the labyrinth."),
+        ({"points": [(3, 1e9)]}, "This point is too far outside the labyrinth."),
     ],
 )
 def test_what_makes_no_sense_is_refused(arguments: dict[str, object], message: str) -> None:

@@ -76,11 +76,11 @@ MISTAKES = [
     # What '!', '~' and words belong to.
     Mistake(
         'm = 1, !sensor.forward_label == "wall"',
-        "3:11 ! takes a Boolean ... Put what is negated in parentheses",
+        "3:11 ! takes a Boolean ... Put the condition after ! in parentheses",
     ),
     Mistake(
         'm = 1, ~sensor.forward_label == "wall"',
-        "3:11 This is not a condition ... Put what is negated in parentheses: ~(a == b).",
+        "3:11 This is not a condition ... Put the condition after ~ in parentheses: ~(a == b).",
     ),
     Mistake("m = 1, not sensor.clock == 3", "3:10 not an expression ... ~(a == b)"),
     Mistake("m = 1, sensor.clock > 1 and sensor.clock < 9", "3:25 '&&' within"),

@@ -65,7 +65,7 @@ def test_what_has_no_value_is_left_open(text: str, asked: Ask) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "The question is empty"),
+        ("", "The query is empty"),
         ("x > 5", "This is not a predicate with values"),
         ("12", "This is not a predicate with values"),
         ("A(1), B(2)", "These are several conditions"),

@@ -104,7 +104,7 @@ MISTAKES = {
     "a name that nothing has": (
         f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:),\n'
         '  robot_name != "Adda";',
-        ("unknown text", 2),
+        ("unknown string", 2),
         'Nothing in this level is called "Adda".',
     ),
     "a field that is never written": (
@@ -306,7 +306,7 @@ async def test_a_text_that_is_not_a_name_is_no_mistake(tmp_path: Path) -> None:
 async def test_a_text_that_the_program_gives_itself_is_no_mistake(tmp_path: Path) -> None:
     text = PLAIN.replace("robot_name:);", "robot_name:), Plan(phase: Now(robot_name));")
     rules = 'Plan(phase: "out");\nNow(name) = (if name == "Ada" then "out" else "in");'
-    assert "unknown text" not in the_kinds(await diagnosed(tmp_path, f"{rules}\n{text}"))
+    assert "unknown string" not in the_kinds(await diagnosed(tmp_path, f"{rules}\n{text}"))
 
 
 async def test_what_happens_in_one_tick_of_many_is_not_said_never_to_happen(tmp_path: Path) -> None:
@@ -343,7 +343,7 @@ async def test_another_future_ends_it(tmp_path: Path) -> None:
         await made.run_until(tick=61)
 
         def turn(_done: int, _all: int) -> None:
-            made.history.change_course()
+            made.history.change_branch()
 
         made.use(Program.compile(f"Odd(robot_name:) :- Sensor(robot_name:), 1 == 2;\n{PLAIN}"))
         with pytest.raises(Superseded):

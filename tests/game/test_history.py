@@ -130,57 +130,57 @@ class Histories(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.course = [start()]
+        self.branch = [start()]
         self.other: list[Frame] | None = None
         self.latest = 0
-        self.out_of_reach: list[Frame] | None = None  # the other course, if that has diverged so
-        self.history = History(self.course[0], LEVEL, LENGTH)
+        self.out_of_reach: list[Frame] | None = None  # the other branch, if that has diverged so
+        self.history = History(self.branch[0], LEVEL, LENGTH)
 
     @rule(done=ticks, times=st.integers(1, 80))
     def go_on(self, done: list[Deed], times: int) -> None:
         for _ in range(times):
-            self.course.append(after(self.course[-1], done))
-            self.history.add(self.course[-1], NOBODY)
+            self.branch.append(after(self.branch[-1], done))
+            self.history.add(self.branch[-1], NOBODY)
         self.latest = max(self.latest, self.history.last)
 
     @rule(done=ticks, data=st.data())
     def go_back_and_do_something(self, done: list[Deed], data: st.DataObject) -> None:
         tick = data.draw(st.integers(self.history.first, self.history.last))
         if tick < self.history.last:
-            if self.other is None or len(self.other) <= len(self.course):
-                self.other = self.course
-            self.course = self.course[: tick + 1]
-        self.course.append(after(self.course[-1], done))
-        self.history.add(self.course[-1], NOBODY)
+            if self.other is None or len(self.other) <= len(self.branch):
+                self.other = self.branch
+            self.branch = self.branch[: tick + 1]
+        self.branch.append(after(self.branch[-1], done))
+        self.history.add(self.branch[-1], NOBODY)
         self.latest = max(self.latest, self.history.last)
 
     @precondition(lambda self: self.other is not None)
     @rule()
-    def change_course(self) -> None:
+    def change_branch(self) -> None:
         assert self.other is not None
-        self.course, self.other = self.other, self.course
-        self.history.change_course()
+        self.branch, self.other = self.other, self.branch
+        self.history.change_branch()
 
     @rule(data=st.data())
     def forget(self, data: st.DataObject) -> None:
         tick = data.draw(st.integers(self.history.first, self.history.last))
         self.history.forget_future(tick)
-        self.course = self.course[: tick + 1]
+        self.branch = self.branch[: tick + 1]
 
     @invariant()
     def every_tick_is_as_it_was(self) -> None:
-        assert self.history.last == self.course[-1].tick
+        assert self.history.last == self.branch[-1].tick
         assert self.history.first <= max(self.latest - LENGTH + 1, 0)
         # The start needs no tick before it, so it is there beside as many ticks as there may be.
         assert self.history.last - max(self.history.first, 1) < LENGTH
         for tick in range(self.history.first, self.history.last + 1):
             before, known = self.history.replay(tick)
-            assert as_told(known.moment) == as_moment(self.course[tick])
-            assert as_told(before) == as_moment(self.course[max(tick - 1, 0)])
+            assert as_told(known.moment) == as_moment(self.branch[tick])
+            assert as_told(before) == as_moment(self.branch[max(tick - 1, 0)])
 
     @invariant()
     def memories_that_changed_are_marked(self) -> None:
-        for frame in self.course[max(self.history.first, 1) :]:
+        for frame in self.branch[max(self.history.first, 1) :]:
             changed = tuple(
                 name for name in ROBOTS if frame.memories[name] != frame.memories_before[name]
             )
@@ -190,20 +190,20 @@ class Histories(RuleBasedStateMachine):
             assert marked == ([changed] if changed else [])
 
     @invariant()
-    def the_first_difference_from_the_other_course_is_known(self) -> None:
+    def the_first_difference_from_the_other_branch_is_known(self) -> None:
         found = self.history.divergence
         if self.other is None or self.history.other is None:
             assert found is None
             return
-        pairs = zip(self.course, self.other, strict=False)
+        pairs = zip(self.branch, self.other, strict=False)
         diverged = next((a.tick for a, b in pairs if differ(a, b)), None)
         if found is not None:
-            assert differ(self.course[found.tick], self.other[found.tick])
+            assert differ(self.branch[found.tick], self.other[found.tick])
         in_reach = max(self.history.first, self.history.other.start)
         if diverged is not None and diverged < in_reach:
             # Where the future is forgotten, older ticks are in reach again; nobody compares them.
             self.out_of_reach = self.other
-        elif not any(self.out_of_reach is each for each in (self.other, self.course)):
+        elif not any(self.out_of_reach is each for each in (self.other, self.branch)):
             assert diverged == (found.tick if found else None)
 
 
@@ -220,20 +220,20 @@ def test_a_history_is_right_whatever_is_done_to_it() -> None:
     )
 
 
-def test_bytes_are_bounded_and_the_other_course_goes_first() -> None:
+def test_bytes_are_bounded_and_the_other_branch_goes_first() -> None:
     memory = [f"{number:x}" * 8 for number in range(400)]
     deed = [Deed(None, memory, (), 1.0, False)] * 2
-    course = [start()]
-    history = History(course[0], LEVEL, most_bytes=4000 + 64 * 2000)
+    branch = [start()]
+    history = History(branch[0], LEVEL, most_bytes=4000 + 64 * 2000)
     for _ in range(300):
-        course.append(after(course[-1], deed))
-        history.add(course[-1], NOBODY)
-    history.add(after(course[200], deed), NOBODY)
+        branch.append(after(branch[-1], deed))
+        history.add(branch[-1], NOBODY)
+    history.add(after(branch[200], deed), NOBODY)
     assert history.other is not None
-    for frame in course[202:]:
+    for frame in branch[202:]:
         history.add(frame, NOBODY)
     before = history.first
-    last = course[-1]
+    last = branch[-1]
     while history.first == before:
         last = after(last, [Deed(None, [str(last.tick), *memory], (), 1.0, False)] * 2)
         history.add(last, NOBODY)
@@ -243,15 +243,15 @@ def test_bytes_are_bounded_and_the_other_course_goes_first() -> None:
     assert as_told(history.replay(last.tick)[1].moment) == as_moment(last)
 
 
-def test_of_two_courses_that_were_left_the_longer_one_is_kept() -> None:
+def test_of_two_branches_that_were_left_the_longer_one_is_kept() -> None:
     still = [Deed(None, 1, (), 1.0, False)] * 2
     history = History(start(), LEVEL)
-    course = [start()]
+    branch = [start()]
     for _ in range(50):
-        course.append(after(course[-1], still))
-        history.add(course[-1], NOBODY)
-    history.add(after(course[20], still), NOBODY)
-    history.add(after(course[10], still), NOBODY)
+        branch.append(after(branch[-1], still))
+        history.add(branch[-1], NOBODY)
+    history.add(after(branch[20], still), NOBODY)
+    history.add(after(branch[10], still), NOBODY)
     assert history.other == range(51)
     assert history.last == 11
 

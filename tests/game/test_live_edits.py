@@ -92,16 +92,16 @@ def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
 ) -> None:
     async def play() -> None:
         played = Game(LEVEL, counter())
-        course: list[tuple[Frame, Level]] = [(played.frame, LEVEL)]
+        branch: list[tuple[Frame, Level]] = [(played.frame, LEVEL)]
 
         async def step() -> None:
             frame = await played.step()
-            if frame.tick == len(course):
-                course.append((frame, played.level))
+            if frame.tick == len(branch):
+                branch.append((frame, played.level))
             seen(frame)
 
         def seen(frame: Frame) -> None:
-            then, level = course[frame.tick]
+            then, level = branch[frame.tick]
             assert frame == then
             assert np.array_equal(played.level.walls, level.walls)
             assert replace(played.level, walls=level.walls).robots == level.robots
@@ -112,18 +112,18 @@ def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
                     for _ in range(number):
                         await step()
                 elif what == "go to":
-                    seen(played.go_to(number % len(course)))
+                    seen(played.go_to(number % len(branch)))
                 else:
                     level = EDITS[number](played.level)
                     names = {robot.name for robot in level.robots}
                     poses = {n: pose for n, pose in POSES[more].items() if n in names}
                     frame = played.change_level(level, poses)
-                    del course[frame.tick :]
-                    course.append((frame, level))
+                    del branch[frame.tick :]
+                    branch.append((frame, level))
             seen(played.go_to(0))
-            while played.frame.tick < len(course) - 1:
+            while played.frame.tick < len(branch) - 1:
                 await step()
-            for tick in range(len(course) - 1, -1, -1):
+            for tick in range(len(branch) - 1, -1, -1):
                 seen(played.go_to(tick))
         finally:
             await played.close()
@@ -216,7 +216,7 @@ async def test_another_program_begins_another_future_before_an_edit(tmp_path: Pa
     played.use(Program.compile(BACKWARDS))
     frame = await played.run_until(tick=11)
     assert frame.after.robots[0].x < 50
-    played.change_course()
+    played.change_branch()
     assert played.frame.after.robots[0].x > 150
     await played.close()
 

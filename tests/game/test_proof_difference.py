@@ -192,7 +192,7 @@ async def played(level: Level, here: str, there: str) -> Comparison | None:
         await game.close()
 
 
-async def test_the_courses_of_a_game_are_compared_where_they_part(level: Level) -> None:
+async def test_the_branches_of_a_game_are_compared_where_they_part(level: Level) -> None:
     found = await played(level, DRIVE.replace('"new"', "1"), DRIVE)
     assert found is not None
     assert found.robot == "Ada"

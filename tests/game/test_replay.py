@@ -176,8 +176,8 @@ def packed(body: bytes, number: int = 2) -> bytes:
 
 
 FALSE = {
-    "nothing": (b"", "its first line is another"),
-    "a text": (b"hello", "its first line is another"),
+    "nothing": (b"", "its first line is wrong"),
+    "a text": (b"hello", "its first line is wrong"),
     "a newer one": (b"logical-robots replay 3\nabc", "another version"),
     "no end": (b"logical-robots replay 2\n" + bytes(40), "damaged"),
     "not packed": (

@@ -29,6 +29,10 @@ INSTEAD = {
     r"\b(this|your|one|busy) machines?\b(?! learning)": "computer",
     r"\bsigns in the labyrinth\b": "symbols on the map",
     r"\bGo to the (labyrinth|mistake)\b": "the map, the error",
+    r"\bquestions? in Logica\b|\b(Logica|last) question\b": "query",
+    r"\bhand-ins?\b": "submission",
+    r"\boutside the map\b": "outside the labyrinth",
+    r"\b(the|an)other course\b": "the other branch",
 }
 """Words that are not used, and what is said instead."""
 

@@ -175,7 +175,7 @@ def test_what_cannot_be_played_is_said(graded: tuple[Command, Path]) -> None:
     for words, said in {
         ("Ary", "1"): "Several students match. Name one by the id: Ben Ary (2018), Dot",
         ("Lovelance", "1"): 'No student matches. Did you mean "Lovelace"?',
-        ("2017", "7"): "No program was run in such a level. Levels: 01-first-steps, 02-open-space",
+        ("2017", "7"): "No program was run in this level. Levels: 01-first-steps, 02-open-space",
         ("hal", "02"): "Hal Two (2024) has no program for 02-open-space",
     }.items():
         told = command("lab", "play", out, *words)

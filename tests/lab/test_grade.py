@@ -112,7 +112,7 @@ def test_the_gradebook_has_the_points_of_everybody(exported: Path) -> None:
     assert points == {"1": 15, "2": 5, "3": 0, "eve": 0, hostile: 0, "yan": 0, "zoe": 0}
     assert (book["2"]["late"], book["2"]["01-first-steps"]) == ("true", "10.0")
     assert book["4"]["remarks"] == "nothing that was submitted was found to be theirs"
-    assert "there is no program in it" in book["yan"]["remarks"]
+    assert "there is no program (*.l) in it" in book["yan"]["remarks"]
     assert "it is a link" in book["zoe"]["remarks"]
     assert {name: row["ungraded"] for name, row in book.items() if row["ungraded"] != "0"} == {
         "4": "2"

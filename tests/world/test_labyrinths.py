@@ -83,5 +83,5 @@ def test_a_room_is_empty_inside_its_rim() -> None:
 def test_the_largest_room_and_the_smallest() -> None:
     assert empty_room(4000, 4000).width == 4000
     assert check(empty_room(40, 40)) == []
-    with pytest.raises(LevelError, match="no room for a robot"):
+    with pytest.raises(LevelError, match="does not fit between"):
         empty_room(39, 60)

@@ -193,11 +193,11 @@ def test_a_shortened_row_that_makes_no_sense_is_named_with_its_line(
 
 def test_a_short_text_can_not_ask_for_a_huge_map(tmp_path: Path) -> None:
     high = refusal(tmp_path, SMALL.replace("#..#", "\n".join(["9999* 4#"] * 100)))
-    assert high.message == "The map is 40 x 9999020 units; at most 4000 x 4000 is allowed."
+    assert high.message == "The labyrinth is 40 x 9999020 units; at most 4000 x 4000 is allowed."
     wide = refusal(tmp_path, SMALL.replace("####", "9999# 9999."))
-    assert wide.message == "The map is 199980 x 30 units; at most 4000 x 4000 is allowed."
+    assert wide.message == "The labyrinth is 199980 x 30 units; at most 4000 x 4000 is allowed."
     many = refusal(tmp_path, SMALL.replace("#..#", "#..#\n" * 4000))
-    assert many.message == "The map has 4003 rows; at most 4000 are allowed."
+    assert many.message == "The drawing has 4003 rows; at most 4000 are allowed."
 
 
 def test_a_heading_can_be_given_in_radians(tmp_path: Path) -> None:
@@ -249,7 +249,12 @@ BAD_VALUES = [
     ("cell = 10", "cell = 0", "cell", '"cell" must be 1 or more, not 0.'),
     ("cell = 10", "cell = 1.5", "cell", '"cell" must be a whole number, not 1.5.'),
     ("cell = 10", "cell = true", "cell", '"cell" must be a number, not true or false.'),
-    ("cell = 10", "cell = 2000", "walls", "The map is 8000 x 6000 units; at most 4000 x 4000 is "),
+    (
+        "cell = 10",
+        "cell = 2000",
+        "walls",
+        "The labyrinth is 8000 x 6000 units; at most 4000 x 4000 is ",
+    ),
     ("cell = 10", "cell = 10\nsize = 3", "size", '"size" is not a known key.'),
     ("cell = 10", "cell = 10\nhints = 3", "hints", '"hints" must be a list, not a number.'),
     ("cell = 10", "cell = 10\nhints = [3]", "hints[0]", "This must be text, not a number."),
@@ -283,8 +288,8 @@ BAD_VALUES = [
     ("x = 15", "x = nan", "robots[0].x", '"x" must be a finite number, not nan.'),
     ("x = 15", "x = -inf", "robots[0].x", '"x" must be a finite number, not -inf.'),
     ("cell = 10", "cell = -1" + "0" * 400, "cell", "too large; at most 1000000 is allowed."),
-    ("x = 15", "x = 40", "robots[0]", 'Robot "Ann" is outside the map.'),
-    ("y = 15", "y = -1", "robots[0]", 'Robot "Ann" is outside the map.'),
+    ("x = 15", "x = 40", "robots[0]", 'Robot "Ann" is outside the labyrinth.'),
+    ("y = 15", "y = -1", "robots[0]", 'Robot "Ann" is outside the labyrinth.'),
     ("y = 15", "y = 15\nage = 3", "robots[0].age", '"age" is not a known key.'),
     ("y = 15", "y = 15\nheading = 90\nangle = 3", "robots[0].angle", "say the same"),
     ("y = 15", 'y = 15\nheading = "up"', "robots[0].heading", "must be a number, not text."),
@@ -397,4 +402,4 @@ def test_a_level_without_a_map_tells_how_to_draw_one(tmp_path: Path) -> None:
 
 def test_an_empty_map_is_refused(tmp_path: Path) -> None:
     error = refusal(tmp_path, "title = 'A'\ncell = 10\nwalls = ''\n")
-    assert (place(error), error.message) == ("walls", "The first row of the map is empty.")
+    assert (place(error), error.message) == ("walls", "The first row of the drawing is empty.")

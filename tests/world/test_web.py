@@ -135,7 +135,11 @@ BAD_VALUES = [
     (small(width="3"), "width", '"width" must be a number, not text.'),
     (small(width=1.5), "width", '"width" must be a whole number, not 1.5.'),
     (small(height=0), "height", '"height" must be 1 or more, not 0.'),
-    (small(height=4001), "width", "The map is 3 x 4001 units; at most 4000 x 4000 is allowed."),
+    (
+        small(height=4001),
+        "width",
+        "The labyrinth is 3 x 4001 units; at most 4000 x 4000 is allowed.",
+    ),
     (small(walls=None), "walls", '"walls" must be text with one digit per cell, row after row.'),
     (small(walls=[1]), "walls", '"walls" must be text with one digit per cell, row after row.'),
     (small(robots=None), "robots", "The level has no robots."),

@@ -24,7 +24,7 @@ FindingKind = Literal[
     "no row",
     "bad engine",
     "notice",
-    "unknown text",
+    "unknown string",
     "unused",
     "same copy",
     "memory never written",

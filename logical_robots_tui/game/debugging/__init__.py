@@ -1,1 +1,1 @@
-"""Tools for finding mistakes: breakpoints, searches, questions and explanations."""
+"""Tools for finding mistakes: breakpoints, searches, queries and explanations."""

@@ -23,9 +23,9 @@ Event: TypeAlias = Literal[
 ]
 
 EVENTS: dict[Event, str] = {
-    "rows": "a predicate has rows, or a question holds",
-    "no rows": "a predicate no longer has rows, or a question no longer holds",
-    "change": "a predicate or the answer to a question changes",
+    "rows": "a predicate has rows, or a query holds",
+    "no rows": "a predicate no longer has rows, or a query no longer holds",
+    "change": "a predicate or the answer to a query changes",
     "enters": "a robot enters an area",
     "leaves": "a robot leaves an area",
     "blocked": "a robot is blocked by a wall",
@@ -140,7 +140,7 @@ def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -
         if program is None:
             return ""
         if not subject:
-            return "It needs the name of a predicate, or a question."
+            return "It needs the name of a predicate, or a query."
         if not breakpoint_.is_named:
             return ""
         predicate = program.predicate(subject)

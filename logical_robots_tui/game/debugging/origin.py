@@ -104,7 +104,7 @@ async def origin_in_game(
     """Trace a value at a tick, by default the current, of a game.
 
     Each tick is examined with the program that decided it. Raises QueryError, or Superseded if
-    the game switched to another course.
+    the game switched to another branch.
     """
     past = _PastOfGame(game, report)
     try:

@@ -21,7 +21,7 @@ from logical_robots_tui.mind.relations import alike
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.explainer import Explainer
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.course import Divergence
+    from logical_robots_tui.game.history.branch import Divergence
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind import Program
 
@@ -31,7 +31,7 @@ _DECISIONS = ("desire", "memory", "notices")
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Why a robot decides differently in two courses.
+    """Why a robot decides differently in two branches.
 
     `condition` holds on one side only, if another rule was chosen; None if unknown.
     """
@@ -44,7 +44,7 @@ class Comparison:
 async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | None:
     """Compare proofs for the first robot that decides differently; None if there is none.
 
-    The current course is "here". Cancelling the call ends the work. Raises NoSuchTickError,
+    The current branch is "here". Cancelling the call ends the work. Raises NoSuchTickError,
     QueryError if a decision can't be proved, or Superseded.
     """
     robot = next((d.robot_name for d in divergence.differences if d.matter in _DECISIONS), None)
@@ -52,8 +52,8 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
         return None
     history, tick = game.history, divergence.tick
     turns = history.turns
-    here = _Course(robot, *history.replay(tick), game.limits)
-    there = _Course(robot, *history.in_other(tick), game.limits)
+    here = _Branch(robot, *history.replay(tick), game.limits)
+    there = _Branch(robot, *history.in_other(tick), game.limits)
     programs = history.program_at(tick), history.program_in_other(tick)
     team = game.level.team_of(robot)
     mine, other = ((program or game.program).for_team(team) for program in programs)
@@ -72,8 +72,8 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
     return Comparison(robot, found, condition)
 
 
-class _Course:
-    """One of the two courses at the compared tick, with the thread that examines it."""
+class _Branch:
+    """One of the two branches at the compared tick, with the thread that examines it."""
 
     def __init__(self, robot: str, before: TickState, known: RecordedTick, limits: Limits) -> None:
         self._robot, self._before, self._known, self._limits = robot, before, known, limits

@@ -1,1 +1,1 @@
-"""What a game remembers: courses, marks and packed ticks."""
+"""What a game remembers: branches, marks and packed ticks."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import RecordedTick, Worlds, frame_of
 from logical_robots_tui.game.frame import Frame, NoSuchTickError
-from logical_robots_tui.game.history.course import Course, Divergence, find_divergence
+from logical_robots_tui.game.history.branch import Branch, Divergence, find_divergence
 from logical_robots_tui.game.history.marks import Marks
 from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.world import Level
@@ -23,9 +23,9 @@ _MOST_BYTES = 100_000_000
 
 
 class History:
-    """The last ticks of a game, and of the longest course that was abandoned.
+    """The last ticks of a game, and of the longest branch that was abandoned.
 
-    Beyond `most_bytes` the other course is dropped first, then the oldest ticks; `dropped` is
+    Beyond `most_bytes` the other branch is dropped first, then the oldest ticks; `dropped` is
     then the first tick left, otherwise 0.
     """
 
@@ -38,8 +38,8 @@ class History:
     ) -> None:
         self._length = length
         self._most_bytes = most_bytes
-        self._course = Course(start, level, length)
-        self._other: Course | None = None
+        self._branch = Branch(start, level, length)
+        self._other: Branch | None = None
         self.turns = 0
         self.dropped = 0
         self.divergence: Divergence | None = None
@@ -47,15 +47,15 @@ class History:
     @property
     def first(self) -> int:
         """The earliest tick that can be restored."""
-        return self._course.first
+        return self._branch.first
 
     @property
     def last(self) -> int:
-        return self._course.last
+        return self._branch.last
 
     @property
     def marks(self) -> Marks:
-        return self._course.marks
+        return self._branch.marks
 
     @property
     def other(self) -> range | None:
@@ -64,52 +64,52 @@ class History:
     @property
     def packed_bytes(self) -> int:
         """Bytes of all packs; the latest ticks are not packed."""
-        both = [*self._course.packs, *(self._other.packs if self._other is not None else ())]
+        both = [*self._branch.packs, *(self._other.packs if self._other is not None else ())]
         packs = sum(map(len, {id(pack): pack for pack in both}.values()))
-        return packs + self._course.levels.packed_bytes
+        return packs + self._branch.levels.packed_bytes
 
     @property
     def kept_bytes(self) -> int:
         other = self._other.loose_weight if self._other is not None else 0
-        return self.packed_bytes + self._course.loose_weight + other
+        return self.packed_bytes + self._branch.loose_weight + other
 
     def add(self, frame: Frame, program: Program) -> None:
-        """Store a finished tick; storing an earlier one again begins another course."""
+        """Store a finished tick; storing an earlier one again begins another branch."""
         if frame.tick <= self.last:
-            self._abandon(self._course.up_to(frame.tick - 1))
-        packed = self._course.add(frame, program)
+            self._abandon(self._branch.up_to(frame.tick - 1))
+        packed = self._branch.add(frame, program)
         self._look_for_divergence(frame.tick)
         if packed:  # and may have become too much
             if self.kept_bytes > self._most_bytes:
                 self._other = self.divergence = None
-            while self.kept_bytes > self._most_bytes and self._course.forget_pack():
-                self.dropped = self._course.first
+            while self.kept_bytes > self._most_bytes and self._branch.forget_pack():
+                self.dropped = self._branch.first
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue in another level from a tick, replaced by the frame; abandons later ticks."""
         tick = frame.tick
         if tick < self.last:
-            self._abandon(self._course.up_to(tick))
-        self._course.change_level(frame, level)
+            self._abandon(self._branch.up_to(tick))
+        self._branch.change_level(frame, level)
         self._look_for_divergence(tick)
 
     def begins_with(self, start: Frame, level: Level) -> bool:
         if self.first or level is not self.level_at(0):
             return False
-        return self._course.moment(0).after == start.after
+        return self._branch.moment(0).after == start.after
 
     def begin_anew(self, start: Frame, level: Level) -> None:
-        self._abandon(Course(start, level, self._length))
+        self._abandon(Branch(start, level, self._length))
 
     def forget_future(self, tick: int) -> None:
         if tick < self.last:
-            self._switch_to(self._course.up_to(tick))
+            self._switch_to(self._branch.up_to(tick))
 
-    def change_course(self) -> None:
-        """Switch to the other course and keep this one, or raise NoSuchTickError."""
+    def change_branch(self) -> None:
+        """Switch to the other branch and keep this one, or raise NoSuchTickError."""
         if self._other is None:
             raise NoSuchTickError("There is no other branch.")
-        self._course, self._other = self._other, self._course
+        self._branch, self._other = self._other, self._branch
         self.turns += 1
         self.divergence = self.divergence and self.divergence.reversed()
 
@@ -120,7 +120,7 @@ class History:
         """
         if tick + 1 != self.first:
             self._check(tick)
-        return self._course.memory(tick, robot)
+        return self._branch.memory(tick, robot)
 
     def _check(self, tick: int) -> None:
         if not self.first <= tick <= self.last:
@@ -129,33 +129,33 @@ class History:
             )
 
     def is_changed_up_to(self, tick: int) -> bool:
-        return self._course.levels.is_changed_up_to(tick)
+        return self._branch.levels.is_changed_up_to(tick)
 
     def is_reliable_up_to(self, tick: int) -> bool:
         """Return whether no time limit cut off a thought up to this tick."""
-        return self._course.is_reliable_up_to(tick)
+        return self._branch.is_reliable_up_to(tick)
 
     def is_blocked_up_to(self, tick: int) -> bool:
-        return self._course.is_blocked_up_to(tick)
+        return self._branch.is_blocked_up_to(tick)
 
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before a tick, and the tick, or raise NoSuchTickError."""
         self._check(tick)
-        return self._course.replay(tick)
+        return self._branch.replay(tick)
 
     def known_ahead(
-        self, tick: int, most: int, texts: Texts, *, is_course_wanted: bool
+        self, tick: int, most: int, texts: Texts, *, is_branch_wanted: bool
     ) -> list[RecordedTick]:
         """Return the stored next ticks that can be replayed under a program.
 
-        A course that ends with it counts as a whole, until the player asks for the other branch.
+        A branch that ends with it counts as a whole, until the player asks for the other branch.
         """
-        leads_here = is_course_wanted and self._is_by(texts, self.last)
+        leads_here = is_branch_wanted and self._is_by(texts, self.last)
         same = takewhile(
             lambda at: leads_here or (self._is_by(texts, at) and not self.is_changed_in(at)),
             range(tick + 1, min(tick + most, self.last) + 1),
         )
-        return [self._course.known(at) for at in same]
+        return [self._branch.known(at) for at in same]
 
     def _is_by(self, texts: Texts, tick: int) -> bool:
         program = self.program_at(tick)
@@ -163,14 +163,14 @@ class History:
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
         """Return the programs up to a tick, each with the first tick that it decided."""
-        return self._course.programs(tick)
+        return self._branch.programs(tick)
 
     def program_at(self, tick: int) -> Program | None:
         """Return the program that decided a tick; None at the start."""
-        return self._course.program_at(tick)
+        return self._branch.program_at(tick)
 
     def in_other(self, tick: int) -> tuple[TickState, RecordedTick]:
-        """Return the moment before and a tick of the other course, or raise NoSuchTickError."""
+        """Return the moment before and a tick of the other branch, or raise NoSuchTickError."""
         there = self._other
         if there is None or not there.first <= tick <= there.last:
             raise NoSuchTickError(f"The other branch does not hold tick {tick}.")
@@ -181,38 +181,38 @@ class History:
 
     def level_at(self, tick: int) -> Level:
         """Return the level from the end of a tick on."""
-        return self._course.levels.at(tick)
+        return self._branch.levels.at(tick)
 
     def is_changed_in(self, tick: int) -> bool:
         """Return whether the level was edited or a robot moved at the end of a tick."""
-        return self._course.levels.is_changed_in(tick)
+        return self._branch.levels.is_changed_in(tick)
 
     def driven(self, tick: int) -> float:
         """Return the map units that all robots together have driven up to a tick."""
         return self.replay(tick)[1].moment.driven
 
     def hits_at(self, tick: int) -> tuple[Hit, ...]:
-        return self._course.hits.get(tick, ())
+        return self._branch.hits.get(tick, ())
 
     def note_hits(self, tick: int, hits: tuple[Hit, ...]) -> None:
         if hits:
-            self._course.hits[tick] = hits
+            self._branch.hits[tick] = hits
             self.marks.note(tick, "breakpoint")
 
     def _look_for_divergence(self, tick: int) -> None:
         there = self._other
         if self.divergence is None and there is not None and there.first <= tick <= there.last:
-            self.divergence = find_divergence(self._course.moment(tick), there.moment(tick))
+            self.divergence = find_divergence(self._branch.moment(tick), there.moment(tick))
 
-    def _abandon(self, new: Course) -> None:
-        """Switch to a truncated copy of the current course, and keep the full one."""
-        left = self._course
+    def _abandon(self, new: Branch) -> None:
+        """Switch to a truncated copy of the current branch, and keep the full one."""
+        left = self._branch
         self._switch_to(new)
         if self._other is None or self._other.last <= left.last:
             self._other, self.divergence = left, None
 
-    def _switch_to(self, new: Course) -> None:
-        self._course = new
+    def _switch_to(self, new: Branch) -> None:
+        self._branch = new
         self.turns += 1
         if self.divergence is not None and self.divergence.tick > new.last:
             self.divergence = None

@@ -39,7 +39,7 @@ def compile_question(text: str, query: str) -> Question:
     bare = source.text.strip()
     if not bare:
         hint = "Type a predicate, such as Robot, or an expression."
-        raise ProgramError((Diagnostic(1, 1, "The question is empty", hint),))
+        raise ProgramError((Diagnostic(1, 1, "The query is empty", hint),))
     own = definitions(read_program(text)[1])
     before, after = "", ""
     gives: Gives = "rows"

@@ -1,4 +1,4 @@
-"""Scheduling of pictures, on a machine whose processors may be busy."""
+"""Scheduling of pictures, on a computer whose cores may be busy."""
 
 from __future__ import annotations
 

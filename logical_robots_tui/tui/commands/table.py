@@ -49,15 +49,15 @@ time.add("previous_mark", "Previous mark", "left_curly_bracket",
 time.add("next_mark", "Next mark", "right_curly_bracket",
     lambda s: s.timeline_controller.to_mark(1), "Go forward to the next event in the history.")
 time.add("search_ticks", "Search ticks…", "Q", lambda s: s.search.ask(),
-    "Ask any question in Logica, and go to the next tick in which it holds.", worker="seek")
+    "Type a query in Logica, and go to the next tick in which it holds.", worker="seek")
 time.add("next_match", "Next match", "semicolon", lambda s: s.search.go(1),
-    "Go to the next tick in which your last question holds.", worker="seek")
+    "Go to the next tick in which your last query holds.", worker="seek")
 time.add("previous_match", "Previous match", "colon", lambda s: s.search.go(-1),
-    "Go to the previous tick in which your last question holds.", worker="seek")
+    "Go to the previous tick in which your last query holds.", worker="seek")
 time.add("breakpoints", "Breakpoints", "B", lambda s: s.timeline_controller.breakpoints(),
-    "List, add, switch off or delete breakpoints: events and questions that end a run.",
+    "List, add, switch off or delete breakpoints: events and queries that end a run.",
     also="stop debug")
-time.add("other_branch", "Other branch", "F", lambda s: s.timeline_controller.change_course(),
+time.add("other_branch", "Other branch", "F", lambda s: s.timeline_controller.change_branch(),
     "Switch to the branch that was left when the program changed, and to its program.",
     also="branch")
 time.add("compare", "Compare branches", "C", lambda s: s.timeline_controller.compare(),
@@ -80,7 +80,7 @@ programs.add("definition", "Go to the definition", "ctrl+right_square_bracket f1
     general.definition, "Go to the definition of the predicate under the cursor.",
     bar="Definition", place="editor", spare=7)
 programs.add("find", "Find and replace", "ctrl+f ctrl+o", lambda s: s.program_controller.find(),
-    "Find a text in the program, or replace it everywhere.",
+    "Find text in the program, or replace it everywhere.",
     bar="Find", place="editor", spare=5, worker="dialog", also="search")
 programs.add("find_next", "Find next", "f3", lambda s: s.program_controller.find_next(),
     "Go to the next match.")
@@ -222,7 +222,7 @@ view.add("why", "Why", "w", lambda s: s.inspector.why(),
     "Prove what the robot did at this tick, or why a predicate has its rows, as a tree.", bar="Why",
     also="explain proof")
 view.add("ask", "Ask", "slash", lambda s: s.inspector.ask(),
-    "Ask any question in Logica about this tick.", bar="Ask", spare=4, also="query question")
+    "Answer a query in Logica about this tick.", bar="Ask", spare=4, also="query question")
 view.add("watch", "Watch", "V", lambda s: s.inspector.go_to("watch"),
     "Show what is pinned: its value at this tick and in the ticks around it.")
 view.add("diagnose", "Diagnosis", "", lambda s: s.inspector.go_to("diagnosis"),
@@ -272,7 +272,7 @@ view.add("drawing", "Drawing style", "d", general.drawing,
 
 inspecting: Group[MainScreen] = Group("Rows and values")
 inspecting.add("pin", "Pin or unpin", "at", lambda s: s.inspector.pin(),
-    "Watch the value under the cursor, a predicate, a question, or a robot's memory.")
+    "Watch the value under the cursor, a predicate, a query, or a robot's memory.")
 inspecting.add("open_value", "Open the value", "X", lambda s: s.inspector.open_value(),
     "Show the value under the cursor, or the inputs of a decision, as a tree.")
 inspecting.add("origin", "Origin", "less_than_sign", lambda s: s.inspector.origin(),
@@ -292,7 +292,7 @@ inspecting.add("only_robot", "Rows of one robot", "O",
 inspecting.add("sort", "Sort rows", "A", rows.of_table(lambda _, table: table.sort()),
     "Sort by the column under the cursor: ascending, then descending, then not at all.")
 inspecting.add("search_rows", "Search rows…", "number_sign", rows.search_rows,
-    "Show only the rows that contain a text.", worker="dialog")
+    "Show only the rows that contain a string.", worker="dialog")
 inspecting.add("transpose", "Transpose the table", "J",
     rows.of_table(lambda _, table: table.transpose()),
     "Show each column as a line, or as a column again.")
@@ -301,7 +301,7 @@ inspecting.add("copy_rows", "Copy rows", "c", rows.copy_rows,
 inspecting.add("save_rows", "Save rows", "S", rows.save_rows, "Save the rows as CSV and as JSON.",
     also="export csv json")
 inspecting.add("break_here", "Break here", "asterisk", rows.break_here,
-    "Set a breakpoint: this predicate or column changes, or the question holds.")
+    "Set a breakpoint: this predicate or column changes, or the query holds.")
 
 others: Group[MainScreen] = Group("General")
 others.add("help", "Help", "question_mark f1", general.help_,

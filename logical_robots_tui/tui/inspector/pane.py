@@ -43,7 +43,7 @@ _ROOMY = 150  # columns of the inspector from which a page and the robot stand s
 _OF_PREDICATES = next(entry.id for entry in PAGES if entry.scope == "predicate")
 
 _NO_PIN = (
-    "Choose a predicate, ask a question, or put the cursor on a value of it in a row that another "
+    "Choose a predicate, type a query, or put the cursor on a value of it in a row that another "
     "column tells from the rest; then pin it."
 )
 _NOT_TRACED = (

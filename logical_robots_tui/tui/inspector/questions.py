@@ -74,7 +74,7 @@ class Questions:
         return self.chosen if self.chosen in names else names[0]
 
     @property
-    def course(self) -> tuple[Game, int] | None:
+    def branch(self) -> tuple[Game, int] | None:
         """Equal as long as the ticks of the history are not replaced by others."""
         game = self.session.game
         return None if game is None else (game, game.history.turns)

@@ -37,7 +37,7 @@ class Mark(NamedTuple):
 
 
 def mark_of(mistake: Diagnostic, line: str) -> Mark:
-    """Return the place of a mistake: its excerpt if it is there, or else a word or a character."""
+    """Return the place of an error: its excerpt if it is there, or else a word or a character."""
     start = min(mistake.column - 1, max(len(line) - 1, 0))
     if mistake.excerpt and line.startswith(mistake.excerpt, start):
         length = len(mistake.excerpt)

@@ -179,7 +179,7 @@ class ProgramPane(Pane):
         )
 
     def go_to_mistake(self) -> None:
-        """Move to the next mistake, after the last one to the first."""
+        """Move to the next error, after the last one to the first."""
         places = sorted((each.line - 1, each.column - 1) for each in self._mistakes.values())
         here = self.editor.cursor_location
         if places:

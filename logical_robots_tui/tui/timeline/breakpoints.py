@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.session import Session
 
 
-_READING = "Reading the question…"
+_READING = "Checking the query…"
 
 
 def _check(
     dialog: Dialog[Any], program: Program | None, query: str, good: Callable[[], object]
 ) -> None:
-    """Compile a question in the background; call `good` if it is valid, or show its mistake."""
+    """Compile a query in the background; call `good` if it is valid, or show its error."""
     if program is None:
         good()
         return
@@ -61,7 +61,7 @@ def _forget(dialog: Dialog[Any]) -> None:
 
 
 class QuestionPrompt(Prompt[str]):
-    """Asks for a question, and returns it if it is valid."""
+    """Asks for a query, and returns it if it is valid."""
 
     DEFAULT_CSS = "QuestionPrompt > #box { max-width: 76; }"
 
@@ -185,9 +185,9 @@ class BreakpointList(Dialog[None]):
 
 
 _SUBJECTS: dict[Event, str] = {
-    "rows": "predicate or question",
-    "no rows": "predicate or question",
-    "change": "predicate or question",
+    "rows": "predicate or query",
+    "no rows": "predicate or query",
+    "change": "predicate or query",
     "enters": "area, or nothing for any",
     "leaves": "area, or nothing for any",
     "loses sight": "of what, or nothing for anything",

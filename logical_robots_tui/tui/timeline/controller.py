@@ -62,7 +62,7 @@ class TimelineController(SessionListener):
         else:
             what = "Nothing happened after" if steps > 0 else "Nothing happened before"
             hint = "" if robot else " Select a robot to find changes of its memory, too."
-            self._ui.tell(f"{what} tick {tick}, as far as is known.{hint}")
+            self._ui.tell(f"{what} tick {tick} in the ticks kept so far.{hint}")
 
     async def ask_for_tick(self) -> None:
         history = self._history
@@ -100,9 +100,9 @@ class TimelineController(SessionListener):
 
         return await self._ui.ask(TickPrompt(title, self._session.frame.tick, problem))
 
-    def change_course(self) -> None:
+    def change_branch(self) -> None:
         try:
-            self._session.change_course()
+            self._session.change_branch()
         except NoSuchTickError:
             self._say_there_is_none()
             return
@@ -221,7 +221,7 @@ class Search:
         here = "It holds here. " if sought.holds_here else ""
         words = f"{here}No {'other ' * bool(here)}tick {side} {tick} is known in which it holds"
         trouble = f" It failed in some: {one_line(sought.problem)}" if sought.problem else ""
-        more = with_keys(" {search_ticks} asks for another question.")
+        more = with_keys(" {search_ticks} asks for another query.")
         self._ui.tell(f"{words}: {question}.{trouble or more}")
 
     def _about(self, game: Game | None) -> object:

@@ -22,7 +22,7 @@ from logical_robots_tui.wording import clip, one_line, visible
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Difference, Divergence, Game
-    from logical_robots_tui.game.history.course import Matter
+    from logical_robots_tui.game.history.branch import Matter
 
 _LONGEST = 600  # characters of a value
 _LONGEST_TEXT = 160  # of a piece of a program

@@ -151,7 +151,7 @@ class Fields(NamedTuple):
     def check_size(self, key: str, width: int, height: int) -> None:
         if max(width, height) > MOST_SIDE:
             limit = f"at most {MOST_SIDE} x {MOST_SIDE} is allowed"
-            raise self.error(key, f"The map is {width} x {height} units; {limit}.")
+            raise self.error(key, f"The labyrinth is {width} x {height} units; {limit}.")
 
     def _text(self, key: str, default: str | None) -> str:
         if not self.has(key) and default is not None:

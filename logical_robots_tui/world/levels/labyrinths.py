@@ -41,7 +41,7 @@ def empty_room(width: int, height: int, *, wall: int = 10) -> Level:
     _check_size(width, height)
     room = min(width, height) - 2 * wall
     if room < _LEAST_CORRIDOR:
-        message = f"A room of {width} x {height} units has no room for a robot inside its walls."
+        message = f"A robot does not fit between the walls of a room of {width} x {height} units."
         raise LevelError(message)
     walls = np.ones((height, width), np.bool_)
     walls[wall:-wall, wall:-wall] = False
@@ -152,7 +152,9 @@ def _check_wall(wall: int) -> None:
 def _check_size(width: int, height: int) -> None:
     if max(width, height) > MOST_SIDE:
         limit = f"{MOST_SIDE} x {MOST_SIDE}"
-        raise LevelError(f"The map would be {width} x {height} units; at most {limit} is allowed.")
+        raise LevelError(
+            f"The labyrinth would be {width} x {height} units; at most {limit} is allowed."
+        )
 
 
 def _level(

@@ -48,7 +48,7 @@ _LONG_NUMBER = re.compile(r"[:\[,]\s*+-?\d{10000}")
 def read_web(text: str, name: str, source: str) -> Level:
     """Read a level of the web platform, as leniently as that where it makes sense.
 
-    Visibility is ``all`` for both, as there. Robots may be outside the map, and areas may name
+    Visibility is ``all`` for both, as there. Robots may be outside, and areas may name
     unknown robots and beacons. Raises LevelError.
     """
     top = Fields(_parse(text, source), source)

@@ -125,10 +125,10 @@ class Oddity:
 
 def oddities(level: Level) -> Iterator[Oddity]:
     """Yield what only a lenient level may contain: robots outside, and unknown references."""
-    size = f"The map is {level.width} x {level.height} units."
+    size = f"The labyrinth is {level.width} x {level.height} units."
     for i, robot in enumerate(level.robots):
         if not (0 <= robot.x < level.width and 0 <= robot.y < level.height):
-            yield Oddity("robots", i, "", f'Robot "{robot.name}" is outside the map.', size)
+            yield Oddity("robots", i, "", f'Robot "{robot.name}" is outside the labyrinth.', size)
     robots = dict.fromkeys(robot.name for robot in level.robots)
     beacons = dict.fromkeys(beacon.name for beacon in level.beacons)
     for i, area in enumerate(level.areas):
@@ -329,16 +329,16 @@ def read_drawing(top: Fields, text: str) -> _Bits:
     cell = top.whole("cell", least=1)
     drawing = top.record.get("walls")
     if not isinstance(drawing, str):
-        raise top.error("walls", '"walls" must be text that draws the map.', _DRAW)
+        raise top.error("walls", '"walls" must be a drawing of the labyrinth.', _DRAW)
     number = drawing.removesuffix("\n").count("\n") + 1
     if number > MOST_SIDE:
-        message = f"The map has {number} rows; at most {MOST_SIDE} are allowed."
+        message = f"The drawing has {number} rows; at most {MOST_SIDE} are allowed."
         raise top.error("walls", message)
     lines = drawing.removesuffix("\n").split("\n")
     rows = [_row(line) for line in lines]
     columns = rows[0].columns if rows[0] else 0
     if rows[0] and not columns:
-        raise top.error("walls", "The first row of the map is empty.", _DRAW)
+        raise top.error("walls", "The first row of the drawing is empty.", _DRAW)
     times = [row.times if row else 1 for row in rows]
     top.check_size("walls", columns * cell, sum(times) * cell)
     start = find_drawing(drawing, text)

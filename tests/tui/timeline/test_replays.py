@@ -1,4 +1,4 @@
-"""Replays on the screen: saved from the timeline, and opened as a course of their own."""
+"""Replays on the screen: saved from the timeline, and opened as a branch of their own."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ class OriginPage(Page):
     def __init__(self, entry: PageEntry, questions: Questions) -> None:
         super().__init__(entry, questions, LinksView(self))
         self.asked: Traced | None = None
-        self._course: tuple[Game, int] | None = None
+        self._branch: tuple[Game, int] | None = None
         self._at = 0
         self._came_from = "", 0
 
@@ -93,28 +93,28 @@ class OriginPage(Page):
         """Trace a value; escape returns to the page or predicate that the player came from."""
         if came_from != self.entry.id:
             self._came_from = came_from, self._session.frame.tick
-        self.asked, self._course = asked, self._questions.course
+        self.asked, self._branch = asked, self._questions.branch
         name = one_line(subject_name(asked.robot, asked.subject))
         when = "after" if is_memory(asked.subject) else "in"
         self.caption(Content.assemble((name, INK.title), f" {when} tick {asked.tick} comes from"))
         self._say_instead("")
-        in_background(self, partial(self._answer, asked, self._course), "origin", exclusive=True)
+        in_background(self, partial(self._answer, asked, self._branch), "origin", exclusive=True)
 
     async def show(self, frame: Frame) -> None:
         """Show a note if the traced ticks were abandoned for others."""
         self.head(frame.tick)
-        if self._course is not None and self._course != self._questions.course:
-            self._course = None
+        if self._branch is not None and self._branch != self._questions.branch:
+            self._branch = None
             self.workers.cancel_group(self, "origin")
             self._say_instead(with_keys(_STALE))
 
-    async def _answer(self, asked: Traced, course: tuple[Game, int] | None) -> None:
-        if course is None:
+    async def _answer(self, asked: Traced, branch: tuple[Game, int] | None) -> None:
+        if branch is None:
             return
         self._at = asked.tick
         origin = await self.answer(
             lambda *_: origin_in_game(
-                course[0], asked.robot, asked.subject, asked.tick, self._reached
+                branch[0], asked.robot, asked.subject, asked.tick, self._reached
             ),
             lambda: f"at tick {self._at}, {count_of(asked.tick - self._at, 'tick')} back",
             self._say_instead,
@@ -122,7 +122,7 @@ class OriginPage(Page):
         if origin is not None:
             self.say("")
             self.view.show(origin)
-        elif course != self._questions.course:
+        elif branch != self._questions.branch:
             await self.show(self._session.frame)
 
     def _reached(self, tick: int) -> None:
@@ -138,9 +138,9 @@ class OriginPage(Page):
 
     def point_at(self, link: Link) -> None:
         """Show in the program what has set a value."""
-        source, course = link.source, self._course
+        source, branch = link.source, self._branch
         span = (source.span or source.rule) if source is not None else None
-        program = course[0].history.program_at(link.tick) if course is not None else None
+        program = branch[0].history.program_at(link.tick) if branch is not None else None
         if span is not None and program is not None:
             part = program.for_team(self._session.level.team_of(link.robot))
             self.post_message(Placed(part.text, (span.start, span.stop)))

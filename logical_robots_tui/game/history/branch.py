@@ -1,4 +1,4 @@
-"""A course: one history of a game, tick after tick, with its levels."""
+"""A branch: one history of a game, tick after tick, with its levels."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A difference between the current course (`here`) and the other one for one robot.
+    """A difference between the current branch (`here`) and the other one for one robot.
 
     A ``position`` includes heading and engines.
     """
@@ -42,7 +42,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """The first tick in which two courses differ; decisions first, in file order."""
+    """The first tick in which two branches differ; decisions first, in file order."""
 
     tick: int
     differences: tuple[Difference, ...]
@@ -96,8 +96,8 @@ _HEAVY = 12_000_000  # bytes of objects in a pack, unless a single moment has mo
 _begin_of = attrgetter("first")
 
 
-class Course:
-    """The last ticks of a history, without gaps; diverging courses share immutable packs."""
+class Branch:
+    """The last ticks of a history, without gaps; diverging branches share immutable packs."""
 
     def __init__(self, frame: Frame, level: Level, length: int) -> None:
         self.marks = Marks(frame.after)
@@ -201,8 +201,8 @@ class Course:
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         return self.moment(max(tick - 1, 0)), self.known(tick)
 
-    def up_to(self, tick: int) -> Course:
-        copy = Course.__new__(Course)
+    def up_to(self, tick: int) -> Branch:
+        copy = Branch.__new__(Branch)
         copy.marks = self.marks.copy(tick)
         copy.levels = self.levels.up_to(tick)
         copy.hits = {at: hits for at, hits in self.hits.items() if at <= tick}
@@ -268,7 +268,7 @@ _NO_WALLS = np.zeros((0, 0), np.bool_)
 
 
 class Levels:
-    """The levels of one course; all but the latest have packed walls."""
+    """The levels of one branch; all but the latest have packed walls."""
 
     def __init__(self, tick: int, level: Level) -> None:
         self._ticks = [tick]

@@ -58,12 +58,12 @@ async def test_another_program_begins_another_future_and_the_old_one_is_kept(
         ("Ada", "position"),
         ("Bo", "position"),
     ]
-    assert hall_game.change_course() == old[9]
+    assert hall_game.change_branch() == old[9]
     assert hall_game.program.text == COUNTER
     assert [hall_game.frame_at(t) for t in range(21)] == old
     await hall_game.run_until(tick=25)
     assert hall_game.history.other == range(10)
-    assert hall_game.change_course() == new[9]
+    assert hall_game.change_branch() == new[9]
     assert hall_game.program.text == BACKWARDS
     assert (await hall_game.step()).after.robots[0].x < new[9].after.robots[0].x
 
@@ -128,9 +128,9 @@ async def test_restarting_beyond_history_begins_anew(tmp_path: Path) -> None:
     await short.close()
 
 
-async def test_there_is_no_other_course_to_go_over_to_before_one_was_left(hall_game: Game) -> None:
+async def test_there_is_no_other_branch_to_go_over_to_before_one_was_left(hall_game: Game) -> None:
     with pytest.raises(NoSuchTickError, match="no other branch"):
-        hall_game.change_course()
+        hall_game.change_branch()
 
 
 async def test_what_happened_is_marked_in_its_tick(hall_game: Game) -> None:
