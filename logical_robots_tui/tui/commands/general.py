@@ -157,7 +157,9 @@ def _save_picture(screen: MainScreen) -> None:
     strips = rendered_lines(screen.app.screen)[: screen.app.size.height]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, screen.app.export_screenshot())
+        # Without it some drawers, librsvg among them, drop the spaces at the ends of a piece.
+        svg = screen.app.export_screenshot().replace("<svg ", '<svg xml:space="preserve" ', 1)
+        write_atomically(path, svg)
         text = "".join(f"{strip.text.rstrip()}\n" for strip in strips)
         write_atomically(path.with_suffix(".txt"), text)
     except OSError as error:

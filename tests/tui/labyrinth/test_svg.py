@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+from xml.etree import ElementTree
 
 from tests.tui.conftest import STILL, opened
 
@@ -28,7 +29,9 @@ async def test_a_screenshot_is_a_picture_and_a_text_without_the_palette(data_dir
         assert "LOGICAL ROBOTS" in text.read_text("utf-8")
         assert "Find a command" not in text.read_text("utf-8")
         (picture,) = folder.glob("*.svg")
-        assert picture.read_text("utf-8").startswith("<svg")
+        svg = ElementTree.fromstring(picture.read_text("utf-8"))
+        assert svg.tag.endswith("}svg")
+        assert svg.attrib["{http://www.w3.org/XML/1998/namespace}space"] == "preserve"
 
 
 async def test_a_screenshot_that_can_not_be_saved_says_why(data_dir: Path) -> None:
