@@ -178,6 +178,7 @@ def arity(name: str) -> tuple[int, float]:
     elif not count and name in _QL.BUILT_IN_FUNCTIONS:
         count = 2 if name in _TWO_ARGUMENTS else 1
     least, most = _QL.BULK_FUNCTIONS_ARITY_RANGE.get(name, (0, math.inf))
+    least = {"Coalesce": 2, "Greatest": 1, "Least": 1}.get(name, least)  # as SQLite wants
     return (count, count) if count else (least, most)
 
 
