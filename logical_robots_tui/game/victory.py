@@ -162,11 +162,10 @@ def result_line(level: Level, measures: Measures) -> str:
 
 
 def brief(bests: Bests | Measures, width: int = 100) -> str:
+    """Return results in one line; the distance is left out where the line is too narrow."""
     if bests.ticks is None or bests.size is None or bests.distance is None:
         return ""
-    parts = [count_of(bests.ticks, "tick"), f"size {bests.size}"]
-    parts.append(f"{bests.distance:.0f} driven")
-    if bests.wins is not None:
-        parts.append(f"{bests.wins}/{bests.starts}")
-    told = (gap.join(parts) for gap in (" · ", "  "))
-    return next((each for each in told if len(each) <= width), " ".join(parts))
+    size = [count_of(bests.ticks, "tick"), f"size {bests.size}"]
+    wins = [] if bests.wins is None else [f"{bests.wins}/{bests.starts}"]
+    told = " · ".join([*size, f"{bests.distance:,.0f} units", *wins])
+    return told if len(told) <= width else " · ".join([*size, *wins])

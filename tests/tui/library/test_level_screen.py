@@ -87,7 +87,7 @@ async def test_cards_tell_the_state_and_the_bests(data_dir: Path) -> None:
         await game.until(lambda: game.shows(f"1 of {len(COURSE)} won"))
         for words in ("★ won", "◐ started", "○ new", "not won yet"):
             await game.sees(words)
-        await game.sees("1,255 ticks size 1 973 driven 19/20")
+        await game.sees("1,255 ticks · size 1 · 19/20")
 
 
 async def test_arenas_are_the_last_ones_and_name_the_teams(data_dir: Path) -> None:
