@@ -49,11 +49,11 @@ class Crowd:
         The sixth level is in the middle of the game, and its robots never come to rest under the
         program that it begins with.
         """
-        for shown in ("skips the tour", "applied"):
+        for shown in ("skip the tour", "applied"):
             self.everybody_sees(shown, patience=180)
         self._type("\x1b")
         self.wait_for(
-            lambda: not any("skips the tour" in t.text for t in self._terminals), patience=60
+            lambda: not any("skip the tour" in t.text for t in self._terminals), patience=60
         )
         to_the_sixth = 5 * "\x1b[C" + "\r"
         for keys, shown in (("l", "started"), (to_the_sixth, "linseed"), (" ", "RUNNING")):

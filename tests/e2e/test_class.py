@@ -97,10 +97,10 @@ def school(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> It
 def test_each_player_has_the_game_and_a_folder_by_the_name_of_their_key(school: School) -> None:
     with school.seat(NAMES[0]) as ada, school.seat(NAMES[1], "-o", "SendEnv=LOGICAL_*") as ben:
         for terminal in (ada, ben):
-            terminal.wait_for("skips the tour")
+            terminal.wait_for("skip the tour")
             terminal.wait_for("· applied")
         ada.send("\x1b")
-        ada.wait_for(lambda: "skips the tour" not in ada.text)
+        ada.wait_for(lambda: "skip the tour" not in ada.text)
         ada.send("E")
         ada.wait_for("disabled here")
     assert {NAMES[0], NAMES[1]} <= {folder.name for folder in school.players.iterdir()}
@@ -256,7 +256,7 @@ def test_behind_the_second_wall_the_game_plays_and_keeps_what_is_typed(
     with walled(folder, play) as server, School(server, tmp_path).seat(NAMES[0]) as terminal:
         terminal.wait_for("· applied")
         terminal.send("\x1b")
-        terminal.wait_for(lambda: "skips the tour" not in terminal.text)
+        terminal.wait_for(lambda: "skip the tour" not in terminal.text)
         terminal.send("n")
         terminal.wait_for("tick 1 ")
         terminal.send("q")

@@ -55,9 +55,9 @@ def leave_editor(player: Player) -> None:
 
 
 def skip_the_tour(player: Player) -> None:
-    player.tmux.wait_for("skips the tour", "· applied")
+    player.tmux.wait_for("skip the tour", "· applied")
     player.tmux.press("Escape")
-    player.tmux.wait_until(lambda screen: "skips the tour" not in screen, "no tour")
+    player.tmux.wait_until(lambda screen: "skip the tour" not in screen, "no tour")
 
 
 @pytest.mark.slow
@@ -75,14 +75,14 @@ def test_the_tour_is_shown_at_the_first_start_and_never_again(
         kill(player)
         start_anew(player)
         player.tmux.press("n")
-        assert "skips the tour" not in player.wait_for_tick(1)
+        assert "skip the tour" not in player.wait_for_tick(1)
 
 
 @pytest.mark.slow
 def test_who_names_a_level_is_not_shown_round(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("n")
-    assert "skips the tour" not in player.wait_for_tick(1)
+    assert "skip the tour" not in player.wait_for_tick(1)
 
 
 @pytest.mark.slow
@@ -110,7 +110,7 @@ def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     player.tmux.type("++++++")
     player.tmux.wait_for("flat out")
     player.tmux.press("Space")
-    won = tick_on(player.tmux.wait_for("WON", "your bests", "reference"))
+    won = tick_on(player.tmux.wait_for("WON", "your best", "reference"))
     until(lambda: record_of(player).record(FIRST.name).bests.ticks == won)
     kill(player)
     start_anew(player)

@@ -147,7 +147,7 @@ def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
 
 @lru_cache(256)
 def _entry(entry: Command, width: int) -> Content:
-    keys = _keys(entry) if entry.keys else Content.styled(entry.key_name, INK.key)
+    keys = _keys(entry) if entry.keys else Content.styled("palette", INK.dim)
     head = Content("  ").append(keys)
     indent = 3 + _KEYS_WIDTH
     head = head.append(" " * max(indent - head.cell_length, 1))

@@ -272,7 +272,7 @@ view.add("drawing", "Drawing style", "d", general.drawing,
 
 inspecting: Group[MainScreen] = Group("Rows and values")
 inspecting.add("pin", "Pin or unpin", "at", lambda s: s.inspector.pin(),
-    "Watch the value under the cursor, a predicate, a query, or a robot's memory.")
+    "Pin the value under the cursor, a predicate, a query, or a robot's memory, to watch it.")
 inspecting.add("open_value", "Open the value", "X", lambda s: s.inspector.open_value(),
     "Show the value under the cursor, or the inputs of a decision, as a tree.")
 inspecting.add("origin", "Origin", "less_than_sign", lambda s: s.inspector.origin(),

@@ -42,12 +42,12 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
     if recorder.latest is not None and not recorder.is_reference:
         label = "from start" if recorder.is_mixed else "this run"
         rows.append(_latest(label, recorder.latest, recorder.former, recorder.trial))
-    rows.append(_row("your bests", _numbers(bests), INK.text))
+    rows.append(_row("your best", _numbers(bests), INK.text))
     if references:
         rows.append(_row("reference", _numbers(next(iter(references))), INK.dim))
     rows += scale_lines(references, bests)
     if recorder.trial is not None:
-        told = f"trial of varied starts: {recorder.trial.tried} so far …"
+        told = f"varied starts tried: {recorder.trial.tried} …"
         rows.append(Content.styled(f"{told:^{_LABEL + sum(_WIDTHS)}}", INK.dim))
     width = max(row.cell_length for row in rows)
     return [row.pad_right(width - row.cell_length) for row in rows]
@@ -57,8 +57,8 @@ _SCALE = 21
 _MINE, _REFERENCE, _NEW, _REACHED, OPEN = "●", "┼", "▲", "✓", "☐"
 _LEGEND = {
     _NEW: "new best",
-    _REACHED: "goal reached",
-    OPEN: "goal open",
+    _REACHED: "reached",
+    OPEN: "not reached",
     _MINE: "your best",
     _REFERENCE: "reference",
 }
@@ -85,7 +85,7 @@ def _scale(title: str, known: list[int], mine: int | None) -> Content:
     for place in range(_SCALE):
         line = line.append(_ink(marks.get(place, "─")))
     for value in values:
-        line = line.append(_ink(f"  {value}{_MINE * (value == mine)}"))
+        line = line.append(_ink(f"  {value:,}{_MINE * (value == mine)}"))
     return line
 
 
@@ -136,13 +136,13 @@ def _row(label: str, cells: tuple[str, ...], style: str) -> Content:
 
 
 def _numbers(found: Bests | Measures) -> tuple[str, str, str, str]:
-    distance = "·" if found.distance is None else f"{found.distance:.0f}"
+    distance = "·" if found.distance is None else f"{found.distance:,.0f}"
     wins = "·" if found.wins is None else f"{found.wins} of {found.starts}"
     return _number(found.ticks), _number(found.size), distance, wins
 
 
 def _number(value: int | None) -> str:
-    return "·" if value is None else str(value)
+    return "·" if value is None else f"{value:,}"
 
 
 STORY_WIDTH = 58

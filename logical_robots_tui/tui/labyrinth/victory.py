@@ -147,7 +147,7 @@ class VictoryAnnouncer(SessionListener):
             return
         if victory.refusal:
             self._ui.tell(victory.refusal)
-        who = "You are there" if len(victory.level.robots) == 1 else "Everybody is there"
+        who = "You made it" if len(victory.level.robots) == 1 else "Everyone made it"
         said = f"★ {clip(who, 50)} — {count_of(victory.tick, 'tick')} ★"
         answers = [("restart", "Again"), ("leave", "Stay")]
         if self._is_test():

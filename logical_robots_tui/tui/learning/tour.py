@@ -30,7 +30,7 @@ STOPS = (
     Stop(
         "map",
         "The map",
-        "Your robots from above, and the light that they sense by. "
+        "Your robots from above, and the rays that they sense with. "
         "Bring them into the green area. The briefing explains the task.",
     ),
     Stop(
@@ -48,7 +48,7 @@ STOPS = (
     Stop(
         "commands",
         "The commands",
-        "{run} lets the robots run, {restart} starts again, {hint} gives a hint. "
+        "{run} runs the robots, {restart} restarts, {hint} gives a hint. "
         "{help} shows all keys, and you can click everything. Good luck!",
     ),
 )
@@ -108,9 +108,9 @@ class Tour(Static, can_focus=True):
             Content.assemble(
                 (f"{with_keys(stop.text)}\n", INK.text),
                 ("enter ", f"bold {INK.key}"),
-                ("begins   " if last else "goes on   ", INK.dim),
+                ("start   " if last else "next   ", INK.dim),
                 ("esc ", f"bold {INK.key}"),
-                ("skips the tour", INK.dim),
+                ("skip the tour", INK.dim),
             )
         )
         self._moved()

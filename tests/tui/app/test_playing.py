@@ -149,17 +149,17 @@ async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir:
         await game.until(lambda: "needs all: R ✓ P ✓ Q ✓" in game.status)
         assert "WON" in game.status
         await game.sees("Again")
-        await game.sees("Everybody is there")
+        await game.sees("Everyone made it")
         await game.sees(f"{game.session.won_at} ticks")
         await game.press("escape")
-        await game.until(lambda: not game.shows("Everybody is there"))
+        await game.until(lambda: not game.shows("Everyone made it"))
         await game.press("p", "n")
         await game.until(lambda: game.session.won_at is not None)
-        await game.sees_no("Everybody is there")
+        await game.sees_no("Everyone made it")
         await game.press("r")
         await game.until(lambda: game.tick == 0)
         await game.press("space")
-        await game.sees("Everybody is there")
+        await game.sees("Everyone made it")
 
 
 @pytest.mark.usefixtures("trials")
@@ -175,7 +175,7 @@ async def test_the_buttons_of_a_victory_can_be_clicked(data_dir: Path) -> None:
         row = next(row for row, line in enumerate(lines) if "Again" in line and "Stay" in line)
         await game.click(offset=(lines[row].index("Again") + 1, row))
         await game.until(lambda: game.tick == 0)
-        await game.sees_no("Everybody is there")
+        await game.sees_no("Everyone made it")
 
 
 async def test_a_run_never_lays_the_screen_out_anew(data_dir: Path) -> None:
@@ -227,8 +227,8 @@ async def test_victory_takes_no_key_from_somebody_who_types(data_dir: Path) -> N
         await game.until(lambda: game.session.won_at is not None)
         await game.press("greater_than_sign", "space")
         await game.until(lambda: game.editor.text.startswith("r> "))
-        assert not game.shows("Everybody is there")
-        await game.sees("Everybody is there")
+        assert not game.shows("Everyone made it")
+        await game.sees("Everyone made it")
         await game.press("r", "greater_than_sign", "enter")  # too early to be an answer
         await game.sees("Again")
         assert game.session.won_at is not None

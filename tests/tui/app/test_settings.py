@@ -74,7 +74,7 @@ async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
         await game.until(lambda: len(game.app.screen_stack) == 2)
         shown = game.app.screen.query_one("#help", LinesView)
         await game.until(lambda: "%            Step" in shown.plain)
-        assert "^P           Restart" in shown.plain
+        assert "palette      Restart" in shown.plain
         await game.press("escape", "tilde")
         await game.until(lambda: game.editor.has_focus)
 

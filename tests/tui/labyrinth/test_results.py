@@ -75,14 +75,14 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
     async with opened(data_dir, level=Path(level.source), size=size) as game:
         await game.until(lambda: game.main.recorder.record.state == "won")
         await game.press("1", "m")
-        told = [f"✓ {goal.words}", f"☐ {other.words}", "1500●", "1300●", "● your best"]
+        told = [f"✓ {goal.words}", f"☐ {other.words}", "1,500●", "1,300●", "● your best"]
         told += [f"  {each.ticks}" for each in references_for(level).values()]
         for words in told:
             await game.until(partial(game.shows, words))
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
         await game.press("m", "l")
         await game.until(lambda: isinstance(game.app.screen, LevelScreen))
-        for words in ("1500●", f"✓ {goal.words}"):
+        for words in ("1,500●", f"✓ {goal.words}"):
             await game.until(partial(game.shows, words))
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
 
@@ -121,4 +121,4 @@ async def test_what_is_measured_before_the_results_are_mounted_is_shown(
         assert results.is_active
         results.follow()
         await game.sees("Again")
-        await game.sees("your bests")
+        await game.sees("your best")

@@ -199,7 +199,7 @@ async def test_the_trials_can_be_stopped(
         game.main.action_command("stop_measuring")
         await game.sees("No robustness test is running.")
         await win(game)
-        await game.sees("trial of varied starts: ")
+        await game.sees("varied starts tried: ")
         game.main.action_command("stop_measuring")
         await game.until(lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"

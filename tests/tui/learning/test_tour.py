@@ -37,7 +37,7 @@ async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: tuple[in
             tour = game.main.query_one(Tour)
             assert game.main.region.contains_region(tour.region)
             assert game.main.query_one(f"#{stop.place}").region.area
-            assert game.shows("skips the tour")
+            assert game.shows("skip the tour")
             await game.press("enter")
         await game.until(lambda: not is_shown(game))
         assert game.main.focused is game.main.labyrinth

@@ -94,10 +94,10 @@ def test_all_keys_work_in_gnu_screen(tmp_path: Path) -> None:
     game = [sys.executable, "-m", "logical_robots_tui", "play", "--data-dir", tmp_path]
     try:
         with Terminal(["screen", "-U", "-m", "-S", "game", *game], env=env) as terminal:
-            terminal.wait_for("skips the tour")
+            terminal.wait_for("skip the tour")
             terminal.wait_for("· applied")
             terminal.send("\x1b")
-            terminal.wait_for(lambda: "skips the tour" not in terminal.text)
+            terminal.wait_for(lambda: "skip the tour" not in terminal.text)
             for key, shown in (("n", "tick 1 "), ("n", "tick 2 "), ("p", "tick 1 ")):
                 terminal.send(key)
                 terminal.wait_for(shown)

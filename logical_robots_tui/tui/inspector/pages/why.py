@@ -203,7 +203,7 @@ class WhyPage(Page):
         anew = not question.is_like(self._shown)
         self._shown = question
         tick = question.frame.tick
-        self.head(tick, "" if tick or self._session.game is None else "no decision yet")
+        self.head(tick, "" if tick or self._session.game is None else "what it will decide")
         self._name_way(question)
         self.view.show(roots, rest, anew=anew, has_way_back=len(question.steps) > 1)
 
