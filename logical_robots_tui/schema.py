@@ -113,9 +113,9 @@ RAY = Record(
     "A ray of the radar",
     (
         Field("angle", Type.REAL, "where it points", f"{_ANGLE} (left) to -{_ANGLE}", "radians"),
-        Field("distance", Type.WHOLE, "how far away what it hit is", _DISTANCE, "map units"),
-        Field("object", Type.TEXT, "what it hit", _OBJECT),
-        Field("label", Type.TEXT, "which one it hit", _LABEL),
+        Field("distance", Type.WHOLE, "length of the ray", _DISTANCE, "map units"),
+        Field("object", Type.TEXT, "kind of thing it hits", _OBJECT),
+        Field("label", Type.TEXT, "name of that thing", _LABEL),
     ),
 )
 
@@ -125,8 +125,8 @@ SELF = Record(
     (
         Field("can_charge", Type.TRUTH, "whether the robot charges others"),
         Field("has_battery", Type.TRUTH, "whether the engines need charge"),
-        Field("battery_level", Type.REAL, "charge that is left", "0 or more"),
-        Field("battery_capacity", Type.REAL, "charge at most", "0 or more"),
+        Field("battery_level", Type.REAL, "remaining charge", "0 or more"),
+        Field("battery_capacity", Type.REAL, "full charge", "0 or more"),
     ),
 )
 
@@ -134,9 +134,15 @@ SENSOR = Record(
     "sensor",
     "A sensor",
     (
-        Field("forward_distance", Type.WHOLE, "how far the way ahead is", _DISTANCE, "map units"),
-        Field("forward_object", Type.TEXT, "what is straight ahead", _OBJECT),
-        Field("forward_label", Type.TEXT, "which one is straight ahead", _LABEL),
+        Field(
+            "forward_distance",
+            Type.WHOLE,
+            "distance to the nearest thing straight ahead",
+            _DISTANCE,
+            "map units",
+        ),
+        Field("forward_object", Type.TEXT, "kind of that thing", _OBJECT),
+        Field("forward_label", Type.TEXT, "name of that thing", _LABEL),
         Field("radar", ListOf("The radar", RAY), f"{RADAR_RAYS} rays from left to right"),
         Field("self", SELF, "the robot's own battery"),
         Field("clock", Type.WHOLE, "number of the tick", "1 or more"),

@@ -42,7 +42,7 @@ _PLAIN_SCREEN = (
     "\x1b[?1049l\x1b[0m\x1b[?7h\x1b[?25h"  # the shell's screen, colours, wrapping and cursor
 )
 _FAULTS = {"SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT", "SIGTRAP", "SIGSYS"}
-_KEPT = "What you typed is kept. Start the game again to go on."
+_KEPT = "Unsaved text is kept. Start the game again to go on."
 
 
 def main() -> int:

@@ -177,7 +177,7 @@ LEVELS = option("levels", "LEVEL", "a level's name or file", nargs="+")
 START = option(
     "--start",
     "N",
-    "a varied start by its number, as laboratory and robustness try it (default: 0, the given one)",
+    "begin from this varied start (default: 0, the given start)",
     dest="start_number",
     type=number_from(0),
     default=0,

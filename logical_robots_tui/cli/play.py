@@ -59,7 +59,9 @@ def _player(text: str) -> str:
         type=_day,
         const="today",
     ),
-    command.option("--size", None, "of the labyrinth of the day", choices=SIZES, default=SIZES[1]),
+    command.option(
+        "--size", None, "the size of the labyrinth of the day", choices=SIZES, default=SIZES[1]
+    ),
     command.START,
     command.flag(
         "--plain",

@@ -210,8 +210,8 @@ def diagnose(options: argparse.Namespace) -> int:
       logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
       logical-robots diagnose 01-first-steps first-steps --json | jq .findings
 
-    Warnings come first. A note may well be intended. Ctrl+C ends the search, and
-    what was found by then is printed.
+    Warnings come first. A note may well be intended. Ctrl+C stops the scan and
+    prints the findings so far.
 
     exit status: 0 no warnings, 1 warnings, 2 bad level or program
     """
@@ -283,9 +283,8 @@ def _finding_lines(each: Finding) -> Iterator[str]:
     head = f"{each.severity}, {line}, tick {each.tick}: "
     said = harmless(f"{each.message} {each.hint}")
     yield from textwrap.wrap(f"{head}{said}", _width(), subsequent_indent="  ")
-    if each.others:
-        lines = ", ".join(dict.fromkeys(str(span.line) for span in each.others))
-        yield f"  See also line{'s' if ',' in lines else ''} {lines}."
+    if each.see_also:
+        yield f"  {each.see_also}"
 
 
 def _diagnosis(found: Diagnosis) -> dict[str, Any]:
@@ -294,7 +293,7 @@ def _diagnosis(found: Diagnosis) -> dict[str, Any]:
         "last": found.last,
         "won_at": found.won_at,
         "looked_at_every": found.step,
-        "looked_for_what_never_happened_every": found.second_step,
+        "second_step": found.second_step,
         "left_out": found.left_out,
         "reliable": found.is_reliable,
         "examined": found.examined,

@@ -41,7 +41,7 @@ _REPLAY = command.option("replay", "FILE", "a replay", type=Path)
     "replay record",
     command.LEVEL,
     command.programs(),
-    command.option("-o --output", "FILE", "to write", type=Path, required=True),
+    command.option("-o --output", "FILE", "the file to write", type=Path, required=True),
     command.number("--ticks", command.number_from(1), DEFAULT_TICKS, "end after this many ticks"),
     command.START,
     command.flag("--no-programs", "leave the text of the program out"),

@@ -334,8 +334,8 @@ def origin(options: argparse.Namespace) -> int:
     A value in a memory, as it is after the tick, comes from the tick of its last
     change; any other value of a predicate is made in the tick itself. The chain
     goes on with what it was made from, through rules, earlier ticks and the
-    memories of other robots, to rays, sensor fields, facts or the start. What only
-    passes a value on is left out.
+    memories of other robots, to rays, sensor fields, facts or the start. Steps that
+    only pass a value on are left out.
 
     exit status: 0 found, 2 bad level, program, robot or value
     """

@@ -269,7 +269,7 @@ def _of_notices(
             stops = [stop for rule in rules if (stop := tally.stopped(rule)) is not None]
             places = [tally.checkup.sites[stop].span for stop in stops]
             span, others = _split([*places, *rules.values()])
-            hint = "No rule covers this case; each fails somewhere."
+            hint = "No rule of Robot holds here. Ask why to see where each one fails."
             yield Finding("no row", "warning", span, tick, first, hint, others, robot)
         else:
             hint = "Go to that tick and ask why."
@@ -452,7 +452,7 @@ _MOVEMENTS = {
     ),
     "blocked": (
         "was blocked",
-        "It pushes against a wall; does it turn soon enough, and to the right side?",
+        "It pushes against a wall. Which rule should turn it away?",
     ),
     "still": ("stood still", "No rule makes it move. Which rule should?"),
     "unfinished": ("was still on its way", "Check whether it should move like this here."),

@@ -156,10 +156,10 @@ def difference(found: Table, right: Table) -> str:
     if not lacking and not more:
         return ""
     if lacking == wanted.total():
-        rows = ("it gives no rows", "its only row is wrong", f"all its {len(keys)} rows are wrong")
-        return f"{rows[min(len(keys), 2)]}; {_are(lacking)} asked for."
+        rows = ("it gives no rows", "your only row is wrong", f"all its {len(keys)} rows are wrong")
+        return f"{rows[min(len(keys), 2)]}; {_are(lacking)} expected."
     if not lacking and extra.keys() <= wanted.keys():
-        return f"the rows are right, but {_are(more)} there again: make them distinct."
+        return f"the rows are right, but {_are(more)} repeated: add distinct."
     odd = next((row for row, key in zip(found.rows, given, strict=True) if key in extra), ())
     example = clip(f"({', '.join(spell(value, is_rounded=True) for value in odd)})", _WIDEST_ROW)
     too_many = f"{_are(more)} too many, such as {example}"

@@ -416,7 +416,7 @@ def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator
     for name in names:
         meant = closest(name, missing, cutoff)
         if meant and name not in _ENGINES:
-            message = f"There is no engine {name}; this would be ignored"
+            message = f"There is no engine called {name}; this would be ignored"
             yield diagnostic_for(text, name, message, f"Did you mean {meant}?")
 
 
@@ -426,7 +426,7 @@ def _missing(robot: str, column: str, others: list[str], text: str) -> Diagnosti
         message = f"Robot has no {column}"
         return diagnostic_for(text, close, message, f"Write {column} instead of {close}.")
     if column == "memory":
-        message = "Robot has no memory; it will never change"
+        message = "Robot sets no memory, so memory never changes"
         hint = 'Add memory: with a value to remember, or memory: "".'
         return diagnostic_for(text, robot, message, hint, "warning")
     hint = "Its columns are robot_name:, desire: and memory:."

@@ -51,7 +51,7 @@ _HEADS = "Heads aggregate like this: P(x, best? Max= v)."
 _TO_THE_END = "Move it to the end."
 _LOWER = "Use lower case letters and '_'."
 _COPY = "Write New := Old(Used: Other); a rule has ':-', and a value '='."
-_START = "Add a rule of it that does not mention itself."
+_START = "Add a rule for it that does not use it."
 _ELEMENT = "An element of a list is Element(list, 0), Element(list, 1) ..."
 _PREDICATE = re.compile(r"[A-Z]\w*")
 _FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
@@ -73,7 +73,7 @@ def explain(
     """Return the diagnostic for an exception raised within a statement (its start and end)."""
     start, end = within or rule_of(error, source)
     if isinstance(error, RecursionError) or isinstance((error.args or (None,))[0], RecursionError):
-        hint = "Give parts of it names of their own."
+        hint = "Split it into named parts."
         return diagnostic_at(source.original, start, 0, "The program is nested too deeply", hint)
     if names := unbound_variables(error):
         return _without_value(names, source, start, end)
@@ -237,7 +237,7 @@ _PLAIN = (
     (r"^Could not create record", "A whole row can't be used as a value",
      "Name the columns that you need."),
     (r"^Built-in function (\S+) takes", r"\1 has the wrong number of arguments",
-     "The list of functions says what it takes."),
+     "See `logical-robots help NAME`."),
     (r"^Unsupported supposedly built-in function: (\S+)", r"\1 can't be used as a function",
      "Give it a value with '=', or use it as a condition."),
     (r"^Expected field (\S+) missing in a record", r"Not all branches of this 'if' have \1",

@@ -228,7 +228,7 @@ class _Finder:
                 (i for each in values if (i := infix_of(each)) and i.operator == "="), None
             )
             if infix is not None:
-                message = "'=' in a branch must hold whichever branch is chosen"
+                message = "This '=' applies even when another branch is chosen"
                 name = tree.variable_of(infix.left) or "x"
                 hint = f"Give a name to all of it: {name} = (if a < b then c else d)."
         elif isinstance(node, tree.Aggregate) and node.body is None:
@@ -294,7 +294,7 @@ def _own_negations(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
             if call.name == rule.name or rule.name in below.get(call.name, ()):
                 message = f"{rule.name} depends on its own negation, ~{call.name}"
                 hint = (
-                    "A row that exists only while it is missing never settles. "
+                    "Its rows would exist only while they are missing. "
                     f"Negate only predicates that don't depend on {rule.name}."
                 )
                 yield diagnostic_for(text, call.name, message, hint, "warning")

@@ -172,7 +172,7 @@ def _wrong_call(
     allowed = {*signature.named, tree.REST, VALUE, *(f"col{i}" for i in range(signature.count))}
     if positional > signature.count:
         hint = "Compare with the rule that defines it." if signature.count else _shape(signature)
-        message = f"{name} takes {_arguments(signature.count)}, here {_are(positional)}"
+        message = f"{name} takes {_arguments(signature.count)}; {_are(positional)}"
         if not signature.count and signature.named:
             message = f"The columns of {name} have names"
         yield diagnostic_for(text, name, message, hint)
@@ -193,7 +193,7 @@ def _left_out(call: tree.Call | tree.Atom, signature: Signature, text: str) -> I
     missing = any(not {place, f"col{place}"} & given for place in signature.required)
     if missing and tree.REST not in given:
         here = sum(isinstance(field, int) for field in given)
-        message = f"{call.name} takes {_arguments(signature.count)}, here {_are(here)}"
+        message = f"{call.name} takes {_arguments(signature.count)}; {_are(here)}"
         yield diagnostic_for(text, call.name, message, "Add the missing arguments.")
 
 
@@ -222,7 +222,7 @@ def _wrong_built_in(call: tree.Call | tree.Atom, text: str) -> Iterator[Diagnost
             takes = f"at least {takes}"
         elif most > least:
             takes = f"{least} to {most:.0f} arguments"
-        message = f"{name} takes {takes}, here {_are(len(given))}"
+        message = f"{name} takes {takes}; {_are(len(given))}"
         yield diagnostic_for(text, name, message, "See `logical-robots help " + name + "`.")
 
 
@@ -231,4 +231,4 @@ def _arguments(count: float) -> str:
 
 
 def _are(count: int) -> str:
-    return "is 1" if count == 1 else f"are {count or 'none'}"
+    return f"{count or 'none'} {'are' if count > 1 else 'is'} given"

@@ -177,7 +177,7 @@ class _Brackets:
             self.report(at, len(token), message, f"Add {quote} at its end.")
         for found in _ESCAPE.finditer(token) if quote == "'" else ():
             if _character(found.group()) is None:
-                message = f"{found.group()} stands for no character that a string can hold"
+                message = f"{found.group()} is not a valid escape sequence"
                 hint = r"Write \\ for a backslash, or put the text in double quotes."
                 self.report(at + found.start(), len(found.group()), message, hint)
 
@@ -189,7 +189,7 @@ class _Brackets:
         elif sign not in _CLOSES:
             self._opened.append((sign, at))
             if len(self._opened) > _DEEPEST:
-                hint = "Give parts of it names of their own."
+                hint = "Split it into named parts."
                 self._complain(at, "Brackets are nested too deeply here", hint)
         elif self._opened and self._opened[-1][0] == _CLOSES[sign]:
             self._opened.pop()

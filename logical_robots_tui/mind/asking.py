@@ -331,11 +331,11 @@ _WORDS = (
     (r"user-defined: '?utf", "a string holds half of a character, as Chr(55296) makes it"),
     (
         r"user-defined",
-        "a function was given a value that it can't use, such as text instead of a list",
+        "a function was given a value that it can't use, such as a string instead of a list",
     ),
     (
         r"parser stack overflow|too many levels|too large|tree is too|too many terms",
-        "an expression is nested too deeply; give parts of it names of their own",
+        "an expression is nested too deeply; split it into named parts",
     ),
     (
         r"too many references|tables in a join",

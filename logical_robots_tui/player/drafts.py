@@ -399,7 +399,7 @@ def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *flushes: Callable[[]
 
 async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) -> None:
     question = (
-        f"What you changed in “{clip(one_line(draft.name), 40)}” is not saved and can't be "
+        f"Your changes to “{clip(one_line(draft.name), 40)}” are not saved and can't be "
         f"kept for next time: {error.strerror or error}."
     )
     answers = [("stay", "Stay"), ("leave", "Leave without it")]

@@ -188,7 +188,7 @@ class Player:
             state=lambda: UnsavedText(session.source, program.text, level_key(session.level)),
             draft=program_draft,
             failed=ui.warn,
-            what="What you type",
+            what="Unsaved text",
         )
         library = self.library = Library(
             session, ui, recorder, drafts, autosave, program, opening.data_dir

@@ -107,10 +107,10 @@ class OtherGames:
         if not others:
             return
         since = f"{others[0].astimezone():%H:%M, %d %B}"
-        are, them = "another game open", "it"
+        are, them = "Another game has been open", "it"
         if len(others) > 1:
-            are, them = f"{len(others)} other games open, one", "them"
-        question = f"You have {are} since {since}. End {them}? What you typed there is kept."
+            are, them = f"{len(others)} other games are open, one of them", "them"
+        question = f"{are} since {since}. End {them}? Unsaved text there is kept."
         answers = [("no", "No, leave it open"), ("yes", "Yes, end it")]
         if await offers.ask("Another game", question, answers) != "yes":
             return
@@ -119,7 +119,7 @@ class OtherGames:
             await asyncio.sleep(_LOOK_SECONDS)
             if not await asyncio.to_thread(self._games.others):
                 return
-        self._ui.warn("It has not ended yet; what you typed there is offered the next time.")
+        self._ui.warn("It has not ended yet. Unsaved text there is offered the next time.")
 
 
 @dataclass(frozen=True, slots=True)

@@ -120,7 +120,7 @@ def test_a_name_that_a_level_lacks_is_told_with_that_level_only(
 def test_a_warning_is_told_but_the_program_is_fine(command: Command, tmp_path: Path) -> None:
     told = command("check", written(tmp_path, "doubtful.l", DOUBTFUL))
     assert told.status == 0
-    assert ":1:1: warning: Robot has no memory" in told.out
+    assert ":1:1: warning: Robot sets no memory" in told.out
 
 
 def test_several_programs_are_checked_and_one_mistake_is_enough(

@@ -60,7 +60,7 @@ def test_answers_are_kept_and_their_questions_marked(
     mine = ("--data-dir", tmp_path)
     told = typed("", WRONG, "Way(200);", RIGHT, options=mine).out
     assert f"> {WRONG}\n      ^\n" in told
-    assert "col0\n200\nAt tick 0 its only row is wrong; 1 row is asked for.\n" in told
+    assert "col0\n200\nAt tick 0 your only row is wrong; 1 row is expected.\n" in told
     assert "Right at ticks 0 and 5.\n\n1 of 2 answered.\n" in told
     assert "Question 2 of 2, answered: How far?" in typed("", options=mine).out
     progress = Progress(tmp_path / FILE_NAME)
@@ -73,9 +73,9 @@ def test_answers_are_kept_and_their_questions_marked(
     [
         (RIGHT, 0, "Right at ticks 0 and 5."),
         ("sensor.forward_distance", 0, "Right at ticks 0 and 5."),
-        ("Way(43);", 1, "Right at tick 0, but at tick 5 its only row is wrong; 1 row is asked"),
+        ("Way(43);", 1, "Right at tick 0, but at tick 5 your only row is wrong; 1 row is expected"),
         ("Robot", 1, "At tick 0 its rows have 3 columns instead of 1."),
-        (RIGHT + ", 1 > 2", 1, "At tick 0 it gives no rows; 1 row is asked for."),
+        (RIGHT + ", 1 > 2", 1, "At tick 0 it gives no rows; 1 row is expected."),
     ],
 )
 def test_a_script_gets_a_verdict(
@@ -95,7 +95,7 @@ def test_only_a_few_rows_of_many_are_printed(typed: Callable[..., Told]) -> None
     assert len(lines) == 15
     assert lines[-2:] == [
         "...",
-        "At tick 0 all its 31 rows are wrong; 1 row is asked for.",
+        "At tick 0 all its 31 rows are wrong; 1 row is expected.",
     ]
 
 

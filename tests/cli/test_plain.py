@@ -240,7 +240,7 @@ def test_a_player_answers_the_questions_of_a_lesson_in_lines(
         "answer 1 sensor.forward_distance",
     )
     first, _, rest = told.out.partition("Question 1 of 1: How far?\n")
-    assert "Right at tick 0, but at tick 5 its only row is wrong; 1 row is asked for." in first
+    assert "Right at tick 0, but at tick 5 your only row is wrong; 1 row is expected." in first
     assert "A rule with one case.\nQuestions: 0 of 1 answered. Type answer for a list.\n" in first
     assert "\nsenso\n^^^^^\n" in first
     assert rest.startswith("At ticks 0 and 5 of first-steps-starter, in the rows of all robots.\n")

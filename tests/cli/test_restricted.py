@@ -329,7 +329,7 @@ def test_a_player_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None
         hung.send("2hello")
         hung.wait_for("hello")
         second = later.enter_context(Terminal(game(tmp_path, "02-open-space")))
-        second.wait_for("You have another game open since")
+        second.wait_for("Another game has been open since")
         second.wait_for("Yes, end it")
         second.send("y")
         assert hung.finish() == 0

@@ -92,7 +92,7 @@ def test_a_stuck_game_is_ended_and_says_so(tmp_path: Path, how: str) -> None:
         assert terminal.finish() == 70
         assert settings(terminal) == before
         assert is_put_back(terminal)
-        assert "The game was stuck and was ended. What you typed is kept." in terminal.everything
+        assert "The game was stuck and was ended. Unsaved text is kept." in terminal.everything
     assert texts(tmp_path) == ["hello"]
 
 

@@ -147,7 +147,7 @@ def _claims(node: Node) -> Iterator[str | None]:
 def wrong_aggregates(node: Node) -> Iterator[str]:
     """What is false about the elements of aggregates that are told of a rule."""
     for _, inner in node.walk():
-        if len(inner.values) == 1 and any(c.text.startswith("goes over") for c in inner.children):
+        if len(inner.values) == 1 and any(c.text.startswith("aggregates") for c in inner.children):
             yield from _wrong_aggregate(inner)
 
 
@@ -155,7 +155,7 @@ def _wrong_aggregate(node: Node) -> Iterator[str]:
     """What is false about the elements of an aggregate."""
     value: Any = node.values[0]
     elements = [n.values[0] for _, n in node.walk() if n.kind == "contributor"]
-    note = next((n for n in node.children if n.kind == "note" and "goes over" in n.text), None)
+    note = next((n for n in node.children if n.kind == "note" and "aggregates" in n.text), None)
     if node.said.endswith("of this rule"):
         return
     if not elements or note is None:

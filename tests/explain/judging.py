@@ -151,7 +151,7 @@ class _Judge:
             here = [] if is_anyhow else [c for c in known if bound.issuperset(names(c))]
             said = f"said to fail: {failing}, after {steps} for {here}"
             yield Claim((*steps, *here, failing), made, False, said)
-            if node.kind == "denial" and node.said == "there is such a thing":
+            if node.kind == "denial" and node.said == "there is a match":
                 there = _step(node).lstrip("~ ")
                 claims = [c for n in node.children for c in claims_of(n, itself=True)]
                 said = f"said to be there: {there} with {claims}"
@@ -209,7 +209,7 @@ class _Judge:
                 yield self._element(each, aggregate, fixed, made)
                 if aggregate.operator in _DECIDED and is_all and each.values[0] is not None:
                     yield from self._best(each, aggregate, fixed, made)
-            elif each.kind == "note" and "goes over nothing" in each.text:
+            elif each.kind == "note" and "aggregates no rows" in each.text:
                 said = f"{aggregate} goes over something"
                 yield Claim((*fixed, aggregate.body), made, False, said)
             elif each.kind == "note":

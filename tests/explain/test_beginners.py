@@ -138,13 +138,13 @@ MISTAKES = [
     Mistake(
         "m = Min{r.distance :- r in sensor.radar, r.distance < 9} + 1",
         "",
-        ("is null (It goes over nothing; Coalesce(Min{r.distance :- ",),
+        ("is null (It aggregates no rows; Coalesce(Min{r.distance :- ",),
     ),
     Mistake(
         "m = 2 * Near(sensor.radar)",
         "",
-        ("`Near(sensor.radar)` is null (`Min{r.distance :- r in radar, r.distance < 9}` goes over "
-         "nothing; Coalesce(Near(sensor.radar), 0) would be 0 then)",),
+        ("`Near(sensor.radar)` is null (`Min{r.distance :- r in radar, r.distance < 9}` aggregates "
+         "no rows; Coalesce(Near(sensor.radar), 0) would be 0 then)",),
         "Near(radar) = Min{r.distance :- r in radar, r.distance < 9};",
     ),
     Mistake("m = Sum{d}, r in sensor.radar, d = r.distance", "3:7 no body ... Sum{d :- ...}."),
@@ -157,7 +157,7 @@ MISTAKES = [
     Mistake("m = ArgMin{r.angle, r.distance :- r in sensor.radar}", "3:14 a pair: x -> y."),
     Mistake("P(1, n: m)", "1:1 `distinct` ... distinct :-", (),
             "P(x, n? += 1) :- x in [1];"),
-    Mistake("m = Sum{1 :- Seen(kind)}", "", ("m = Sum{1 :- Seen(kind)} = 31", "goes over 31 rows"),
+    Mistake("m = Sum{1 :- Seen(kind)}", "", ("m = Sum{1 :- Seen(kind)} = 31", "aggregates 31 rows"),
             'Seen(r.object) :- Sensor(sensor:), r in sensor.radar;'),
     Mistake("m = 1, Near(9)", "3:10 always holds ... Near(9) == true.", (), "Near(x) = x < 5;"),
     Mistake("m = Count(sensor.radar)", "3:7 a single value ... braces and a body"),

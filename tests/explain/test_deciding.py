@@ -65,7 +65,7 @@ def deciding(text: str, name: str) -> tuple[object, list[Node]]:
     assert proof.explanation.row is not None
     assert proof.explanation.row["x"] == row_asked[0]
     nodes = [each for node in proof.nodes for each in below(node, "contributor")]
-    return row_asked[0], [each for each in nodes if each.said.startswith(("decides", "is the"))]
+    return row_asked[0], [each for each in nodes if each.said.startswith(("chosen", "is the"))]
 
 
 @pytest.mark.parametrize("examples", [8, pytest.param(100, marks=pytest.mark.slow)])

@@ -81,7 +81,7 @@ CASES = {
     ),
     "a text for a truth": Case(
         'Near(robot_name:) :- Memory(robot_name:, memory:), memory.flag == "true";',
-        'Change `"true"` to `true` in line 1: `memory.flag` is a truth value and no text.',
+        'Change `"true"` to `true` in line 1: `memory.flag` is a Boolean, not a string.',
         "true",
     ),
     "another field": Case(

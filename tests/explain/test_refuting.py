@@ -76,7 +76,7 @@ def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
     (rule,) = why(text, "P", given={"x": 1, "z": 1}).rules
     call, column = rule.node.children
     assert (call.text, call.holds) == ("Item(x:, y:)", True)
-    assert (column.text, column.said, column.values) == ("z: y + 1", "came out", (3,))
+    assert (column.text, column.said, column.values) == ("z: y + 1", "actual value", (3,))
     assert rule.stopped_by is column
 
 
@@ -91,7 +91,7 @@ def test_what_a_function_in_a_column_came_out_as_can_be_asked() -> None:
     text = f"F(a) = a + 1; {ITEMS} P(x:, z: F(x)) :- Item(x:);{REST}"
     (rule,) = why(text, "P", given={"x": 1, "z": 1}).rules
     assert rule.stopped_by is not None
-    assert (rule.stopped_by.said, rule.stopped_by.values) == ("came out", (2,))
+    assert (rule.stopped_by.said, rule.stopped_by.values) == ("actual value", (2,))
     assert rule.stopped_by.asked is not None
     assert rule.stopped_by.asked.given == {"col0": 1, "logica_value": 2}
 
@@ -105,9 +105,9 @@ def test_conditions_are_told_before_columns() -> None:
 
 def test_a_fact_tells_which_of_its_columns_is_another() -> None:
     near, other = why(f"{ITEMS}{REST}", "Item", given={"x": 1, "y": 7}).rules
-    assert [(n.text, n.said, n.values) for n in near.node.children] == [("y", "came out", (2,))]
+    assert [(n.text, n.said, n.values) for n in near.node.children] == [("y", "actual value", (2,))]
     assert near.node.said == "gives no row"
-    assert other.node.said == "is about something else"
+    assert other.node.said == "does not apply to these values"
 
 
 def test_a_failed_call_shows_all_it_was_asked_for_nearest_first() -> None:
@@ -197,7 +197,7 @@ def test_what_is_not_in_a_list_is_told_with_the_list() -> None:
 def test_a_row_that_a_rule_gives_is_not_said_to_fail_where_it_was_cut_off() -> None:
     limited = f'Num(x: 1); Num(x: 2); @OrderBy(Num, "x"); @Limit(Num, 1);{REST}'
     first, second = why(limited, "Num", given={"x": 2}).rules
-    assert first.node.said == "is about something else"
+    assert first.node.said == "does not apply to these values"
     assert (second.node.said, second.node.holds) == (
         "gives this row, but it was left out, as by @Limit",
         None,

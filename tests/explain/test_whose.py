@@ -50,7 +50,7 @@ def test_both_of_memory_and_sensor_are_named() -> None:
 
 def test_the_one_that_decides_is_told_with_its_robot() -> None:
     rules = "Tot(s) :- s == Max{m.at :- Memory(robot_name: o, memory: m)};"
-    assert whose(rules) == [(5, "Cy's memory; decides, of 3 rows")]
+    assert whose(rules) == [(5, "Cy's memory; chosen from 3 rows")]
 
 
 def test_of_its_own_sensor_nothing_is_said() -> None:

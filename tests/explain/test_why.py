@@ -98,7 +98,7 @@ def test_a_rule_about_another_robot_says_so() -> None:
     """
     mine, other = why(text, rows=[row("Ada"), row("Bo")]).rules
     assert mine.rows == 1
-    assert (other.rows, other.node.said) == (0, "is about something else")
+    assert (other.rows, other.node.said) == (0, "does not apply to these values")
     assert [(n.text, n.values) for n in other.node.children][:1] == [("robot_name", ("Bo",))]
 
 
@@ -115,7 +115,7 @@ def test_negation_tells_what_there_is_that_must_not_be() -> None:
     (rule,) = why(text, "None_").rules
     stopped = rule.stopped_by
     assert stopped is not None
-    assert (stopped.kind, stopped.said) == ("denial", "there is such a thing")
+    assert (stopped.kind, stopped.said) == ("denial", "there is a match")
     assert texts(stopped.children) == ["Seen(x)", "x >= y"]
     assert find(stopped, "x").values == (2,)
 
@@ -136,7 +136,7 @@ def test_negation_is_told_for_the_row_that_is_there() -> None:
     assert found.row == {"x": 4}
     (rule,) = found.rules
     assert find(rule.node, "x").values == (4,)
-    assert find(rule.node, "~").said == "there is no such thing"
+    assert find(rule.node, "~").said == "no match"
     assert find(rule.node, "y > x").holds is False
 
 
@@ -173,7 +173,7 @@ def test_an_aggregate_over_nothing_tells_why() -> None:
     (rule,) = why(text, "Near").rules
     aggregate = find(rule.node, "d ==")
     assert aggregate.values == (None,)
-    assert find(aggregate, "goes over nothing").children[-1].text == 'r.object == "wall"'
+    assert find(aggregate, "aggregates no rows").children[-1].text == 'r.object == "wall"'
     assert rule.stopped_by is not None
     assert rule.stopped_by.text == "d < 50"
 
@@ -182,7 +182,7 @@ def test_the_element_that_decides_a_minimum_is_told() -> None:
     text = f"Low(d) :- d == Min{{x :- x in [3, 1, 2], x > 0}};{REST}"
     (rule,) = why(text, "Low").rules
     (decides,) = below(rule.node, "contributor")
-    assert (decides.values, decides.said) == ((1,), "decides, of 3 rows")
+    assert (decides.values, decides.said) == ((1,), "chosen from 3 rows")
 
 
 def test_an_aggregate_in_a_head_is_told_as_it_came_out() -> None:
@@ -200,7 +200,7 @@ def test_what_did_not_come_out_of_an_aggregate_is_denied(given: int) -> None:
     assert (found.rows, found.row) == (0, None)
     stopped = found.rules[0].stopped_by
     assert stopped is not None
-    assert (stopped.said, stopped.values) == ("came out", (1,))
+    assert (stopped.said, stopped.values) == ("actual value", (1,))
 
 
 def test_a_row_that_is_the_same_twice_counts_once_where_rows_are_distinct() -> None:
@@ -350,10 +350,10 @@ def test_a_predicate_that_fails_says_so() -> None:
 @pytest.mark.parametrize(
     ("condition", "said"),
     [
-        ("kind == 12", 'text "12" is not the number 12'),
-        ("Wanted(kind)", 'text "12" is not the number 12'),
+        ("kind == 12", 'string "12" is not the number 12'),
+        ("Wanted(kind)", 'string "12" is not the number 12'),
         ("kind == 13", "no match"),
-        ('word == true, kind == "12"', 'text "true" is not true'),
+        ('word == true, kind == "12"', 'string "true" is not true'),
         ("word == [1]", "no match"),
     ],
 )

@@ -75,7 +75,7 @@ MISTAKES = {
         f"A(robot_name:) :- Sensor(robot_name:), ~Far(robot_name:);\n"
         f'Robot(robot_name:, {ENGINES}, memory: "") :- A(robot_name:);',
         ("no rows", 2),
-        "`sensor.clock > 9000` never held in the 12 cases it was asked, first at tick 1; "
+        "`sensor.clock > 9000` never held in the 12 cases evaluated, first at tick 1; "
         "at best sensor.clock was 8994 too little",
     ),
     "a branch that was never taken": (
@@ -83,14 +83,14 @@ MISTAKES = {
         "Robot(robot_name:, desire: {left_engine: Go(sensor.forward_distance), right_engine: 0},\n"
         '  memory: "") :- Sensor(robot_name:, sensor:);',
         ("never true", 1),
-        "`d < 0` never held in the 12 cases it was asked, first at tick 1; at best d was",
+        "`d < 0` never held in the 12 cases evaluated, first at tick 1; at best d was",
     ),
     "a text that nothing has": (
         'Go(sensor) = (if sensor.forward_object == "Wall" then 0 else 0.1);\n'
         "Robot(robot_name:, desire: {left_engine: Go(sensor), right_engine: 0},\n"
         '  memory: "") :- Sensor(robot_name:, sensor:);',
         ("never true", 1),
-        '`sensor.forward_object == "Wall"` never held in the 12 cases it was asked',
+        '`sensor.forward_object == "Wall"` never held in the 12 cases evaluated',
     ),
     "a text that is given to a function": (
         "Sees(radar, what) = Min{ray.distance :- ray in radar, ray.object == what};\n"
@@ -99,7 +99,7 @@ MISTAKES = {
         '  near = Sees(sensor.radar, "wall"),\n'
         '  far = Sees(sensor.radar, "wal");',
         ("never true", 5),
-        '`ray.object == "wal"` never held in the 372 cases it was asked, first at tick 1.',
+        '`ray.object == "wal"` never held in the 372 cases evaluated, first at tick 1.',
     ),
     "a name that nothing has": (
         f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:),\n'
@@ -162,7 +162,7 @@ MISTAKES = {
         '  memory: "") :- Sensor(robot_name:, sensor:), far = sensor.forward_distance,\n'
         "  x = Coalesce(far / 1000, sensor.clock);",
         ("never null", 3),
-        "`far / 1000` was never null in the 12 cases it was asked, first at tick 1: "
+        "`far / 1000` was never null in the 12 cases evaluated, first at tick 1: "
         "`sensor.clock` was never used.",
     ),
     "an engine that is null": (
@@ -266,7 +266,7 @@ ONCE = (
         ("sensor.clock == 50", None),
         (
             "sensor.clock > 52",
-            '`word == "left"` never held in the 16 cases it was asked, first at tick 53.',
+            '`word == "left"` never held in the 16 cases evaluated, first at tick 53.',
         ),
         ("sensor.clock > 49 || sensor.clock == 2", None),
     ],

@@ -30,9 +30,7 @@ if TYPE_CHECKING:
     from tests.explain.teams import Team
 
 TICKS = 4
-CASES = re.compile(
-    r"(?:in (?P<copy>\w+) )?in (?:the|all) (?P<number>one|[\d,]+) cases? it was asked"
-)
+CASES = re.compile(r"(?:in (?P<copy>\w+) )?in (?:the|all) (?P<number>one|[\d,]+) cases? evaluated")
 
 
 class Run:

@@ -59,7 +59,7 @@ def test_a_row_less_or_more_is_a_difference(right: Table, place: int) -> None:
     fewer = replace(right, rows=right.rows[:place] + right.rows[place + 1 :])
     assert difference(fewer, right)
     again = replace(right, rows=(*right.rows, right.rows[place]))
-    assert "make them distinct" in difference(again, right)
+    assert "add distinct" in difference(again, right)
 
 
 @pytest.mark.parametrize(
@@ -74,10 +74,10 @@ def test_a_row_less_or_more_is_a_difference(right: Table, place: int) -> None:
             (("Ada", 1.5), ("Dan", 3)),
             '1 row is right, 1 row is too many, such as ("Dan", 3), and 2 rows are missing.',
         ),
-        ((*RIGHT.rows, ("Ada", 1.5)), "the rows are right, but 1 row is there again: make them"),
-        ((), "it gives no rows; 3 rows are asked for."),
-        ((("Dan", 3),), "its only row is wrong; 3 rows are asked for."),
-        ((("Ada", 9), ("Bob", 9)), "all its 2 rows are wrong; 3 rows are asked for."),
+        ((*RIGHT.rows, ("Ada", 1.5)), "the rows are right, but 1 row is repeated: add distinct"),
+        ((), "it gives no rows; 3 rows are expected."),
+        ((("Dan", 3),), "your only row is wrong; 3 rows are expected."),
+        ((("Ada", 9), ("Bob", 9)), "all its 2 rows are wrong; 3 rows are expected."),
         ((("Ada", 1.5, 0),), "its rows have 3 columns instead of 2."),
     ],
 )
@@ -121,14 +121,14 @@ async def test_an_answer_has_to_be_right_at_every_tick(examiner: Examiner) -> No
     verdict = await examiner.check(AHEAD, "Way(far: 200);")
     assert not verdict.is_right
     assert verdict.tick == 300
-    assert verdict.words.startswith("Right at tick 100, but at tick 300 its only row is wrong")
+    assert verdict.words.startswith("Right at tick 100, but at tick 300 your only row is wrong")
 
 
 async def test_an_answer_may_fail_and_what_it_gave_is_shown(examiner: Examiner) -> None:
     verdict = await examiner.check(AHEAD, "Sensor(robot_name:)")
     assert verdict.table is not None
     assert verdict.table.rows == (("Ada",),)
-    assert verdict.words == "At tick 100 its only row is wrong; 1 row is asked for."
+    assert verdict.words == "At tick 100 your only row is wrong; 1 row is expected."
     too_much = " && ".join(f"{letter} in sensor.radar" for letter in "abcdefg")
     verdict = await examiner.check(AHEAD, f"Sensor(sensor:), {too_much.replace(' &&', ',')}")
     assert not verdict.is_right

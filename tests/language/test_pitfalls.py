@@ -117,7 +117,11 @@ def test_an_equation_among_conditions_is_to_be_a_comparison(written: str, meant:
 @pytest.mark.parametrize(
     ("text", "message", "hint"),
     [
-        ("P(y) :- y == (if c then x = 1 else x = 2);", "'=' in a branch must hold", "x = (if"),
+        (
+            "P(y) :- y == (if c then x = 1 else x = 2);",
+            "This '=' applies even when another branch is chosen",
+            "x = (if",
+        ),
         ("P(y) :- y == Count(list);", "Count(...) aggregates a single", "Count{x :- x in list}"),
         ("P(y) :- y -= 1;", "There is no -= in Logica", "y = x - 1"),
         ("P(y) :- y /= 1;", "There is no /= in Logica", "Write !="),

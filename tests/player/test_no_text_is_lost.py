@@ -92,7 +92,7 @@ class Session:
             state=lambda: UnsavedText(self.editor.source, self.editor.text, level_key(LEVEL)),
             draft=program_draft,
             failed=self.player.warn,
-            what="What you type",
+            what="Unsaved text",
         )
         screen = cast("Any", self.editor)
         self.library = Library(

@@ -58,6 +58,14 @@ class Finding:
     others: tuple[Span, ...] = ()
     robot: str = ""
 
+    @property
+    def see_also(self) -> str:
+        """The lines of other places, "" if there are none."""
+        own = {self.span.line} if self.span is not None else set[int]()
+        lines = sorted({span.line for span in self.others} - own)
+        listed = ", ".join(map(str, lines))
+        return f"See also line{'s' * (len(lines) > 1)} {listed}." if lines else ""
+
 
 _LONGEST = 60  # characters in a quotation
 _MOST_LISTED = 4  # values
@@ -231,7 +239,7 @@ class _Reporter:
 
     def _asked(self, site: Site, count: Count, *, every: str = "") -> str:
         """Return where, how often and when first something was asked."""
-        done = "it was asked" if self._is_complete else "examined"
+        done = "evaluated" if self._is_complete else "examined"
         where = f" in {site.within}" if site.within else ""
         if count.ways == 1:
             return f"{where} in the one case {done}, at tick {count.reached}"

@@ -24,7 +24,7 @@ from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value, read_value, spell
 
-GOES_OVER_NOTHING = "goes over nothing"
+GOES_OVER_NOTHING = "aggregates no rows"
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
 _TOLD_ELEMENTS = 40  # with where they come from
@@ -165,7 +165,7 @@ class Telling:
             if best is not None:
                 clause, collected, way = best
                 children = self.derivation(clause, way)
-                said = f"decides, of {number}" if len(found) > 1 else "is the only one"
+                said = f"chosen from {number}" if len(found) > 1 else "is the only one"
                 if whose := self._whose(clause, way) if self._is_of_others([best]) else "":
                     said = f"{whose}; {said}"
                 return (replace(self._element(collected, way, said), children=children),)
@@ -179,7 +179,7 @@ class Telling:
         )
         more = len(found) - len(nodes)
         rest = (Node("note", f"and {more:,} more"),) if more else ()
-        return (Node("note", f"goes over {number}", children=(*nodes, *rest)),)
+        return (Node("note", f"aggregates {number}", children=(*nodes, *rest)),)
 
     def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
         title = self._relations.label(self._predicate, name)
@@ -219,7 +219,7 @@ class Telling:
         for clause in body.clauses:
             sql = self._queries.get(clause.query)
             if sql is None or not clause.collected:
-                yield Node("note", "what it goes over could not be asked")
+                yield Node("note", "its rows could not be queried")
                 return
             ways = self._relations.ways(sql, given, most=most - len(found))
             found += [(clause, clause.collected[0], inner) for inner in ways]
@@ -318,7 +318,7 @@ def is_written(value: Value, text: str) -> bool:
 def negation(text: str, *, holds: bool) -> tuple[str, str]:
     """Return a denial as written, and the remark on it; ``a => b`` denies ``a`` without ``b``."""
     if text.startswith("~"):
-        return text, "there is no such thing" if holds else "there is such a thing"
+        return text, "no match" if holds else "there is a match"
     if "=>" in text:
         return text, "there is no counterexample" if holds else "there is a counterexample"
     return f"not: {text}", ""

@@ -261,7 +261,7 @@ def unlike_types(one: Value, other: Value) -> str:
     text, value = (one, other) if isinstance(one, str) else (other, one)
     with suppress(ValueError, RecursionError):
         if read_value(str(text)) == value:
-            return f"text {spell(text)} is not {_kind(value)}{spell(value)}"
+            return f"string {spell(text)} is not {_kind(value)}{spell(value)}"
     return ""
 
 

@@ -170,10 +170,10 @@ class Nearest:
                 size = _unlikeness(other, value)
                 if isinstance(other, str) and other.lower() in ("true", "false"):
                     if value in (0, 1) and not isinstance(value, str):
-                        reason = f"{subject} a truth value and no text"
+                        reason = f"{subject} a Boolean, not a string"
                         yield 0.0, _change(literal.span, other.lower(), reason)
                 elif size is not None:
-                    kind = "the text " if isinstance(value, str) else "the number "
+                    kind = "the string " if isinstance(value, str) else "the number "
                     kind = kind if isinstance(other, str) != isinstance(value, str) else ""
                     reason = f"{subject} {kind}{spell(value)}"
                     yield size, _change(literal.span, spell(value), reason)

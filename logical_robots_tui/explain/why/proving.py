@@ -117,7 +117,7 @@ class _Proving:
             if row is None and stopped is None and is_aggregated(rule):
                 unlike = self._unlike(rule)
                 children, stopped = (*children, *unlike), next(iter(unlike), None)
-            said = "is about something else" if is_else else "gives no row"
+            said = "does not apply to these values" if is_else else "gives no row"
             if is_left_out := row is None and not (stopped or is_else or is_aggregated(rule)):
                 said = "gives this row, but it was left out, as by @Limit"
                 if self._probing.recursive:
@@ -133,7 +133,7 @@ class _Proving:
         given = self._given
         keys = {c: v for c, v in given.items() if any(c in each.head for each in rule.clauses)}
         return tuple(
-            Node("column", self.label(column), "came out", False, (row[column],))
+            Node("column", self.label(column), "actual value", False, (row[column],))
             for row in self._derivations.rows(self._probing, keys)[:1]
             for column, value in given.items()
             if column not in keys and not same(row[column], value)
@@ -202,7 +202,7 @@ class _Proving:
                     found |= {(name, each): None for each in self._empty(node, _DEEPEST)}
         for name, empty in found:
             because = "It" if name == empty else f"`{empty}`"
-            said = f"{because} goes over nothing; Coalesce({name}, 0) would be 0 then"
+            said = f"{because} aggregates no rows; Coalesce({name}, 0) would be 0 then"
             yield Node("note", f"`{name}` is null", said)
 
     def _empty(self, node: Node, depth: int) -> Iterator[str]:

@@ -83,7 +83,7 @@ class Refuting:
         """Return whether it is about something else, the stopping node, and all nodes."""
         if others := self._others(rule):
             is_else = self._is_about_else(rule, others)
-            said, holds = ("", None) if is_else else ("came out", False)
+            said, holds = ("", None) if is_else else ("actual value", False)
             nodes = tuple(
                 Node(
                     "column", self._label(c), unlike_types(self._wanted[c], v) or said, holds, (v,)
@@ -168,7 +168,7 @@ class Refuting:
 
     def _computed(self, column: str, term: Term, way: Way, values: tuple[Value, ...]) -> Node:
         shown, more = values[:_EXAMPLES], max(0, len(values) - _EXAMPLES)
-        found = Node("column", self._label(column), "came out", False, shown, more)
+        found = Node("column", self._label(column), "actual value", False, shown, more)
         if term.kind in ("literal", "variable"):
             return found
         text = f"{found.text}: {term.span.text}"

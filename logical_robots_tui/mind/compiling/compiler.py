@@ -219,7 +219,7 @@ def _endless(error: BaseException, program: Sequence[Statement], text: str) -> D
     if culprit is None:
         return None
     message = f"The recursion of {culprit} has nothing to start from"
-    return diagnostic_for(text, culprit, message, "Add a rule of it that does not mention itself.")
+    return diagnostic_for(text, culprit, message, "Add a rule for it that does not use it.")
 
 
 def _compile_predicates(

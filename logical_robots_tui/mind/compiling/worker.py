@@ -141,7 +141,7 @@ def answer(
         raise MemoryError from None
     except RecursionError:
         nested = "The program is nested too deeply"
-        deep = Diagnostic(1, 1, nested, "Give parts of it names of their own.")
+        deep = Diagnostic(1, 1, nested, "Split it into named parts.")
         return {"diagnostics": [asdict(deep)]}
     except Exception:  # the package may raise anything, and the process must survive
         return {"trace": traceback.format_exc()}

@@ -18,7 +18,7 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_NAME, _WORDS = 14, {True: "on", False: "off", None: "as it suits"}
+_NAME, _WORDS = 14, {True: "on", False: "off", None: "automatic"}
 
 
 class SettingsScreen(Dialog[None]):

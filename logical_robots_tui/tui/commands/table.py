@@ -103,13 +103,13 @@ programs.add("program", "Choose a program", "o", lambda s: s.library_controller.
     "Choose a program, or type the path of a program file.", bar="Open", spare=4, worker="dialog",
     also="open load")
 programs.add("save", "Save the program", "ctrl+s", lambda s: s.library_controller.save(),
-    "Save the text in the editor in its file, or under a name if that is not your own.",
+    "Save the program in its file, or under a new name if the file is not yours.",
     bar="Save", place="editor", worker="dialog")
 programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library_controller.save_as(),
-    "Save the text in the editor as a program of your own, under any name.",
+    "Save the text in the editor as a program of yours, under any name.",
     bar="Save as", spare=9, worker="dialog", also="export")
 programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.session.source.text),
-    "Replace the text in the editor by that of its file; undo brings yours back.")
+    "Reload the program from its file; undo restores your text.")
 programs.add("versions", "Earlier versions", "v", lambda s: s.learning.choose_version(),
     "List your earlier programs for this level, and restore one.",
     bar="Versions", spare=8, worker="dialog", also="history undo earlier")
@@ -217,14 +217,14 @@ view.add("inspector", "Inspector", "3 i", lambda s: s.go_to(s.inspector), "Go to
 view.add("next_team", "Program of the next team", "", general.next_team,
     "Show the program of another team, and the mind of its first robot.")
 view.add("hide_teams", "Hide the other teams", "", lambda s: s.team_choice.toggle_others(),
-    "Hide what the other teams think, or show it again.")
+    "Hide or show what the other teams' robots think.")
 view.add("why", "Why", "w", lambda s: s.inspector.why(),
     "Prove what the robot did at this tick, or why a predicate has its rows, as a tree.", bar="Why",
     also="explain proof")
 view.add("ask", "Ask", "slash", lambda s: s.inspector.ask(),
     "Answer a query in Logica about this tick.", bar="Ask", spare=4, also="query question")
 view.add("watch", "Watch", "V", lambda s: s.inspector.go_to("watch"),
-    "Show what is pinned: its value at this tick and in the ticks around it.")
+    "Show pinned values at this tick and in the ticks around it.")
 view.add("diagnose", "Diagnosis", "", lambda s: s.inspector.go_to("diagnosis"),
     "Scan the whole run for likely mistakes.", also="problems lint")
 view.add("leave", "Leave the editor", "escape", general.leave,
@@ -279,7 +279,7 @@ inspecting.add("origin", "Origin", "less_than_sign", lambda s: s.inspector.origi
     "Trace the value under the cursor to the ticks, rules and readings that it comes from.")
 inspecting.add("other_values", "Other values…", "exclamation_mark",
     lambda s: s.inspector.active.change_values_here(),
-    "Change a value of the line under the cursor in a proof, and see where its rules stop then.",
+    "Try another value for this line of a proof, and see which rules fail then.",
     worker="dialog")
 inspecting.add("graph", "Dependency graph", "R", rows.graph,
     "Show which predicate uses which, and open one of them.", worker="dialog")
@@ -332,10 +332,10 @@ writing.add("complete", "Complete the word", "ctrl+space", general.complete,
 writing.add("copy", "Copy", "ctrl+c", general.copy, "Copy the selection.")
 writing.add("delete_to_end", "Delete to line end", "ctrl+k",
     lambda s: general.editor(s).action_delete_to_end_of_line_or_delete_line(),
-    "Delete what follows the cursor in its line.", worker="writing")
+    "Delete the rest of the line.", worker="writing")
 writing.add("delete_to_start", "Delete to line start", "ctrl+u",
     lambda s: general.editor(s).action_delete_to_start_of_line(),
-    "Delete what precedes the cursor in its line.")
+    "Delete the line up to the cursor.")
 writing.add("undo_edit", "Undo in the program", "ctrl+z", lambda s: general.editor(s).action_undo(),
     "Undo the last edit.")
 writing.add("redo_edit", "Redo in the program", "ctrl+y", lambda s: general.editor(s).action_redo(),
@@ -357,7 +357,7 @@ writing.add("move_up", "Move lines up", "alt+up",
 writing.add("move_down", "Move lines down", "alt+down",
     lambda s: general.editor(s).action_move_lines(1), "Move the selected lines down.")
 writing.add("duplicate_lines", "Duplicate lines", "ctrl+d",
-    lambda s: general.editor(s).action_duplicate_lines(), "Insert the selected lines once more.")
+    lambda s: general.editor(s).action_duplicate_lines(), "Duplicate the selected lines.")
 writing.add("select_line", "Select the line", "f6",
     lambda s: general.editor(s).action_select_line(), "Select the cursor's line.")
 writing.add("text_start", "Start of the program", "ctrl+home",

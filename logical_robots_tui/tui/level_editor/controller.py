@@ -71,7 +71,7 @@ class LevelController(SessionListener):
             state=self._unsaved,
             draft=lambda state: _draft_of(*state),
             failed=ui.warn,
-            what="What you edit",
+            what="The edited level",
         )
         self.levels = session.levels
         self._rest()

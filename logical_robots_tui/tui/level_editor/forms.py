@@ -345,7 +345,7 @@ class LevelForm(Form):
         yield "Width", Number("width", level.width, "The width", whole=True)
         yield "Height", Number("height", level.height, "The height", whole=True)
         yield "Add or cut at", Choice("place", _PLACES, "0")
-        yield "New room", Flag("wall", "is wall", False)
+        yield "New space", Flag("wall", "is wall", False)
         yield "Robot sees", Choice("sensor", _SENSORS, level.visibility.sensor)
         yield "Robot knows", Choice("memory", _MEMORIES, level.visibility.memory)
         yield "Shared names", Text("shared_names", ", ".join(level.shared_names))

@@ -42,9 +42,9 @@ _FIELDS = tuple(
     for field in record.fields
 )
 _GIVEN = (
-    Word("Sensor", "Sensor(robot_name:, sensor:)", "what robots sense in this tick"),
-    Word("Memory", "Memory(robot_name:, memory:)", "what robots wrote in the tick before"),
-    Word("Robot", "Robot(robot_name:, desire:, memory:)", "what robots are to do: yours to define"),
+    Word("Sensor", "Sensor(robot_name:, sensor:)", "sensor readings of this tick"),
+    Word("Memory", "Memory(robot_name:, memory:)", "memories after the previous tick"),
+    Word("Robot", "Robot(robot_name:, desire:, memory:)", "decisions, which you define"),
 )
 _BUILT_IN = tuple(
     Word(entry.name, entry.signature, entry.summary)

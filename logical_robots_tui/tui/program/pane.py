@@ -237,7 +237,7 @@ class ProgramPane(Pane):
         text = self.text
         if state.phase == "mistake" and text == state.tried:
             found = count_of(len(state.mistakes), "error")
-            return found if state.applied is None else f"{found}, the old version runs on"
+            return found if state.applied is None else f"{found}, the old version is still running"
         if text != state.applied:
             found = count_of(len(state.found), "error") if text == state.checked else ""
             return f"not applied, {found}" if state.found and found else "not applied"

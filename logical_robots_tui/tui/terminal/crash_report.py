@@ -29,7 +29,7 @@ class BugReport(Exception):  # noqa: N818 - it is called what it is
 
     def __rich__(self) -> Text:
         said = "has run out of memory" if is_out_of_memory(self.__cause__) else "has stopped"
-        return Text(f"The game {said}. What you typed is kept and offered the next time.")
+        return Text(f"The game {said}. Unsaved text is kept and offered the next time.")
 
 
 class CrashSafeApp(App[None]):

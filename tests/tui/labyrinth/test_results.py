@@ -76,7 +76,7 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
         await game.until(lambda: game.main.recorder.record.state == "won")
         await game.press("1", "m")
         told = [f"✓ {goal.words}", f"☐ {other.words}", "1,500●", "1,300●", "● your best"]
-        told += [f"  {each.ticks}" for each in references_for(level).values()]
+        told += [f"  {each.ticks:,}" for each in references_for(level).values()]
         for words in told:
             await game.until(partial(game.shows, words))
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())

@@ -120,7 +120,7 @@ async def test_no_title_hides_another_tab(data_dir: Path, width: int) -> None:
         tabs = game.main.query_one(PaneTabs)
         await game.until(lambda: "Program" in tabs.render().plain)
         game.main.arrangement.panes[1].note(
-            "1 error, the old version runs on · a-name-of-24-characters*"
+            "1 error, the old version is still running · a-name-of-24-characters*"
         )
         await game.until(lambda: "…" in tabs.render().plain)
         shown = tabs.render()

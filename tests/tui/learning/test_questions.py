@@ -65,7 +65,7 @@ async def test_the_lesson_leads_to_its_questions(
         await game.sees("Questions · A short way · 0 of 2 answered")
         await game.sees("FreedomMotion, Robot.")
         await answer(game, 'Here(name: "Ann");')
-        await game.sees("At tick 0 its only row is wrong; 1 row is asked for.")
+        await game.sees("At tick 0 your only row is wrong; 1 row is expected.")
         assert game.app.screen.query_one(ValueTable).all.rows == (("Ann",),)
         await answer(game, "Sensor(robot_name:")
         await game.sees("      ^")
@@ -77,7 +77,7 @@ async def test_the_lesson_leads_to_its_questions(
         await game.press("enter")
         await game.sees("2 of 2  How far?")
         await answer(game, "Way(43);")
-        await game.sees("Right at tick 0, but at tick 5 its only row is wrong")
+        await game.sees("Right at tick 0, but at tick 5 your only row is wrong")
         await game.press("tab")
         await game.sees("1 of 2 ✓  Who is there?")
         assert game.app.screen.query_one(QueryLine).value == "Sensor(robot_name:)"

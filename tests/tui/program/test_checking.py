@@ -83,7 +83,7 @@ async def test_what_was_checked_is_applied_at_once(data_dir: Path) -> None:
         game.editor.put(WRONG)
         await game.sees("✗ line 3")
         await game.press("f4")
-        told = "Program · 1 error, the old version runs on"
+        told = "Program · 1 error, the old version is still running"
         await game.until(lambda: title(game).startswith(told))
         game.editor.put(MISSPELT)
         await game.until(lambda: game.session.state.checked == MISSPELT)

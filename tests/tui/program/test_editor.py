@@ -121,7 +121,7 @@ def test_help_is_on_own_predicates_before_the_game_s() -> None:
     assert own is not None
     assert given is not None
     assert own.told == "defined in line 1"
-    assert "sense" in given.told
+    assert "sensor readings" in given.told
     assert help_on("", "Nothing") is None
 
 

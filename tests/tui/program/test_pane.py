@@ -89,7 +89,7 @@ async def test_a_mistake_is_marked_in_its_line_with_message_and_hint(data_dir: P
         assert mistake.line == 3
         await game.sees("✗ line 3")
         await game.sees("3✗")
-        assert title(game) == "Program · 1 error, the old version runs on · mine*"
+        assert title(game) == "Program · 1 error, the old version is still running · mine*"
         assert mistake.hint
         await game.sees(mistake.hint.split(".")[0][:30])
         assert game.session.state.applied is not None

@@ -129,11 +129,10 @@ class DiagnosisPage(Page):
 def _describe(finding: Finding) -> Content:
     line = f"line {finding.span.line}" if finding.span is not None else "the run"
     ink = INK.warn if finding.severity == "warning" else INK.dim
-    see = ", ".join(dict.fromkeys(str(span.line) for span in finding.others))
     return Content.assemble(
         (f"{finding.severity}, {line}, tick {finding.tick}", f"bold {ink}"),
         "\n",
         one_line(finding.message),
         "\n",
-        (one_line(f"{finding.hint}{f' See also {see}.' if see else ''}"), INK.dim),
+        (one_line(f"{finding.hint} {finding.see_also}".strip()), INK.dim),
     )
