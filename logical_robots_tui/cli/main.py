@@ -49,7 +49,7 @@ OUTPUT_FAILS = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 EXAMPLES = """\
 examples:
-  logical-robots                       play the first level
+  logical-robots                       continue, or start the first level
   logical-robots levels                list the levels
   logical-robots play 02-open-space    play one of them
   logical-robots programs              list the programs

@@ -303,7 +303,7 @@ class LineGame(SessionListener):
         if is_there(path):
             raise InputError("already exists.", place=str(path), hint="Choose another name.")
         await library.save_as(path)
-        say(f"Edit {path}, then type apply.")
+        say(f"Edit {path}, or use line and insert here; then type apply.")
 
     def edit(self, argument: str, replaced: int) -> None:
         """Put a line in place of as many; an empty one only deletes."""

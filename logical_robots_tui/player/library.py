@@ -155,7 +155,7 @@ class Library:
             self._drafts.drop(("program", former.draft))
             self._session.saved_as(saved)
             self._autosave.edited()
-            self._ui.tell(f"Saved as {one_line(saved.name)}.")
+            self._ui.tell(f"Saved as {one_line(saved.name)} in {saved.path.parent}.")
 
     def take_from_disk(self, source: Source) -> None:
         """Use a program changed on disk, unless the player has typed meanwhile."""

@@ -116,7 +116,7 @@ def test_a_player_learns_and_inspects_in_lines_of_text(school: School) -> None:
             "IN THE MIND OF",
             "Ticks 1 to 3, not won.",
             "will use it",
-            "Saved as mine.",
+            "Saved as mine in",
             "Open space",
         ),
     ):

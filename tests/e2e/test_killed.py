@@ -106,7 +106,7 @@ def test_what_two_games_said_to_have_kept_is_kept(rounds: int, tmp_path: Path) -
         typed = "".join(f"save {{}}{number}x{i}\nstep\n" for i in range(30)) + "restart\nrun\n" * 5
         both = [[*play, "--data-dir", data]] * 2
         told = "".join(killed(both, chance, typed.replace("{}", "n")))
-        for path in map(Path, re.findall(r"Edit (.*?), then type apply", told)):
+        for path in map(Path, re.findall(r"Edit (.*?), or use line", told)):
             assert path.read_text() == AHEAD
         progress = Progress(data / FILE_NAME, pytest.fail)
         state = progress.record(str(level)).state

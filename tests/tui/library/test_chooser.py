@@ -338,7 +338,7 @@ async def test_the_key_in_the_editor_saves_what_is_the_players_and_asks_for_what
         path = game.session.source.path
         await game.press("2", *"# so", "ctrl+s")
         await game.until(lambda: path.read_text() == f"# so{STILL}")
-        await game.sees("Saved as mine.")
+        await game.sees("Saved as mine in")
         assert game.app.screen is game.main
         game.session.saved_as(load_program("obstacle-avoider"))
         await game.press("ctrl+s")
