@@ -35,9 +35,9 @@ class Settings(NamedTuple):
 
     theme: Annotated[Theme | None, "Colours; by default those last chosen in the game."] = None
     drawing: Annotated[
-        DrawingStyle | None, "How the map is drawn; by default as suits the terminal."
+        DrawingStyle | None, "How the map is drawn; chosen for your terminal by default."
     ] = None
-    frames: Annotated[int, Bounds(1, 60), "The most pictures drawn in a second."] = 30
+    frames: Annotated[int, Bounds(1, 60), "Maximum frames per second."] = 30
     cones: Annotated[bool, "Show what the robots' radars reach."] = True
     trails: Annotated[bool, "Show where the robots came from."] = True
     completion: Annotated[bool, "List words after a dot or a capital letter, unasked."] = True

@@ -43,10 +43,10 @@ time.add("go_to", "Go to tick…", "g", lambda s: s.timeline_controller.ask_for_
 time.add("run_until", "Run until tick…", "U", general.run_until,
     "Run at full speed to a tick, or to victory or a breakpoint if that comes first.",
     worker="dialog")
-time.add("previous_mark", "Previous mark", "left_curly_bracket",
+time.add("previous_mark", "Previous event", "left_curly_bracket",
     lambda s: s.timeline_controller.to_mark(-1),
-    "Go back to the last event, which may be a change of the selected robot's memory.")
-time.add("next_mark", "Next mark", "right_curly_bracket",
+    "Go back to the previous event, which may be a change of the selected robot's memory.")
+time.add("next_mark", "Next event", "right_curly_bracket",
     lambda s: s.timeline_controller.to_mark(1), "Go forward to the next event in the history.")
 time.add("search_ticks", "Search ticks…", "Q", lambda s: s.search.ask(),
     "Type a query in Logica, and go to the next tick in which it holds.", worker="seek")
