@@ -147,7 +147,9 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             name = re.sub(r"\.(toml|json)$", "", each.name.rpartition("/")[2])
             key = student.id, name
             results = {done.start: done.result for done in runs.get(key, ())}
-            missing = _NO_PROGRAM if student.submission else student.remarks[0]
+            missing = _NO_PROGRAM
+            if not student.submission:  # earlier versions had other words for UNMATCHED
+                missing = NOTHING if student.remarks[0] == NOTHING else UNMATCHED
             known = key in cells, missing
             levels.append(_level(manifest, assignment, name, each.points, *known, results))
         kept = assignment.late.keep if student.late else 1
@@ -197,7 +199,7 @@ def _level(
     )
     points: float | None = 0.0
     parts: tuple[Part, ...] = ()
-    if (is_submitted and not is_over) or (not is_submitted and missing == UNMATCHED):
+    if not is_over if is_submitted else missing == UNMATCHED:
         points = None
     elif first is not None:
         parts = tuple(_parts(assignment, name, most, first, wins, manifest.starts))

@@ -11,6 +11,7 @@ from typing import Annotated, Literal, TypeAlias
 
 import msgspec
 
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, Student, digest
@@ -62,7 +63,7 @@ class Late(msgspec.Struct, frozen=True):
 
 
 NOTHING = "nothing was submitted"
-UNMATCHED = "nothing that was submitted was found to be theirs"
+UNMATCHED = "no submission could be matched to this student"
 NOT_IN_ROSTER = "not in the roster"
 
 
@@ -117,6 +118,11 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
     `submissions` is a folder or an archive with one folder, file or archive per student. Raises
     TomlFileError, InputError.
     """
+    if submissions.suffix == ".toml":
+        hint = "The assignment comes first: logical-robots grade assignment.toml submissions -o out"
+        raise InputError(
+            "This is where the submissions should be", place=str(submissions), hint=hint
+        )
     spec = TomlFile(file)
     assignment = read_assignment(spec)
     levels = _levels(spec, assignment)
@@ -126,6 +132,9 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
     added = _added(spec, assignment)
     spec.refuse()
     entries = entries_of(submissions, stems_of(levels), assignment.assignment.pattern)
+    if not entries:
+        hint = "It should have one folder, file or archive for each student."
+        raise InputError("There are no submissions in it", place=str(submissions), hint=hint)
     is_late = {row["id"] for row in late}
     students, strays = _students(assignment, entries, roster, is_late, deadlines, added)
     for nobody in sorted(added.keys() - {student.id for student in students}):
@@ -263,9 +272,11 @@ def account_of(manifest: Manifest) -> list[str]:
         said = f"{len(roster):,} in the roster, {len(roster) - len(missing):,} matched"
     else:
         said = f"{count_of(len(roster), 'submission')}"
-    said += f"; not matched: {', '.join(missing)}" if missing else ""
     nobody = [*(each.submission for each in others), *manifest.strays]
-    lines = [said + (f"; files that belong to nobody: {', '.join(nobody)}" if nobody else "")]
+    if missing:
+        what = "not matched:" if nobody else "nothing was handed in by"
+        said += f"; {what} {', '.join(missing)}"
+    lines = [said + (f"; files matched to no student: {', '.join(nobody)}" if nobody else "")]
     return lines + [
         f"{each.called}: {'; '.join(each.remarks)}"
         for each in roster

@@ -111,7 +111,7 @@ def test_the_gradebook_has_the_points_of_everybody(exported: Path) -> None:
     hostile = next(name for name in book if "cmd" in name)
     assert points == {"1": 15, "2": 5, "3": 0, "eve": 0, hostile: 0, "yan": 0, "zoe": 0}
     assert (book["2"]["late"], book["2"]["01-first-steps"]) == ("true", "10.0")
-    assert book["4"]["remarks"] == "nothing that was submitted was found to be theirs"
+    assert book["4"]["remarks"] == "no submission could be matched to this student"
     assert "there is no program (*.l) in it" in book["yan"]["remarks"]
     assert "it is a link" in book["zoe"]["remarks"]
     assert {name: row["ungraded"] for name, row in book.items() if row["ungraded"] != "0"} == {
@@ -198,6 +198,19 @@ def test_a_run_that_could_not_be_done_is_not_graded_as_a_failure(grades: Path) -
         ada, *_ = grades_of(more, ledger)
     assert [level.points for level in ada.levels] == [None, None]
     assert ada.ungraded == 2
+
+
+def test_who_was_not_matched_in_an_old_folder_stays_ungraded(grades: Path) -> None:
+    folder = Folder(grades)
+    manifest = folder.manifest()
+    remarks = ("nothing that was submitted was found to be theirs",)
+    students = [
+        msgspec.structs.replace(each, remarks=each.remarks if each.submission else remarks)
+        for each in manifest.students
+    ]
+    with folder.ledger() as ledger:
+        found = grades_of(msgspec.structs.replace(manifest, students=tuple(students)), ledger)
+    assert {each.student.id for each in found if each.points is None} == {"4"}
 
 
 def test_the_report_is_one_page_without_scripts_and_links(

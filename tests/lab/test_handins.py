@@ -206,7 +206,7 @@ def test_before_it_runs_it_says_who_was_matched(
     account, *remarks = account_of(manifest)
     assert account == (
         "3 in the roster, 2 matched; not matched: Cem Aydin (1003); "
-        "files that belong to nobody: stranger, notes.docx"
+        "files matched to no student: stranger, notes.docx"
     )
     assert remarks == ["Zoë Müller (1002): there is no program (*.l) in it, only first-steps.txt"]
     paths = tmp_path / "a.toml", tmp_path / "submissions"
@@ -222,9 +222,21 @@ def test_before_it_runs_it_says_who_was_matched(
 
 def test_nothing_was_submitted_only_if_nothing_is_left_over(tmp_path: Path) -> None:
     files: Files = {"1001.l": "", "1002.l": ""}
-    assert planned(tmp_path, files).students[2].remarks == ("nothing was submitted",)
+    manifest = planned(tmp_path, files)
+    assert manifest.students[2].remarks == ("nothing was submitted",)
+    assert account_of(manifest) == [
+        "3 in the roster, 2 matched; nothing was handed in by Cem Aydin (1003)"
+    ]
     more = planned(tmp_path, {**files, "essay.docx": ""}).students[2].remarks
-    assert more == ("nothing that was submitted was found to be theirs",)
+    assert more == ("no submission could be matched to this student",)
+
+
+def test_where_there_is_nothing_at_all_nobody_is_graded(tmp_path: Path) -> None:
+    (tmp_path / "submissions").mkdir()
+    with pytest.raises(InputError, match="submissions: There are no submissions in it. It should"):
+        planned(tmp_path, {})
+    with pytest.raises(InputError, match=r"a\.toml: .* The assignment comes first"):
+        plan_grading(tmp_path / "submissions", tmp_path / "a.toml")
 
 
 def test_what_can_not_be_read_is_said(tmp_path: Path) -> None:
