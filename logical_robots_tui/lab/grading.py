@@ -429,7 +429,9 @@ def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
 
 
 def _markdown(text: str) -> str:
-    return re.sub(r"([\\`*_{}\[\]<>#|!&~])", r"\\\1", harmless_text(text))
+    parts = _CODE.split(harmless_text(text))  # every other one is code, in which nothing is markup
+    escape = re.compile(r"([\\`*_{}\[\]<>#|!&~])")
+    return "".join(f"`{p}`" if n % 2 else escape.sub(r"\\\1", p) for n, p in enumerate(parts))
 
 
 def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import pytest
 
 from logical_robots_tui.explain.diagnosis.telling import FindingKind
 from logical_robots_tui.game.victory import reference_table
-from logical_robots_tui.lab.grading import QUESTIONS
+from logical_robots_tui.lab.grading import QUESTIONS, _markdown
 from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.toml_files import TomlFileError
@@ -83,7 +83,8 @@ def test_what_was_not_won_is_asked_about_and_drawn(
     text += f'Robot(robot_name:, desire: {driving}, memory: "") :- Sensor(robot_name:), ~Near();'
     (assignment[1] / "cem.l").write_text(text.replace("~Near()", "~Near(robot_name:)"))
     assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
-    lost = (out / "feedback/cem.md").read_text().replace("\\", "")
+    lost = (out / "feedback/cem.md").read_text()
+    assert "\\`" not in lost
     assert "- Line 1: The rule of Near in line 1 never had a row: " in lost
     assert f"- Line 2: Ada was blocked from tick 302 to 513, mostly with `{driving}`. What" in lost
     pages = {file.stem: file.read_text() for file in (out / "feedback").glob("*.html")}
@@ -105,6 +106,19 @@ def test_what_was_not_won_is_asked_about_and_drawn(
     assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
     assert "blocked" not in (out / "feedback/cem.json").read_text()
     assert "<svg" not in (out / "feedback/cem.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("said", "written"),
+    [
+        ("`a_b{c}` is <b>", r"`a_b{c}` is \<b\>"),
+        ("`a` and ` left", r"`a` and \` left"),
+        ("``[x]``", r"\``[x]`\`"),
+        (r"`\` *x*", r"`\` \*x\*"),
+    ],
+)
+def test_code_in_feedback_is_as_it_was_and_nothing_else_is_markup(said: str, written: str) -> None:
+    assert _markdown(said) == written
 
 
 def test_there_is_a_question_about_each_kind_of_finding() -> None:
