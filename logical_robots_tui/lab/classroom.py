@@ -22,7 +22,6 @@ from logical_robots_tui.lab.exporting import (
     csv_of,
     done_runs,
     escaped,
-    failed_runs,
     harmless_text,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student
@@ -72,8 +71,8 @@ def cell_of(manifest: Manifest, student: Student, level: str) -> Cell:
     for cell in manifest.cells:
         if (cell.student, cell.level_name) == (student.id, found[0]):
             return cell
-    why = "; ".join(student.remarks)
-    raise InputError(f"{student.called} has no program for {found[0]}", place=level, hint=why)
+    why = f": {'; '.join(student.remarks)}" * bool(student.remarks)
+    raise InputError(f"{student.called} has no program for {found[0]}{why}", place=level)
 
 
 def play_command(folder: Folder, manifest: Manifest, cell: Cell, start: int = 0) -> str:
@@ -112,11 +111,6 @@ _KINDS = (
 def faults_of(manifest: Manifest, ledger: Ledger) -> list[Fault]:
     """Return what went wrong, by kind and level, what most students share first."""
     cells = {(cell.student, cell.level_name): cell for cell in manifest.cells}
-    reasons = {
-        (each.cell.student, each.cell.level_name): each.result.first[2]
-        for each in failed_runs(manifest, ledger)
-        if each.result.first
-    }
     runs = {
         (each.cell.student, each.cell.level_name, each.start): each.result
         for each in done_runs(manifest, ledger)
@@ -128,9 +122,7 @@ def faults_of(manifest: Manifest, ledger: Ledger) -> list[Fault]:
             kind, why = _fault(level)
             if kind:
                 start = min(level.lost, default=0)
-                if level.points is None:
-                    why = reasons.get(key, why)
-                elif level.lost:
+                if level.points is not None and level.lost:
                     lost = runs[*key, start]
                     why = lost.first[2] if lost.first else lost.outcome
                 one = grade.student.called, cells.get(key), start
@@ -143,7 +135,7 @@ def _fault(level: LevelGrade) -> tuple[str, str]:
     """Return the kind of what went wrong, or "", and why."""
     why = re.sub(r"^(line [\d,]+|tick [\d,]+, .*?): ", "", (*level.messages, level.outcome)[0])
     if level.points is None:
-        return _KINDS[0], level.outcome
+        return _KINDS[0], level.failure or level.outcome
     if level.is_missing:
         return _KINDS[1], level.outcome
     if level.outcome == "does not compile":

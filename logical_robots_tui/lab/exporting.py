@@ -1,4 +1,4 @@
-"""Tables of results as CSV and Parquet, and on a page of HTML without scripts or links."""
+"""Tables of results as CSV and Parquet, and texts as Markdown or HTML without scripts or links."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import csv
 import html
 import io
 import json
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from statistics import fmean
 from typing import Any, NamedTuple, TypeAlias
@@ -371,3 +372,34 @@ def shade(share: float, text: str) -> Html:
     """Return a text on a colour between red, for a share of 0, and green, for 1."""
     shade = f"background: hsl({120 * share:.0f} 60% 80%); padding: .2rem"
     return Html(f'<span style="{shade}">{html.escape(text)}</span>')
+
+
+Parts: TypeAlias = "Sequence[tuple[str, list[str]]]"
+"""Headings and what is said below them, with code in backticks."""
+
+_CODE = re.compile("`([^`]+)`")
+
+
+def parts_as_markdown(title: str, parts: Parts) -> str:
+    lines = [f"# {_markdown(title)}"]
+    for number, (head, said) in enumerate(parts):
+        lines += ["", "## " * bool(number) + _markdown(head)]
+        lines += [""] * bool(said) + [f"- {_markdown(each)}" for each in said]
+    return "\n".join(lines) + "\n"
+
+
+def parts_as_page(title: str, parts: Parts, pictures: Sequence[str]) -> str:
+    """Return the same as a page, with a picture or "" below each part."""
+    found = []
+    for number, ((head, said), picture) in enumerate(zip(parts, pictures, strict=True)):
+        mark = "h2" if number else "p"
+        items = [_CODE.sub(r"<code>\1</code>", escaped(each)) for each in said]
+        below = f"<ul><li>{'</li><li>'.join(items)}</li></ul>" * bool(said) + picture
+        found.append(f"<{mark}>{escaped(head)}</{mark}>{below}")
+    return as_page(title, found)
+
+
+def _markdown(text: str) -> str:
+    parts = _CODE.split(harmless_text(text))  # every other one is code, in which nothing is markup
+    escape = re.compile(r"([\\`*_{}\[\]<>#|!&~])")
+    return "".join(f"`{p}`" if n % 2 else escape.sub(r"\\\1", p) for n, p in enumerate(parts))

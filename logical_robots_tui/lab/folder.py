@@ -23,6 +23,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.lab.running import Asked, Result, engine, fingerprint
 from logical_robots_tui.paths import read_ordinary, write_atomically
+from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.levels.load import NATIVE, WEB, is_of_web
 
 _FORMAT = 1
@@ -79,8 +80,11 @@ class Student(msgspec.Struct, frozen=True, omit_defaults=True):
 
     @property
     def lateness(self) -> str:
-        by = f"{timedelta(seconds=round(self.late_by))} " if self.late_by else ""
-        return f"{by}late" if self.late else ""
+        by = timedelta(seconds=round(self.late_by))
+        minutes, seconds = divmod(by.seconds, 60)
+        units = {"day": by.days, "hour": minutes // 60, "minute": minutes % 60, "second": seconds}
+        largest = [count_of(number, unit) for unit, number in units.items() if number][:2]
+        return " ".join([*largest, "late"]) if self.late else ""
 
     @property
     def called(self) -> str:

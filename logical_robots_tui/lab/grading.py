@@ -6,6 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import ROUND_HALF_UP, Decimal
+from shlex import quote
 from typing import Any, TypeAlias
 from xml.etree import ElementTree
 
@@ -16,11 +17,12 @@ from logical_robots_tui.lab.exporting import (
     Done,
     Row,
     Table,
-    as_page,
     csv_of,
     done_runs,
-    escaped,
+    failed_runs,
     harmless_text,
+    parts_as_markdown,
+    parts_as_page,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.running import Found, Result
@@ -29,7 +31,6 @@ from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.levels.load import read_level
 
-_CODE = re.compile("`([^`]+)`")
 _LONGEST_FILE = 60
 _MOST_ENDS = 8  # robots of a level of which feedback tells the end
 _NO_PROGRAM = "no program for this level was found"
@@ -80,8 +81,9 @@ class LevelGrade(msgspec.Struct, frozen=True):
     """What a student has achieved in a level; `distance` is in map units.
 
     `points` is None if runs are missing through no fault of the student's; `lost` are numbers
-    of varied starts. Outcome, ticks, distance, and of what was not won `ends` and `questions` are
-    from the given start.
+    of varied starts. Outcome, ticks, distance, `last` tick, and of what was not won `ends` and
+    `questions` are from the given start. `file` is what plays the level; `failure` says why a run
+    could not be done, or is "".
     """
 
     level: str
@@ -99,6 +101,9 @@ class LevelGrade(msgspec.Struct, frozen=True):
     ends: tuple[str, ...] = ()
     parts: tuple[Part, ...] = ()
     questions: tuple[str, ...] = ()
+    last: int = 0
+    file: str = ""
+    failure: str = ""
 
     @property
     def is_missing(self) -> bool:
@@ -140,18 +145,26 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
     runs: dict[tuple[str, str], list[Done]] = defaultdict(list)
     for done in done_runs(manifest, ledger):
         runs[done.cell.student, done.cell.level_name].append(done)
+    failed = {
+        (each.cell.student, each.cell.level_name): each.result.first[2]
+        for each in failed_runs(manifest, ledger)
+        if each.result.first
+    }
     grades = []
     for student in manifest.students:
         levels = []
         for each in assignment.level:
-            name = re.sub(r"\.(toml|json)$", "", each.name.rpartition("/")[2])
+            file = each.name.rpartition("/")[2]
+            name = re.sub(r"\.(toml|json)$", "", file)
             key = student.id, name
             results = {done.start: done.result for done in runs.get(key, ())}
             missing = _NO_PROGRAM
             if not student.submission:  # earlier versions had other words for UNMATCHED
                 missing = NOTHING if student.remarks[0] == NOTHING else UNMATCHED
             known = key in cells, missing
-            levels.append(_level(manifest, assignment, name, each.points, *known, results))
+            level = _level(manifest, assignment, name, each.points, *known, results)
+            why = failed.get(key, "")
+            levels.append(msgspec.structs.replace(level, file=file, failure=why))
         kept = assignment.late.keep if student.late else 1
         so_far = sum(level.points or 0 for level in levels) * kept
         so_far = _round(so_far + sum(points for points, _ in student.added))
@@ -202,7 +215,7 @@ def _level(
     if not is_over if is_submitted else missing == UNMATCHED:
         points = None
     elif first is not None:
-        parts = tuple(_parts(assignment, name, most, first, wins, manifest.starts))
+        parts = tuple(_parts(assignment, name, most, first, wins, manifest.starts, bool(varied)))
         points = sum(part.points for part in parts)
     messages = (
         [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes] if first else []
@@ -229,6 +242,7 @@ def _level(
         tuple(end.said(first.ticks) for end in first.ends) if first and not won else (),
         tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
         tuple(map(_question, first.findings)) if first else (),
+        first.ticks if first else 0,
     )
 
 
@@ -238,7 +252,13 @@ def _question(found: Found) -> str:
 
 
 def _parts(
-    assignment: Assignment, name: str, most: float, first: Result, wins: int, starts: int
+    assignment: Assignment,
+    name: str,
+    most: float,
+    first: Result,
+    wins: int,
+    starts: int,
+    is_tried: bool,
 ) -> Iterator[Part]:
     """Yield the parts of a level's points that count, not rounded."""
     reference = next(iter(reference_table().get(name, {}).values()), None)  # the solution
@@ -248,6 +268,8 @@ def _parts(
         share, said = float(is_won), f"{'' if is_won else 'not '}won from the given start"
         if part == "starts":
             share, said = wins / starts, f"won from {wins} of {starts}"
+            if not is_tried:
+                said = "not tried, because it was not won from the given start"
         elif part in ("ticks", "size"):
             own, best = getattr(first, part), getattr(reference, part, 0)
             share = min(1.0, best / max(own, 1)) if is_won else 0.0
@@ -284,6 +306,7 @@ def export_grades(
     for grade, name in zip(grades, names, strict=True):
         data = {**msgspec.to_builtins(grade), "title": manifest.title}
         for level in data["levels"]:
+            del level["last"]
             for key in {"won", "ticks", "size", "distance"} - set(show):
                 del level[key]
             if "won" not in show:
@@ -295,8 +318,10 @@ def export_grades(
         runs = [first.get((grade.student.id, each.level)) for each in grade.levels]
         pictures = ["", *(_picture(folder, run, draw if "won" in show else None) for run in runs)]
         feedback = folder.path / f"feedback/{name}"
-        folder.put(feedback.with_name(f"{name}.md"), _as_markdown(manifest.title, parts))
-        folder.put(feedback.with_name(f"{name}.html"), _as_html(manifest.title, parts, pictures))
+        folder.put(feedback.with_name(f"{name}.md"), parts_as_markdown(manifest.title, parts))
+        folder.put(
+            feedback.with_name(f"{name}.html"), parts_as_page(manifest.title, parts, pictures)
+        )
         folder.put(folder.path / f"feedback/{name}.json", _json(data))
         folder.put(folder.path / f"gradescope/{name}.json", _json(_gradescope(grade, show)))
     for old in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
@@ -354,7 +379,7 @@ def feedback_of(manifest: Manifest, ledger: Ledger, student: str) -> str:
     """Return what a student gets to read, as Markdown."""
     (grade,) = (each for each in grades_of(manifest, ledger) if each.student.id == student)
     table = manifest.assignment
-    return _as_markdown(
+    return parts_as_markdown(
         manifest.title, _feedback(grade, table["assignment"]["show"], table["late"]["keep"])
     )
 
@@ -364,7 +389,7 @@ def _feedback(grade: Grade, show: list[str], kept: float) -> list[tuple[str, lis
     student = grade.student
     head = f"{student.name or student.id}: {grade.said}"
     if student.late:
-        head += f", {student.lateness}: {kept:.0%} of the points count"
+        head += f" ({student.lateness}; {kept:.0%} counts)"
     parts = [(head, grade.remarks)]
     for level in grade.levels:
         points = "not graded yet"
@@ -372,25 +397,6 @@ def _feedback(grade: Grade, show: list[str], kept: float) -> list[tuple[str, lis
             points = f"{level.points:g} of {level.most:g} points"
         parts.append((f"{level.level}: {points}", _level_feedback(level, show)))
     return parts
-
-
-def _as_markdown(title: str, parts: list[tuple[str, list[str]]]) -> str:
-    lines = [f"# {_markdown(title)}"]
-    for number, (head, said) in enumerate(parts):
-        lines += ["", "## " * bool(number) + _markdown(head)]
-        lines += [""] * bool(said) + [f"- {_markdown(each)}" for each in said]
-    return "\n".join(lines) + "\n"
-
-
-def _as_html(title: str, parts: list[tuple[str, list[str]]], pictures: Sequence[str]) -> str:
-    """Return the same as a page, with a picture or "" below each part."""
-    found = []
-    for number, ((head, said), picture) in enumerate(zip(parts, pictures, strict=True)):
-        mark = "h2" if number else "p"
-        items = [_CODE.sub(r"<code>\1</code>", escaped(each)) for each in said]
-        below = f"<ul><li>{'</li><li>'.join(items)}</li></ul>" * bool(said) + picture
-        found.append(f"<{mark}>{escaped(head)}</{mark}>{below}")
-    return as_page(title, found)
 
 
 def _picture(folder: Folder, run: Done | None, draw: Draw | None) -> str:
@@ -403,15 +409,30 @@ def _picture(folder: Folder, run: Done | None, draw: Draw | None) -> str:
     return f"<figure>{picture}<figcaption>{said}</figcaption></figure>"
 
 
+def _ending(level: LevelGrade) -> str:
+    """Return how a level's run from the given start ended, or why there was none, as a sentence."""
+    if level.is_missing:
+        return f"{level.outcome[0].upper()}{level.outcome[1:]}."
+    if level.outcome == "does not compile":
+        return "Your program does not compile:"
+    if level.outcome == "nothing changes":
+        return f"The run ended at tick {level.last:,}: nothing could change any more."
+    return f"From the given start: {level.outcome}."
+
+
 def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
     parts = {part.name: part for part in level.parts if part.name in show and len(level.parts) > 1}
     said = [str(part) for part in parts.values() if level.outcome != "does not compile"]
+    if level.failure:
+        said.append(f"Not graded yet, because a run could not be finished: {level.failure}.")
+        if not level.last:
+            return said
     is_told = "won" in parts and level.won
     if ("won" in show and not is_told) or level.is_missing or level.outcome == "does not compile":
-        said.append(f"From the given start: {level.outcome}.")
+        said.append(_ending(level))
         said += (*level.ends[:_MOST_ENDS], *level.questions)
         if level.ends:
-            said.append(f"To see that: logical-robots play {level.level} YOUR-PROGRAM")
+            said.append(f"To see that: logical-robots play {quote(level.file)} YOUR-PROGRAM")
     if "ticks" in show and "ticks" not in parts and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
     if "size" in show and "size" not in parts and level.size is not None:
@@ -424,14 +445,8 @@ def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
         if level.lost:
             said.append(f"Lost from varied start {', '.join(map(str, level.lost))}.")
             program = f"YOUR-PROGRAM --start {level.lost[0]}"
-            said.append(f"To see that: logical-robots play {level.level} {program}")
+            said.append(f"To see that: logical-robots play {quote(level.file)} {program}")
     return said + list(level.messages)
-
-
-def _markdown(text: str) -> str:
-    parts = _CODE.split(harmless_text(text))  # every other one is code, in which nothing is markup
-    escape = re.compile(r"([\\`*_{}\[\]<>#|!&~])")
-    return "".join(f"`{p}`" if n % 2 else escape.sub(r"\\\1", p) for n, p in enumerate(parts))
 
 
 def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:

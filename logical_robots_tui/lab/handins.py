@@ -114,7 +114,7 @@ class Submission:
         if len(unnamed) == 1 and not self.programs:
             self._take("", *unnamed[0][1:])
         else:
-            self.remarks += [f"{shown}: its name is not that of a level" for shown, *_ in unnamed]
+            self.remarks += [f"{shown} is not named after a level" for shown, *_ in unnamed]
         self.files = [(file._replace(content=b""), name) for file, name in self.files]
         if not self.programs and (others or not self.remarks):
             more = f", only {join_names(others[:_MOST_NAMED])}" if others else ""

@@ -248,7 +248,9 @@ def _last_tick(level: Level, ticks: int | str) -> int:
         raise ValueError('"ticks" is a number or like "2*reference+200"')
     reference = reference_for(level)
     if reference is None:
-        raise ValueError(f"{level.name} has no reference program; give the number of ticks")
+        raise ValueError(
+            f"{level.name} has no reference program; give a number, such as ticks = 2000"
+        )
     most = patience_for(10**9)
     return min(int(found[1] or 1) * reference.ticks + int(found[2] or 0), most)
 

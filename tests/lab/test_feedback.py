@@ -13,9 +13,11 @@ import pytest
 
 from logical_robots_tui.explain.diagnosis.telling import FindingKind
 from logical_robots_tui.game.victory import reference_table
-from logical_robots_tui.lab.grading import QUESTIONS, _markdown
+from logical_robots_tui.lab.exporting import parts_as_markdown
+from logical_robots_tui.lab.grading import QUESTIONS
 from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.language.source_text import size_of
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.toml_files import TomlFileError
 from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS
@@ -66,7 +68,7 @@ def test_late_by_some_time_with_extensions_and_points_by_hand(
         assert (ada["points"], ada["late"], ada["by_hand"]) == ("6.0", "true", "1.0")
         assert (ben["points"], ben["late"], cem["points"]) == ("10.0", "false", "0.0")
     feedback = (out / "feedback/ada.md").read_text()
-    assert "6 of 10 points, 1:02:03 late: 50% of the points count" in feedback
+    assert "6 of 10 points (1 hour 2 minutes late; 50% counts)" in feedback
     assert "+1.5 points by hand: neat" in feedback.replace("\\", "")
     lost = (out / "feedback/cem.md").read_text().replace("\\", "")
     assert "Ada ended at (" in lost
@@ -118,7 +120,7 @@ def test_what_was_not_won_is_asked_about_and_drawn(
     ],
 )
 def test_code_in_feedback_is_as_it_was_and_nothing_else_is_markup(said: str, written: str) -> None:
-    assert _markdown(said) == written
+    assert parts_as_markdown("", [(said, [])]) == f"# \n\n{written}\n"
 
 
 def test_there_is_a_question_about_each_kind_of_finding() -> None:
@@ -143,6 +145,37 @@ def test_each_part_of_the_points_is_told_with_its_number_and_the_reference(
     symbols = f"{size} symbols; the reference program has {first.size}.\n"
     assert f"- {points} of 2 points for size: {symbols}" in won
     assert "- 0 of 3 points for ticks: not won from the given start.\n" in lost
+
+
+def test_how_a_run_ended_is_said_in_sentences(
+    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, (file, folder) = Command(capsys), assignment
+    file.with_name("my-level.toml").write_bytes(
+        (shipped_folder("levels") / "01-first-steps.toml").read_bytes()
+    )
+    text = ASSIGNMENT.replace("01-first-steps", "my-level.toml").replace("starts = 0", "starts = 2")
+    file.write_text(
+        text.replace("[assignment]", "[assignment]\nticks = 99") + "[points]\nstarts = 1\n"
+    )
+    (folder / "ada.l").write_text(STILL.format("0", '""', SENSOR))
+    (folder / "ben.l").write_text("Robot(")
+    (folder / "cem.l").rename(folder / "x.l")
+    for name in ("1.l", "2.l"):
+        (folder / "cem").mkdir(exist_ok=True)
+        (folder / "cem" / name).write_text(FIRST_STEPS)
+    assert command("grade", file, folder, "-o", file.with_name("out"), "--workers", 1).status == 0
+    ada, ben, cem = (
+        (file.with_name("out") / f"feedback/{name}.md").read_text()
+        for name in ("ada", "ben", "cem")
+    )
+    untried = "varied starts: not tried, because it was not won from the given start.\n"
+    assert f"- 0 of 5 points for {untried}" in ada
+    assert "- The run ended at tick 2: nothing could change any more.\n" in ada
+    assert "- To see that: logical-robots play my-level.toml YOUR-PROGRAM\n" in ada
+    assert "- Your program does not compile:\n- line 1: " in ben
+    assert "- No program for this level was found.\n" in cem
+    assert "- 1.l is not named after a level\n" in cem
 
 
 def test_one_student_can_be_looked_at_before_all_are_run(

@@ -171,7 +171,7 @@ def test_students_read_what_they_may_see(exported: Path) -> None:
     assert "ticks" not in data["levels"][0]
     assert data["points"] == 15
     ben = (exported / "feedback/2.md").read_text("utf-8")
-    assert "5 of 15 points, late: 50% of the points count" in ben
+    assert "5 of 15 points (late; 50% counts)" in ben
     eve = (exported / "feedback/eve.md").read_text("utf-8")
     assert "thinking took more than 1,000,000 steps" in eve
 

@@ -217,7 +217,7 @@ def test_before_it_runs_it_says_who_was_matched(
     assert account in (tmp_path / "out/report.html").read_text("utf-8")
     feedback = (tmp_path / "out/feedback/1002.md").read_text("utf-8")
     assert "nothing was submitted" not in feedback
-    assert "no program for this level was found" in feedback
+    assert "- No program for this level was found." in feedback
 
 
 def test_nothing_was_submitted_only_if_nothing_is_left_over(tmp_path: Path) -> None:
