@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import drawn_bar, harmless
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.coordinating import Coordinator
@@ -340,17 +341,20 @@ def _only(manifest: Manifest, name: str) -> Manifest:
 
 def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:
     from logical_robots_tui.lab import next_round
+    from logical_robots_tui.lab.classroom import ungraded_lines
     from logical_robots_tui.lab.exporting import failed_runs
 
-    tally = coordinator.tally()
-    print(
-        harmless(f"{manifest.title}: {tally.done:,} runs done in {ledger.seconds():,.1f} s of work")
-    )
+    tally, is_grading = coordinator.tally(), manifest.kind == "grade"
+    seconds = f"{ledger.seconds():,.1f} s of processor time"
+    print(harmless(f"{manifest.title}: {count_of(tally.done, 'run')} done, {seconds}"))
     if tally.failed:
-        print(f"{tally.failed:,} runs could not be done (infrastructure), for example:")
-        for done in islice(failed_runs(manifest, ledger), 5):
+        said = f"{count_of(tally.failed, 'run')} could not be done (infrastructure)"
+        print(f"{said}." if is_grading else f"{said}, for example:")
+        for done in islice(failed_runs(manifest, ledger), 0 if is_grading else 5):
             _, _, reason = done.result.first or (0, "", "")
             print(harmless(f"  {manifest.called(done.cell)}, start {done.start}: {reason}"))
+    if is_grading and (ungraded := ungraded_lines(manifest, ledger)):
+        print("Ungraded:", *(harmless(f"  {line}") for line in ungraded), sep="\n")
     if tally.differing:
         print(
             "DEFECT: these runs gave different results when they were run twice. Please report it:"
@@ -358,7 +362,8 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
         print(*(f"  {run}" for run in ledger.differences()), sep="\n")
     is_next = next_round(manifest, ledger, coordinator) is not None
     if is_next or not tally.is_complete:
-        left = f"{tally.due:,} runs are left. " if tally.due else ""
+        are = "is" if tally.due == 1 else "are"
+        left = f"{count_of(tally.due, 'run')} {are} left. " if tally.due else ""
         left += f"Round {len(manifest.rounds) + 1} is next. " * is_next
         print(f"{left}Go on with: logical-robots lab resume {harmless(str(folder.path))}")
         return INCOMPLETE

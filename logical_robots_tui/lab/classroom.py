@@ -158,6 +158,19 @@ def fault_lines(manifest: Manifest, ledger: Ledger, width: int) -> list[str]:
     return ["", "What went wrong, with whom", *lines] if lines else []
 
 
+def ungraded_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
+    """Return who is ungraded although all runs were tried, each with the reasons on a line."""
+    lines = []
+    for grade in grades_of(manifest, ledger):
+        student, ungraded = grade.student, [each for each in grade.levels if each.points is None]
+        why = [f"{each.level}: {each.failure}" for each in ungraded if each.failure]
+        if ungraded and not student.submission:
+            why = [ungraded[0].outcome]
+        if why:
+            lines.append(f"{student.called}: {'; '.join(why)}")
+    return lines
+
+
 class Alike(NamedTuple):
     """Two programs of a level that are similar; the score of equal ones is 1."""
 

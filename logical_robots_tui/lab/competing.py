@@ -201,7 +201,7 @@ def _pair(ranked: list[int], met: set[frozenset[int]]) -> tuple[tuple[int, int],
 _WIDEST = 30  # players of a matrix in a terminal
 _MOST_CYCLES = 20
 _SHOWN_DIGITS = 4
-_HEAD = ("rank", "player", "share", "95 % interval", "strength", "opponents", "remark")
+_HEAD = ("rank", "player", "share", "95% interval", "strength", "opponents", "remark")
 
 
 def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
@@ -210,9 +210,9 @@ def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
         (
             each.rank,
             harmless_text(each.player),
-            f"{100 * each.share:.1f} %",
-            f"{100 * each.low:.1f} to {100 * each.high:.1f} %",
-            f"{each.strength:+.0f}",
+            f"{100 * each.share:.1f}%",
+            f"{100 * each.low:.1f} to {100 * each.high:.1f}%",
+            f"{round(each.strength):+d}",
             str(each.pairings),
             "does not play: " + harmless_text(lost[each.player]) if lost[each.player] else "",
         )
@@ -291,7 +291,7 @@ def tournament_tables(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
         (
             *(each.player, each.best, each.worst),
             *(round(n, _SHOWN_DIGITS) for n in (each.share, each.low, each.high)),
-            *(round(each.strength, 1), each.pairings, lost[each.player]),
+            *(round(each.strength, 1) + 0.0, each.pairings, lost[each.player]),
         )
         for each in ranking.standings
     ]

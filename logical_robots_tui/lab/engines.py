@@ -106,7 +106,8 @@ class _Worker:
             self._false_starts = 0 if has_begun else self._false_starts + 1
             if self._false_starts > _MOST_FALSE_STARTS:
                 raise InputError("A worker process can't start", hint="Is there memory left?")
-            said = f"it took more than {self.task.seconds:g} seconds and could not be stopped"
+            most = f"{self.task.seconds:g} second{'s' * (self.task.seconds != 1)}"
+            said = f"it took more than {most} and could not be stopped"
             is_final = self._spent > self._limit
             answer = Answer(failure=said if self._is_stuck else "its worker process died")
             answer = msgspec.structs.replace(answer, is_final=is_final and self._is_stuck)

@@ -365,7 +365,7 @@ def as_code(text: str) -> Html:
 
 
 def as_percent(share: float) -> str:
-    return f"{100 * share:.0f} %"
+    return f"{100 * share:.0f}%"
 
 
 def shade(share: float, text: str) -> Html:

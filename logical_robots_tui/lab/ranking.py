@@ -27,7 +27,7 @@ _MOST_STEPS = 100_000
 
 
 class Standing(NamedTuple):
-    """A player's rank, share of the points and strength, with 95 % intervals.
+    """A player's rank, share of the points and strength, with 95% intervals.
 
     `best` and `worst` are the ranks not ruled out; `strength` is as of `strengths`.
     """
@@ -48,7 +48,7 @@ class Standing(NamedTuple):
 
 
 class Pairing(NamedTuple):
-    """A player's share of the points against another, with its 95 % interval."""
+    """A player's share of the points against another, with its 95% interval."""
 
     share: float
     low: float

@@ -67,7 +67,7 @@ class Share(NamedTuple):
 
 
 def share_of(done: Iterable[Done]) -> Share:
-    """Return the share of runs won, with its 95 % interval (Wilson's score interval)."""
+    """Return the share of runs won, with its 95% interval (Wilson's score interval)."""
     results = [each.result for each in done]
     ticks = [result.ticks for result in results if result.outcome == "won"]
     won, tried = len(ticks), len(results)
@@ -228,8 +228,8 @@ def _overview(done: list[Done]) -> str:
             cells += [share.tried, share.won, as_percent(share.share) if share.tried else ""]
             cells.append(_interval(share) if share.tried else "")
         rows.append((*cells, share_of(runs).ticks))
-    given = ("programs", "won from the given start", "share", "95 % interval")
-    varied = ("varied starts", "won", "share", "95 % interval")
+    given = ("programs", "won from the given start", "share", "95% interval")
+    varied = ("varied starts", "won", "share", "95% interval")
     head = ("level", *given, *varied, "median ticks to win")
     return "<h2>Levels</h2>" + as_table(head, rows)
 
@@ -319,7 +319,7 @@ def _over_time(
     return found
 
 
-_INTERVAL = "95 %"
+_INTERVAL = "95%"
 
 
 def _variation(manifest: Manifest, done: list[Done]) -> str:
@@ -454,7 +454,7 @@ def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
             )
         )
     medians = [f"median {name}" for name in measures]
-    head = ("", "level", "program", "given start", "won", "95 % interval", *medians, "replay")
+    head = ("", "level", "program", "given start", "won", "95% interval", *medians, "replay")
     said = "The commands are typed in this folder; why instead of play explains a tick."
     if names:
         said = "The commands are typed where this folder is. In one from runs.csv, "

@@ -239,7 +239,7 @@ def _reason(error: Exception, task: Task) -> str:
         return "the worker has too little memory"
     if isinstance(error, ProgramError):
         return "the program could not be compiled in time"
-    return f"it took more than {task.seconds:g} seconds"
+    return f"it took more than {task.seconds:g} second{'s' * (task.seconds != 1)}"
 
 
 class _Prepared:

@@ -212,6 +212,9 @@ def test_before_it_runs_it_says_who_was_matched(
     paths = tmp_path / "a.toml", tmp_path / "submissions"
     told = command("grade", *paths, "-o", tmp_path / "out", "--workers", 1)
     assert told.out.startswith(account)
+    why = "Ungraded:\n  Cem Aydin (1003): no submission could be matched to this student\n"
+    assert why in told.out
+    assert why in command("lab", "status", tmp_path / "out").out
     report = command("lab", "report", tmp_path / "out")
     assert report.status == 0
     assert account in (tmp_path / "out/report.html").read_text("utf-8")
