@@ -135,6 +135,7 @@ class TomlFile:
         file = Path("untitled") if isinstance(given, Mapping) else Path(given)
         self.file, self.folder = file, file.parent
         self._problems: set[tuple[int, str]] = set()
+        self._others: list[str] = []
         self._wrong: set[Path_] = set()
         if isinstance(given, Mapping):
             import tomlkit
@@ -159,12 +160,11 @@ class TomlFile:
     @property
     def problems(self) -> tuple[str, ...]:
         found = sorted(self._problems)
-        return tuple(
-            f"{self.file}:{line}: {said}" if self._is_file else said for line, said in found
-        )
+        own = (f"{self.file}:{line}: {said}" if self._is_file else said for line, said in found)
+        return (*own, *self._others)
 
     def problem(self, path: Path_, message: str) -> None:
-        said = message if message[-1] in ".?" else f"{message}."
+        said = _sentence(message)
         self._wrong.add(path)
         if not self._is_file and (name := _name(path)) not in said:
             said = f"{name}: {said}"
@@ -172,13 +172,17 @@ class TomlFile:
             path = path[:-1]
         self._problems.add((self._lines.get(path, 1), said))
 
+    def problem_in(self, name: str, line: int, message: str) -> None:
+        """Report a problem of another file, which this one names."""
+        self._others.append(f"{self.folder / name}:{line}: {_sentence(message)}")
+
     def is_wrong(self, path: Path_) -> bool:
         """Return whether there is a problem with a value or a part of it."""
         return any(each[: len(path)] == path for each in self._wrong)
 
     def refuse(self) -> None:
         """Raise TomlFileError if something is wrong."""
-        if self._problems:
+        if self.problems:
             raise TomlFileError(self.problems)
 
     def draft(self, kind: type[T]) -> T:
@@ -239,6 +243,10 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Iterable) and not isinstance(value, str | Path):
         return [_plain(each) for each in value]
     return value if isinstance(value, bool | int | float | str | datetime) else str(value)
+
+
+def _sentence(message: str) -> str:
+    return message if message[-1] in ".?" else f"{message}."
 
 
 def _name(path: Path_) -> str:

@@ -106,7 +106,8 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     The first of them is `first_start`. A think has `steps` at most, a run `run_steps` unless that
     is 0, and `seconds` of a processor; it ends when the question `until` holds, unless that is "".
     `rounds` are pairs of players by index, for each round of a tournament that is known so far.
-    `strays` are files that nobody handed in; `files` are the names of the inputs' files by digest.
+    `strays` are files that nobody handed in, `notes` what is to be said of the roster and other
+    tables; `files` are the names of the inputs' files by digest.
     """
 
     kind: Literal["sweep", "grade", "tournament"]
@@ -127,6 +128,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     rounds: tuple[tuple[tuple[Index, Index], ...], ...] = ()
     most_rounds: Index = 1
     strays: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     files: dict[Digest, FileName] = {}
     run_steps: Index = 0
     first_start: Annotated[int, msgspec.Meta(ge=1, le=10**9)] = 1

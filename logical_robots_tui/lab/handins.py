@@ -47,6 +47,20 @@ _EXPORTS = (
         re.I,
     ),
 )
+_LETTERS = str.maketrans(
+    {
+        "\N{LATIN SMALL LETTER DOTLESS I}": "i",
+        "ł": "l",
+        "ø": "o",
+        "đ": "d",
+        "ð": "d",
+        "æ": "ae",
+        "œ": "oe",
+        "þ": "th",
+    }
+)
+"""Letters of names that are not composed of others, and what is typed for them."""
+
 _COPY = re.compile(r"[-_ ]*(?:\(\d+\)|\d+)$")  # what Canvas and browsers add to a name
 
 
@@ -137,7 +151,7 @@ def _text(content: bytes) -> str:
 
 def plain(text: str) -> str:
     """Return a name as it is compared: letters and digits, without case and accents."""
-    text = unicodedata.normalize("NFKD", text.casefold())
+    text = unicodedata.normalize("NFKD", text.casefold()).translate(_LETTERS)
     return "".join(character for character in text if character.isalnum())
 
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 import msgspec
 
@@ -27,13 +27,30 @@ from logical_robots_tui.lab.handins import (
 from logical_robots_tui.lab.sweeping import Name, Positive, RunLimit, Starts, level_to_run
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.paths import read_text
+from logical_robots_tui.paths import did_you_mean, read_text
 from logical_robots_tui.toml_files import Bounds, Given, TomlFile
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
 
 _MOST_REMARKS = 20
+_BY_HAND = ("assignment", "by_hand")
+_TABLES: dict[tuple[str, str], tuple[tuple[str, ...], tuple[str, ...]]] = {
+    ("assignment", "roster"): (("id",), ("name", "submission")),
+    ("late", "students"): (("id",), ()),
+    ("late", "extensions"): (("id", "until"), ()),
+    _BY_HAND: (("id", "points"), ("reason",)),
+}
+"""By the keys that name tables, the columns that they need and those that they may have."""
+
 _COLUMNS = {"identifier": "id", "full name": "name", "student": "name"}  # of Moodle and Canvas
+
+
+class _Table(NamedTuple):
+    """A table of students: its rows by line, and what is to be said of its columns."""
+
+    file: str
+    rows: dict[int, dict[str, str]]
+    notes: list[str]
 
 
 Share: TypeAlias = Annotated[float, Bounds(0)]
@@ -126,22 +143,28 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
     spec = TomlFile(file)
     assignment = read_assignment(spec)
     levels = _levels(spec, assignment)
-    roster = _table(spec, ("assignment", "roster"), assignment.assignment.roster)
-    late = _table(spec, ("late", "students"), assignment.late.students)
-    deadlines = _deadlines(spec, assignment)
-    added = _added(spec, assignment)
+    tables = {path: _table(spec, assignment, path) for path in _TABLES}
+    roster, late, extensions, by_hand = tables.values()
+    deadlines = _deadlines(spec, extensions)
+    added = _added(spec, by_hand)
     spec.refuse()
     entries = entries_of(submissions, stems_of(levels), assignment.assignment.pattern)
     if not entries:
         hint = "It should have one folder, file or archive for each student."
         raise InputError("There are no submissions in it", place=str(submissions), hint=hint)
-    is_late = {row["id"] for row in late}
-    students, strays = _students(assignment, entries, roster, is_late, deadlines, added)
-    for nobody in sorted(added.keys() - {student.id for student in students}):
-        spec.problem(("assignment", "by_hand"), f"{printable(nobody)} is not among the students")
+    is_late = {row["id"] for row in late.rows.values()}
+    rows = [*roster.rows.values()]
+    students, strays = _students(assignment, entries, rows, is_late, deadlines, added)
+    known = [student.id for student in students]
+    for table in (late, extensions, by_hand) if rows else (by_hand,):
+        for line, row in table.rows.items():
+            if (nobody := row["id"]) not in known:
+                said = f"{printable(nobody)} is not among the students. "
+                spec.problem_in(table.file, line, (said + did_you_mean(nobody, known)).strip())
     spec.refuse()
     manifest, inputs = _manifest(spec, assignment, levels, students, entries)
-    return msgspec.structs.replace(manifest, strays=tuple(strays)), inputs
+    notes = tuple(readable(note) for table in tables.values() for note in table.notes)
+    return msgspec.structs.replace(manifest, strays=tuple(strays), notes=notes), inputs
 
 
 def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]]:
@@ -163,59 +186,71 @@ def _check_reference(spec: TomlFile, assignment: Assignment, level: Level) -> No
             spec.problem(("points", key), said)
 
 
-def _deadlines(spec: TomlFile, assignment: Assignment) -> dict[str, datetime]:
-    found, path = {}, ("late", "extensions")
-    for row in _table(spec, path, assignment.late.extensions):
+def _deadlines(spec: TomlFile, table: _Table) -> dict[str, datetime]:
+    found = {}
+    for line, row in table.rows.items():
         try:
             found[row["id"]] = until = datetime.fromisoformat(row.get("until", "").strip())
             if until.tzinfo is None:
                 raise ValueError
         except ValueError:
             said = f"until for {printable(row['id'])} must be like 2026-01-31T23:59:00+01:00"
-            spec.problem(path, said)
+            spec.problem_in(table.file, line, said)
     return found
 
 
-def _added(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[tuple[float, str], ...]]:
+def _added(spec: TomlFile, table: _Table) -> dict[str, tuple[tuple[float, str], ...]]:
     """Return points that were given by hand, with their reasons, by student."""
     found: dict[str, tuple[tuple[float, str], ...]] = {}
-    path = ("assignment", "by_hand")
-    for row in _table(spec, path, assignment.assignment.by_hand, is_unique=False):
+    for line, row in table.rows.items():
         try:
             points = float(row.get("points", ""))
             if not math.isfinite(points):
                 raise ValueError
         except ValueError:
-            spec.problem(path, f"points for {printable(row['id'])} must be a number")
+            said = f"points for {printable(row['id'])} must be a number"
+            spec.problem_in(table.file, line, said)
         else:
             reason = readable(row.get("reason", ""))
             found[row["id"]] = (*found.get(row["id"], ()), (points, reason))
     return found
 
 
-def _table(
-    spec: TomlFile, path: tuple[str, str], name: str, *, is_unique: bool = True
-) -> list[dict[str, str]]:
-    if not name:
-        return []
+def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> _Table:
+    """Return the table that a key names, which may be none; report what is wrong with it."""
+    file: str = getattr(getattr(assignment, path[0]), path[1])
+    table = _Table(file, {}, [])
+    if not file:
+        return table
     try:
-        lines = read_text(spec.folder / name, MOST_BYTES).splitlines()
-        reader = csv.DictReader(lines, restval="")
+        lines = read_text(spec.folder / file, MOST_BYTES).splitlines()
+        separator = max(",;\t", key=lines[0].count) if lines else ","
+        reader = csv.DictReader(lines, restval="", delimiter=separator)
         heads = [head.strip().casefold() for head in reader.fieldnames or ()]
-        reader.fieldnames = [_COLUMNS.get(head, head) for head in heads]
-        rows = list(reader)
+        heads = reader.fieldnames = [_COLUMNS.get(head, head) for head in heads]
+        rows = [(reader.line_num, row) for row in reader]
     except (OSError, ValueError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        spec.problem(path, f"{name} can't be read: {reason}")
-        return []
-    if rows and "id" not in rows[0]:
-        spec.problem(path, f'{name} has no column "id"; its first line names the columns')
-        return []
-    rows = [row for row in rows if row["id"].strip()]
-    ids = [row["id"] for row in rows] if is_unique else []
-    for twice in sorted({each for each in ids if ids.count(each) > 1}):
-        spec.problem(path, f"{name} has {printable(twice)} twice")
-    return rows
+        spec.problem(path, f"{file} can't be read: {reason}")
+        return table
+    needed, others = _TABLES[path]
+    for column in needed if rows else ():
+        if column not in heads:
+            said = f'There is no column "{column}"; the first line names the columns: '
+            spec.problem_in(file, 1, said + printable(", ".join(heads)))
+            return table
+    left = [column for column in others if column not in heads]
+    for head in heads:
+        if head not in (*needed, *others) and (hint := did_you_mean(head, left)):
+            table.notes.append(f'{file}: The column "{head}" is not known. {hint}')
+    seen: set[str] = set()
+    for line, row in rows:
+        if row["id"] in seen and path != _BY_HAND:
+            spec.problem_in(file, line, f"{printable(row['id'])} is there twice")
+        elif row["id"].strip():
+            seen.add(row["id"])
+            table.rows[line] = row
+    return table
 
 
 def _students(
@@ -263,7 +298,7 @@ def _students(
 
 
 def account_of(manifest: Manifest) -> list[str]:
-    """Return who of the roster handed in something, and what nobody in it handed in."""
+    """Return who of the roster handed in something, what nobody in it did, and what is odd."""
     students = manifest.students
     others = [each for each in students if NOT_IN_ROSTER in each.remarks]
     roster = [each for each in students if each not in others]
@@ -277,7 +312,7 @@ def account_of(manifest: Manifest) -> list[str]:
         what = "not matched:" if nobody else "nothing was handed in by"
         said += f"; {what} {', '.join(missing)}"
     lines = [said + (f"; files matched to no student: {', '.join(nobody)}" if nobody else "")]
-    return lines + [
+    return [*lines, *manifest.notes] + [
         f"{each.called}: {'; '.join(each.remarks)}"
         for each in roster
         if each.submission and each.remarks

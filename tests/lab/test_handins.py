@@ -185,6 +185,33 @@ def test_tables_of_moodle_and_canvas_are_rosters(tmp_path: Path) -> None:
     assert (student.name, student.submission) == ("Nobody", "Ada Lovelace_398021")
 
 
+def test_a_roster_of_a_spreadsheet_is_read_and_misspelt_columns_are_told(tmp_path: Path) -> None:
+    files = {"ada.l": "one"}
+    for separator in ",;\t":
+        roster = f"\ufeffid{separator}submision\r\nada{separator}x\r\n"
+        manifest = planned(tmp_path, files, roster)
+        assert [(each.id, each.submission) for each in manifest.students] == [("ada", "ada")]
+        assert account_of(manifest)[1:] == [
+            'roster.csv: The column "submision" is not known. Did you mean "submission"?'
+        ]
+
+
+@pytest.mark.parametrize(
+    ("name", "file"),
+    [
+        ("I\u015f\u0131l Y\u0131ld\u0131z", "isil yildiz"),
+        ("Łukasz Sørensen", "lukasz sorensen"),
+        ("Đorđe Œuvré", "dorde oeuvre"),
+        ("Þæðan Groß", "thaedan gross"),
+    ],
+)
+def test_names_are_matched_without_the_marks_of_their_letters(
+    tmp_path: Path, name: str, file: str
+) -> None:
+    manifest = planned(tmp_path, {f"{file}.l": "one"}, f"id,name\n7,{name}\n")
+    assert [(each.id, each.submission) for each in manifest.students] == [("7", file)]
+
+
 def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     files = {"x_11_assignsubmission_file_/a.l": "", "ada_22_assignsubmission_file_/a.l": ""}
     manifest = planned(tmp_path, files, "id,name\n1,Ada\n2,Ada\n")

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from logical_robots_tui.lab.competing import pair_off
+from logical_robots_tui.lab.competing import _rows, pair_off
 from logical_robots_tui.lab.folder import Manifest, Player
 from logical_robots_tui.lab.ranking import (
+    Ranking,
+    Standing,
     ranking_of_shares,
     share_of_match,
     share_of_points,
@@ -62,6 +64,15 @@ def test_strengths_are_those_that_the_shares_were_made_with() -> None:
     np.fill_diagonal(wins, 0)
     assert strengths(wins) == pytest.approx(rating, abs=4)
     assert strengths(np.array([[0, 0.75], [0.25, 0]])) == pytest.approx([90, -90], abs=6)
+
+
+def test_a_strength_of_nothing_has_no_sign_of_minus() -> None:
+    standing = Standing("ada", 1, 1, 0.5, 0.5, 0.5, -0.04, 1)
+    manifest = Manifest(
+        "tournament", "", "", 1, False, (), (), 1, 1.0, (), players=(Player("ada"),)
+    )
+    (row,) = _rows(manifest, Ranking((standing,), {}, ()))
+    assert row[4] == "+0"
 
 
 def test_who_lost_everything_has_a_strength_and_not_an_endless_one() -> None:

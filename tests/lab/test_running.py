@@ -8,8 +8,8 @@ import msgspec
 import pytest
 
 from logical_robots_tui.game.measuring import play_through, start_of
-from logical_robots_tui.lab.running import Asked, Result, Task, execute, fingerprint
-from logical_robots_tui.mind import Program
+from logical_robots_tui.lab.running import Asked, Result, Task, _reason, execute, fingerprint
+from logical_robots_tui.mind import Program, Stopped
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level
 from tests.lab.laboratory import FIRST_STEPS, program_text
@@ -156,6 +156,7 @@ def test_a_run_that_takes_too_long_is_not_a_result() -> None:
     answer = execute(task(FIRST_STEPS, ticks=20_000, seconds=0.01))
     assert answer.results == ()
     assert answer.failure == "it took more than 0.01 seconds"
+    assert _reason(Stopped(), task(FIRST_STEPS, seconds=1.0)) == "it took more than 1 second"
 
 
 def test_another_engine_refuses_the_task() -> None:
