@@ -194,7 +194,7 @@ def _stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
     if (found := last_rounds(path)) is not None:
         begin, period = found
         yield Stretch("circle", name, first + begin, first + len(path) - 1, period)
-    elif len(path) > _LONG:
+    elif len(path) > _LONG and (path[-2].x, path[-2].y) != (path[-1].x, path[-1].y):
         before, now = path[-_LONG], path[-1]
         way = f", from ({before.x:.0f}, {before.y:.0f}) to ({now.x:.0f}, {now.y:.0f})"
         last = first + len(path) - 1

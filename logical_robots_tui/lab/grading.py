@@ -55,7 +55,7 @@ QUESTIONS = {
     "circle": "What should have ended that?",
     "blocked": "What did the robot sense before, and which rule decided then?",
     "still": "What should have made it move on?",
-    "unfinished": "Is it on the right way, and fast enough?",
+    "unfinished": "Is it heading the right way, and fast enough?",
     "unchanged": "What should have changed it, and could that happen?",
 }
 """What a student is asked about each kind of finding, without the answer."""

@@ -43,6 +43,15 @@ async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of(
         assert {span.line for span in finding.others} <= {1, 2}
 
 
+async def test_who_has_just_got_stuck_is_not_on_its_way(tmp_path: Path) -> None:
+    text = "Robot(robot_name:, desire: {left_engine: E, right_engine: E}) :- Sensor(robot_name:);"
+    level = load_level(_without_door(tmp_path))
+    for engine, is_on_way in (("0.1", True), ("1", False)):
+        game = Game(level, Program.compile(text.replace("E", engine)))
+        kinds = {each.kind for each in (await diagnosis_of(game, ticks=200)).findings}
+        assert ("unfinished" in kinds, "blocked" in kinds) == (is_on_way, False)
+
+
 COPIES = """Near(ray) :- ray.distance < 0;
 Far(ray) :- ray.distance > 0;
 Stop() = {left_engine: 0, right_engine: 0};
