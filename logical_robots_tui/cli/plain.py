@@ -71,9 +71,6 @@ class LineGame(SessionListener):
         self.level_opened(self.session.level)
         self.player.start()
         await self._ui.done(but="measure")
-        state = self.session.state
-        if state.phase == "mistake" and not self._has_own_text:
-            raise ProgramFileError(self.session.source.name, ProgramError(state.mistakes))
         await self._settled()
         say("Type help for the commands.")
         for each in self.player.offerings():
@@ -463,10 +460,7 @@ COMMANDS = (
 
 
 def play(opening: Opening, recorder: ProgressRecorder) -> int:
-    """Play in lines of text until the player leaves; return the exit status.
-
-    Raises ProgramFileError if a program can't be compiled.
-    """
+    """Play in lines of text until the player leaves; return the exit status."""
     return asyncio.run(LineGame(opening, recorder).play())
 
 

@@ -369,7 +369,7 @@ _EXAMPLE = (
 def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     found = definitions(program).get(MAIN, [])
     if not found:
-        message = "There is no Robot predicate"
+        message = "There is no Robot predicate" if program else "The program is empty"
         close = next((n for n in definitions(program) if closest(n, [MAIN])), "")
         if close:
             yield diagnostic_for(text, close, message, f"Write {MAIN} instead of {close}.")

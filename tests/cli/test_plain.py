@@ -109,11 +109,17 @@ def test_a_run_stops_where_it_is_asked_to(typed: TypedCommand) -> None:
     assert "\nTick 3.\nRuns no longer stop when Late has rows.\nTick 12.\n" in told
 
 
-def test_the_program_is_read_again(typed: TypedCommand, ahead: Path) -> None:
+def test_the_program_is_read_again_and_one_that_does_not_compile_is_mended(
+    typed: TypedCommand, ahead: Path
+) -> None:
     typed.program = ahead
     assert "The robots will use it from the next tick." in typed("apply").out
     ahead.write_text("Robot(", encoding="utf-8")
-    assert typed("apply").status == 2
+    told = typed("run", "line 1 " + AHEAD.replace("\n", " "), "apply", "step")
+    assert told.status == 0
+    assert told.out.count("Line 1: ") == 1
+    assert "There is no program yet that can run." in told.out
+    assert "\nTick 1.\n" in told.out
 
 
 def test_a_player_goes_on_with_the_last_program_in_the_last_level(

@@ -25,7 +25,7 @@ def complaint(text: str) -> tuple[int, int, str, str]:
 @pytest.mark.parametrize(
     ("text", "line", "column", "words"),
     [
-        ("", 1, 1, "There is no Robot predicate"),
+        ("# Nothing.", 1, 1, "The program is empty"),
         ("Foo(1);\nBar(2);", 1, 1, "There is no Robot predicate"),
         ("A(1);\nB(2);\n" + ROBOT + "m = (1;", 3, M + 4, "'(' is never closed"),
         ("A(1);\n" + GOOD + "\n# ) fine\nB(1));", 4, 5, "')' closes nothing"),
