@@ -58,6 +58,7 @@ MESSAGES = {
     **dict.fromkeys(("InputError", "LevelError", "LedgerError", "LevelFinding"), 0),
     **dict.fromkeys(("Notice", "problem", "_complain", "_warn", "_error"), 1),
     **dict.fromkeys(("Diagnostic", "diagnostic_for", "_remark", "_refusal", "_warning"), 2),
+    "problem_in": 2,
     **dict.fromkeys(("diagnostic_at", "_remark_at", "Oddity"), 3),
 }
 """Which argument of a call is a message."""
