@@ -478,7 +478,7 @@ def _junit(title: str, grades: list[Grade]) -> bytes:
             kind = _junit_kind(level)
             if kind:
                 counts[{"failure": "failures", "error": "errors"}.get(kind, kind)] += 1
-                found = ElementTree.SubElement(case, kind, message=level.outcome)
+                found = ElementTree.SubElement(case, kind, message=level.failure or level.outcome)
                 found.text = "\n".join(map(harmless_text, level.messages))
         suite.set("tests", str(len(grade.levels)))
         for kind, count in counts.items():

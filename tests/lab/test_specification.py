@@ -21,6 +21,7 @@ from logical_robots_tui.lab.sweeping import (
     read_experiment,
 )
 from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.toml_files import TomlFile, TomlFileError
 from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, write_experiment
@@ -212,6 +213,11 @@ def test_what_is_wrong_with_an_assignment_is_said(tmp_path: Path) -> None:
         plan_grading(file, tmp_path)
     lines = [problem.split(": ")[0].removeprefix(f"{file}:") for problem in caught.value.problems]
     assert lines == ["2", "3", "7", "9"]
+    mine = (shipped_folder("levels") / "01-first-steps.toml").read_bytes()
+    (tmp_path / "mine.toml").write_bytes(mine.replace(b"First steps", b"Mine"))
+    file.write_text('[assignment]\n[[level]]\nname = "mine.toml"\n')
+    with pytest.raises(TomlFileError, match=r"mine has no reference .* such as ticks = 2000"):
+        plan_grading(file, tmp_path)
     (tmp_path / "r.csv").write_text("id\n1\n1\n")
     file.write_text(
         '[assignment]\nroster = "r.csv"\nstarts = 0\n[[level]]\nname = "01-first-steps"\n'

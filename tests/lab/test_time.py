@@ -145,6 +145,7 @@ def test_grading_ends_with_a_gradebook_of_what_there_is(
     assert said in feedback
     assert "- Not graded yet, because a run could not be finished: its worker" in feedback
     assert "not run yet" not in feedback
+    assert '<error message="its worker' in (out / "junit.xml").read_text()
     report = Command(capsys)("lab", "report", out)
     assert f"Ben (2): {said}" in report.out
     page = (out / "report.html").read_text("utf-8")
