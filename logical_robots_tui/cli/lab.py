@@ -36,7 +36,7 @@ _ENGINE = (
         ),
         command.option("--dask", "ADDRESS", "a Dask scheduler instead, such as tcp://HOST:8786"),
     ),
-    command.flag("--mixed", "also count results of another version"),
+    command.flag("--mixed", "also use results of other versions"),
 )
 
 
@@ -44,7 +44,9 @@ def _path(name: str, about: str) -> command.Part:
     return command.option(name, name.upper(), about, type=Path)
 
 
-_OUTPUT = command.option("-o --output", "FOLDER", "for all results", type=Path, required=True)
+_OUTPUT = command.option(
+    "-o --output", "FOLDER", "the folder for all results", type=Path, required=True
+)
 
 
 @command.declare("sweep", _path("experiment", "a TOML file"), _OUTPUT, *_ENGINE)
@@ -57,7 +59,7 @@ def _sweep(options: argparse.Namespace) -> int:
       logical-robots sweep experiment.toml -o out
       logical-robots sweep experiment.toml -o out --workers 1
 
-    What was computed before is not computed again.
+    Finished runs are not repeated.
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
@@ -83,8 +85,8 @@ def _grade(options: argparse.Namespace) -> int:
       logical-robots grade assignment.toml submissions -o grades
 
     A submission is a folder or an archive with a program for each level, such as
-    ada/01-first-steps.l, or one file for all levels, such as ada.l. What Moodle, Canvas and
-    Gradescope export is read as it comes.
+    ada/01-first-steps.l, or one file for all levels, such as ada.l. Exports from Moodle, Canvas
+    and Gradescope work unchanged.
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
@@ -103,7 +105,7 @@ def _grade(options: argparse.Namespace) -> int:
 def _tournament(options: argparse.Namespace) -> int:
     """let programs play against each other, and rank them
 
-    Let everybody play everybody in a level with teams, and rank them.
+    Let all players play each other in a level with teams, and rank them.
 
     examples:
       logical-robots tournament arena.toml players -o cup
@@ -240,7 +242,7 @@ def _play(options: argparse.Namespace) -> int:
       logical-robots lab play grades 1001 01
       logical-robots lab play grades Ada first-steps --start 2
 
-    What you change there is not kept in the folder.
+    Your changes are not saved in the folder.
 
     exit status: 0 after quitting, 2 if there is no such program
     """

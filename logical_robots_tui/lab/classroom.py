@@ -155,7 +155,7 @@ def fault_lines(manifest: Manifest, ledger: Ledger, width: int) -> list[str]:
         for fault in faults:
             said = f"{fault.level}: {', '.join(fault.who)}" + f": {fault.why}" * bool(fault.why)
             lines += wrap(said, width, initial_indent="  ", subsequent_indent="    ")
-    return ["", "What went wrong, with whom", *lines] if lines else []
+    return ["", "Common problems", *lines] if lines else []
 
 
 def ungraded_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
@@ -291,7 +291,7 @@ def class_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[
         (level, ", ".join(names[each] for each in ids)) for level, _, ids in duplicates(manifest)
     ]
     if same:
-        yield "<h2>The same program</h2><p>The same but for comments and space.</p>"
+        yield "<h2>The same program</h2><p>Identical except for comments and whitespace.</p>"
         yield as_table(("level", "students"), same)
     yield from _similar_parts(folder, manifest, names)
 
@@ -301,7 +301,7 @@ def _fault_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator
     for number, (kind, group) in enumerate(faults):
         if not number:
             said = "The commands play one of these programs, typed where this folder is."
-            yield f"<h2>What went wrong, with whom</h2><p>{said}</p>"
+            yield f"<h2>Common problems</h2><p>{said}</p>"
         yield f"<h3>{kind.capitalize()}</h3><ul>"
         for fault in group:
             said = f"<b>{escaped(fault.level)}</b>: {escaped(', '.join(fault.who))}"

@@ -268,8 +268,8 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -
             command = as_code(manifest.command(each.cell, 0))
             rows.append((each.cell.program_name, points, command))
     said = (
-        "<p>Each from the given start; runs.csv has all. The commands are typed in this folder; "
-        "replay record instead of play keeps a match in a file.</p>"
+        "<p>Each from the given start; runs.csv has all. Run the commands in this folder; "
+        "replace play with replay record to keep a match in a file.</p>"
     )
     parts.append("<h2>Matches</h2>" + said + as_table(("match", "points", "to see it"), rows))
     return parts

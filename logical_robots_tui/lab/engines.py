@@ -270,7 +270,7 @@ class ClusterEngine:
         try:
             self._client = self._dask.Client(self._address, timeout=seconds)
         except (OSError, RuntimeError, TypeError, ValueError) as error:  # the last ones by TLS
-            message = f"There is no Dask scheduler that can be reached: {error}"
+            message = f"The Dask scheduler can't be reached: {error}"
             hint = "Start one with `dask scheduler`, and check the address and the keys."
             raise InputError(message, place=self._address, hint=hint) from error
 

@@ -286,7 +286,7 @@ class Folder:
         return closing(Ledger(self.path / "ledger.db", fingerprint(), mixed=mixed))
 
     def _unwritable(self, file: Path, error: OSError) -> InputError:
-        hint = "Make room, then do the same again." if error.errno == ENOSPC else ""
+        hint = "Free disk space, then do the same again." if error.errno == ENOSPC else ""
         return InputError(f"can't be written: {error.strerror}", place=str(file), hint=hint)
 
     def _error(self, message: str, hint: str) -> InputError:
@@ -453,8 +453,8 @@ class Ledger:
             yield
         except (sqlite3.Error, UnicodeDecodeError) as error:  # damage in a name it would tell
             said = {
-                "SQLITE_FULL": ("The disk is full", "Make room, then resume."),
-                "SQLITE_IOERR": ("The disk is full or fails", "Make room, then resume."),
+                "SQLITE_FULL": ("The disk is full", "Free disk space, then resume."),
+                "SQLITE_IOERR": ("The disk is full or fails", "Free disk space, then resume."),
                 "SQLITE_READONLY": ("It is read-only", "Choose a folder that you can write to."),
                 "SQLITE_CANTOPEN": ("It can't be opened", "Choose another folder."),
                 "SQLITE_BUSY": ("Another process is writing to it", "Wait for it to end."),

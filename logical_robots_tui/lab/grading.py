@@ -37,26 +37,26 @@ _NO_PROGRAM = "no program for this level was found"
 _MISSING = (NOTHING, UNMATCHED, _NO_PROGRAM)
 
 QUESTIONS = {
-    "several rows": "Which of the rows should count, and what excludes the others?",
+    "several rows": "Which of the rows should count?",
     "no row": "Which rule should cover that case?",
-    "bad engine": "Which part of the value can be missing, and when?",
+    "bad engine": "Which part of the value can be missing?",
     "notice": "What was special about that tick?",
     "unknown string": "What are things called in this level?",
     "unused": "Which rule should use it?",
     "same copy": "What should be different in one of them?",
-    "memory never written": "Which rule should write it, and under which name?",
+    "memory never written": "Which rule should write this field?",
     "memory never read": "Which rule should read it?",
     "memory lost": "Should the robot still know it then?",
-    "no rows": "Should it ever have had one, and in which situation?",
+    "no rows": "When should this rule have a row?",
     "always null": "Where should its value come from?",
-    "never true": "Should that ever be so in this level, and when?",
-    "never false": "Should that ever be otherwise, and when?",
+    "never true": "When should this condition hold?",
+    "never false": "When should it fail?",
     "never null": "What was that case meant for?",
     "circle": "What should have ended that?",
-    "blocked": "What did the robot sense before, and which rule decided then?",
+    "blocked": "Which rule decided just before that?",
     "still": "What should have made it move on?",
-    "unfinished": "Is it heading the right way, and fast enough?",
-    "unchanged": "What should have changed it, and could that happen?",
+    "unfinished": "Is it heading the right way?",
+    "unchanged": "What should change this field?",
 }
 """What a student is asked about each kind of finding, without the answer."""
 

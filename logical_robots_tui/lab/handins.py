@@ -278,7 +278,7 @@ def _opened(file: File, room: Room, depth: int) -> Iterator[File]:
             is_empty = False
             yield from _opened(inner._replace(changed=file.changed), room, depth - 1)
         if is_empty:
-            yield file._replace(problem="there is nothing in it")
+            yield file._replace(problem="it is empty")
 
 
 def _unwrapped(files: list[File], stems: Mapping[str, str]) -> list[File]:

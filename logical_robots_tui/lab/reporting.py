@@ -455,10 +455,10 @@ def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
         )
     medians = [f"median {name}" for name in measures]
     head = ("", "level", "program", "given start", "won", "95% interval", *medians, "replay")
-    said = "The commands are typed in this folder; why instead of play explains a tick."
+    said = "Run the commands in this folder; replace `play` with `why` to explain a tick."
     if names:
-        said = "The commands are typed where this folder is. In one from runs.csv, "
-        said += "why instead of play explains a tick."
+        said = "Run the commands where this folder is. In one from runs.csv, "
+        said += "replace `play` with `why` to explain a tick."
     return f"<h2>Programs in levels</h2><p>{said}</p>" + as_table(head, rows)
 
 

@@ -146,7 +146,7 @@ def read_experiment(spec: TomlFile) -> Experiment:
         _check_texts(spec, ("case", number, "constants"), case.constants.values())
         _check_texts(spec, ("case", number, "level"), case.level.values())
     if found.sample and not any(vary.between for vary in found.vary):
-        spec.problem(("sample",), 'Nothing is varied "between" two numbers')
+        spec.problem(("sample",), '[sample] needs a [[vary]] with "between"')
     first, last = found.experiment.span if not spec.is_wrong(("experiment", "starts")) else (1, 1)
     if not -1 <= last - first < _MOST_VALUES:
         said = f"Varied starts are [from, to], at most {_MOST_VALUES:,}"
@@ -160,7 +160,7 @@ def read_experiment(spec: TomlFile) -> Experiment:
         if isinstance(measure, Query) and bool(measure.at) and measure.every:
             spec.problem(path, 'It is measured either at = "end" or every so many ticks')
         if isinstance(measure, Query) and measure.reduce and not measure.every:
-            spec.problem(path, 'Only what is measured "every" so many ticks can be reduced')
+            spec.problem(path, '"reduce" needs "every"')
         if (measure == "end") != (name in BUILT_IN):
             spec.problem(
                 path,

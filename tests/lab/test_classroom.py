@@ -99,7 +99,7 @@ def graded(grades: Path, capsys: pytest.CaptureFixture[str]) -> tuple[Command, P
 def test_what_went_wrong_is_told_by_kind_with_names(graded: tuple[Command, Path]) -> None:
     command, out = graded
     told = command("lab", "report", out).out
-    _, _, faults = told.partition("What went wrong, with whom\n")
+    _, _, faults = told.partition("Common problems\n")
     assert max(map(len, faults.splitlines())) <= max(80, len(str(out)) + 30)
     faults = " ".join(faults.split())
     assert "does not compile: 01-first-steps: Cem <b>Demir</b> (2019): Snesor" in faults

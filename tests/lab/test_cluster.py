@@ -166,7 +166,7 @@ def test_a_scheduler_that_is_not_there_gets_a_sentence(
     file = write_experiment(tmp_path)
     told = Command(capsys)("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
     assert told.status == 2
-    assert "There is no Dask scheduler" in told.err
+    assert "The Dask scheduler can't be reached" in told.err
 
 
 def test_without_the_extra_a_cluster_says_what_is_missing(

@@ -88,9 +88,9 @@ def test_what_was_not_won_is_asked_about_and_drawn(
     lost = (out / "feedback/cem.md").read_text()
     assert "\\`" not in lost
     assert "- Line 1: The rule of Near in line 1 never had a row: " in lost
-    assert f"- Line 2: Ada was blocked from tick 302 to 513, mostly with `{driving}`. What" in lost
+    assert f"- Line 2: Ada was blocked from tick 302 to 513, mostly with `{driving}`. Which" in lost
     pages = {file.stem: file.read_text() for file in (out / "feedback").glob("*.html")}
-    assert f"mostly with <code>{driving}</code>. What did the robot sense" in pages["cem"]
+    assert f"mostly with <code>{driving}</code>. Which rule decided" in pages["cem"]
     path = re.search('<polyline points="([^"]*)"', pages["cem"])
     assert path is not None
     assert path[1].endswith(" 364.0,20.0")

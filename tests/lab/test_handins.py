@@ -271,9 +271,7 @@ def test_where_there_is_nothing_at_all_nobody_is_graded(tmp_path: Path) -> None:
 
 def test_what_can_not_be_read_is_said(tmp_path: Path) -> None:
     assert only(tmp_path / "a", {"ada.zip": b"PK no zip"}).remarks == ["ada.zip: it is damaged"]
-    assert only(tmp_path / "b", {"ada.zip": zipped({})}).remarks == [
-        "ada.zip: there is nothing in it"
-    ]
+    assert only(tmp_path / "b", {"ada.zip": zipped({})}).remarks == ["ada.zip: it is empty"]
     two = only(tmp_path / "c", {"ada/first-steps.l": "1", "ada/old/first-steps.l": "2"})
     assert two.programs == {FIRST: "1"}
     assert two.remarks == ["old/first-steps.l: first-steps.l is there for this level, too"]
