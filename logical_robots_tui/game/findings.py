@@ -315,11 +315,12 @@ _AGGREGATE = re.compile(r"[A-Z]\w*\s*\{")
 
 
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    leaves = _leaves(tally, robot)
+    leaves, decided = _leaves(tally, robot), _decided(tally, robot)
     nulls = [
         place
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "value" and tally.sites[number].true is not None
+        if tally.checkup.rules[site.rule].predicate != "Robot" or site.rule in decided
         for place in (site.span, *site.places)
     ]
     span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
@@ -368,8 +369,8 @@ def _of_memory(
         if name not in reads:
             continue
         tally = closer[robot, tick]
-        rules = [checkup.rules[n] for n in tally.robots.get((robot, tick), ())]
-        places = [rule.memory or rule.span for rule in rules]
+        given = sorted(tally.robots.get((robot, tick), ()), reverse=True)
+        places = [checkup.rules[n].memory or checkup.rules[n].span for n in given]
         span, others = _split([*places, reads[name].span])
         message = f"{robot} forgot memory.{name} at tick {tick}: the new memory has no such field."
         hint = f"It is read in line {reads[name].span.line}; every new memory must include it."
@@ -465,14 +466,25 @@ def _leaves(tally: Tally, robot: str) -> list[list[Span]]:
 
     For each choice these are its place and the sources of its values.
     """
-    rules = tally.checkup.rules
-    gave = {n for (who, _), given in tally.robots.items() if who == robot for n in given}
-    owners = {name for n in gave for name in rules[n].sources}
-    found = [
-        (rules[site.rule].is_function, -len(tally.sites[number].ticks), number)
-        for number, site in enumerate(tally.checkup.sites)
-        if site.kind == "leaf" and tally.sites[number].reached is not None
-        if site.owner in owners and (rules[site.rule].predicate != "Robot" or site.rule in gave)
-    ]
+    rules, decided = tally.checkup.rules, _decided(tally, robot)
+    owners = {name for n in decided for name in rules[n].sources}
+    found = []
+    for number, site in enumerate(tally.checkup.sites):
+        if site.kind != "leaf" or site.owner not in owners:
+            continue
+        ticks = tally.sites[number].ticks
+        if rules[site.rule].predicate == "Robot":
+            ticks = ticks & decided.get(site.rule, set())
+        if ticks:
+            found.append((rules[site.rule].is_function, -len(ticks), number))
     sites = {tally.checkup.sites[n].span: tally.checkup.sites[n] for *_, n in sorted(found)}
     return [[site.span, *site.places] for site in [*sites.values()][:_MOST_LEAVES]]
+
+
+def _decided(tally: Tally, robot: str) -> dict[int, set[int]]:
+    """Return the rules of `Robot` whose row counted, because it was the last, with the ticks."""
+    found: dict[int, set[int]] = {}
+    for (who, tick), given in tally.robots.items():
+        if who == robot:
+            found.setdefault(max(given), set()).add(tick)
+    return found

@@ -52,6 +52,22 @@ async def test_who_has_just_got_stuck_is_not_on_its_way(tmp_path: Path) -> None:
         assert ("unfinished" in kinds, "blocked" in kinds) == (is_on_way, False)
 
 
+async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(tmp_path: Path) -> None:
+    rules = [
+        f'Robot(robot_name:, memory: "", desire:) :- Sensor(robot_name:),\n  desire = {desire};'
+        for desire in (
+            "{left_engine: 1, right_engine: -1}",
+            "{left_engine: 1, right_engine: 1}",
+            "{left_engine: 0, right_engine: 0}",
+        )
+    ]
+    for last, kind in ((0, "circle"), (1, "blocked"), (2, "still")):
+        text = "\n".join([*rules[:last], *rules[last + 1 :], rules[last]])
+        finding = the(await without_door(tmp_path, text), kind)
+        assert finding.span is not None
+        assert finding.span.line == 6, kind
+
+
 COPIES = """Near(ray) :- ray.distance < 0;
 Far(ray) :- ray.distance > 0;
 Stop() = {left_engine: 0, right_engine: 0};
