@@ -99,7 +99,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step("a", 'Dot remembers {word: "lamp"}')
     yield Step(PALETTE, "Find a command")
     yield Step("Diagnosis", "Scan the whole run for likely mistakes.")
-    yield Step(ENTER, f"Look through the run up to tick {found.wrong}")
+    yield Step(ENTER, f"Scan the run up to tick {found.wrong}")
     yield Step(ENTER, '"left"` never held')
     yield Step(DOWN, '"left"` never held', "1-diagnosis")
     yield Step(ENTER, f"tick {found.turned} of")
@@ -203,8 +203,9 @@ memory changed.
 
 ## Where do I begin? Diagnosis
 
-`^P` and “Diagnosis” open a page that scans the whole run for [likely mistakes](diagnose.md): rules
-that never produced a row, conditions that never changed, memories that were lost.
+`^P` and “Diagnosis” open a page. `Enter` there scans the whole run for [likely
+mistakes](diagnose.md): rules that never produced a row, conditions that never changed, memories that
+were lost.
 
 {pictures["1"]}
 

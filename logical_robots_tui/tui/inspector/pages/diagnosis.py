@@ -9,9 +9,9 @@ from textual.widgets.option_list import Option
 from textual.worker import Worker
 
 from logical_robots_tui.explain.diagnosis.telling import Finding
-from logical_robots_tui.game import Frame, Superseded
+from logical_robots_tui.game import Frame, Game, Superseded
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
-from logical_robots_tui.mind import QueryError
+from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions
@@ -24,17 +24,22 @@ _START = "(start)"
 _EVERY = 10  # ticks between two progress reports
 
 
+class _Findings(Listing):
+    bar_keys = (("enter", "Scan, or go to the finding"),)
+
+
 class DiagnosisPage(Page):
     DEFAULT_CSS = """
     DiagnosisPage > .about { height: auto; text-wrap: wrap; }
     DiagnosisPage #findings { height: 1fr; border: none; padding: 0; background: $surface; }
     """
 
-    view: Listing
+    view: _Findings
 
     def __init__(self, entry: PageEntry, questions: Questions) -> None:
-        super().__init__(entry, questions, Listing(id="findings", markup=False))
+        super().__init__(entry, questions, _Findings(id="findings", markup=False))
         self.found: Diagnosis | None = None
+        self._scanned: tuple[Game, int, Program] | None = None
         self._worker: Worker[None] | None = None
         self._shown: tuple[object, ...] | None = None
 
@@ -43,27 +48,42 @@ class DiagnosisPage(Page):
         return self._worker is not None and not self._worker.is_finished
 
     async def show(self, frame: Frame) -> None:
-        """Show the findings; offer a new diagnosis if the run has gone on."""
+        """Show the findings; offer a new scan if the run has gone on or is another."""
         self.head(frame.tick)
         self._list()
+
+    @property
+    def _current(self) -> tuple[Game, int, Program] | None:
+        """What findings are about: a branch, and the program that it was scanned for."""
+        game = self._session.game
+        return None if game is None else (game, game.history.turns, game.program)
 
     def _list(self) -> None:
         game = self._session.game
         last = 0 if game is None else game.history.last
         findings = self.found.findings if self.found is not None else ()
-        shown = (findings, self.is_diagnosing, last)
+        shown = (findings, self.is_diagnosing, last, self._current)
         if shown == self._shown:
             return
         self._shown = shown
         at = self.view.highlighted
         self.view.clear_options()
-        offer = "Stop looking" if self.is_diagnosing else f"Look through the run up to tick {last}"
+        offer = f"Scan {'the run' if self.found is None else 'again'} up to tick {last}"
+        offer = "Stop scanning" if self.is_diagnosing else offer
         options = [Option(Content.styled(offer, f"bold {INK.key}"), id=_START)]
         options += [Option(_describe(each), id=str(n)) for n, each in enumerate(findings)]
         self.view.add_options(options)
         self.view.highlighted = min(at or 0, len(options) - 1)
         if not self.is_diagnosing:
-            self._describe("" if self.found is None else extent(self.found))
+            self._describe("" if self.found is None else f"{self._age()}{extent(self.found)}")
+
+    def _age(self) -> str:
+        """Return a sentence if the findings are no longer about what is played, or ""."""
+        was, now = self._scanned, self._current
+        if was is None or was == now:
+            return ""
+        is_same = now is not None and now[2].texts == was[2].texts
+        return f"This is about an earlier {'run' if is_same else 'program'}. "
 
     def _describe(self, text: str) -> None:
         nothing = self.found is not None and not self.found.findings and not self.is_diagnosing
@@ -72,6 +92,7 @@ class DiagnosisPage(Page):
 
     async def _look(self) -> None:
         game = self._session.game
+        self._scanned = self._current
         if game is None:
             self._describe(NO_PROGRAM)
             return
@@ -80,7 +101,7 @@ class DiagnosisPage(Page):
         except QueryError as error:
             self._describe(str(error))
         except Superseded:
-            self._describe("Another branch has begun. Look again.")
+            self._describe("Another branch has begun. Scan again.")
         finally:
             self._worker = None
             self._shown = None
@@ -92,7 +113,7 @@ class DiagnosisPage(Page):
 
     def _report(self, done: int, of_all: int) -> None:
         if not done % _EVERY:
-            self._describe(f"Looking through the run: {done} of {of_all} ticks")
+            self._describe(f"Scanning: {done} of {of_all} ticks")
 
     @on(OptionList.OptionSelected)
     def _chosen(self, event: OptionList.OptionSelected) -> None:
@@ -109,16 +130,16 @@ class DiagnosisPage(Page):
         else:
             self.found = None
             self._worker = in_background(self, self._look, "diagnose", exclusive=True)
-            self._describe("Looking through the run…")
+            self._describe("Scanning…")
             self._list()
 
     @on(OptionList.OptionHighlighted)
     def _pointed(self, event: OptionList.OptionHighlighted) -> None:
         event.stop()
         finding = self._finding(event.option_id)
-        game = self._session.game
-        if finding is not None and finding.span is not None and game is not None:
-            self.post_message(Placed(game.program.text, (finding.span.start, finding.span.stop)))
+        if finding is not None and finding.span is not None and self._scanned is not None:
+            place = finding.span.start, finding.span.stop
+            self.post_message(Placed(self._scanned[2].text, place))
 
     def _finding(self, option: str | None) -> Finding | None:
         if self.found is None or option in (None, _START):
