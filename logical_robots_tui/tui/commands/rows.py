@@ -101,7 +101,7 @@ def save_rows(screen: MainScreen, table: ValueTable) -> None:
 def break_here(screen: MainScreen) -> None:
     found = screen.inspector.active.breakpoint_here()
     if found is None:
-        screen.tell("Choose a predicate or type a query first.")
+        screen.tell("Choose a predicate with rows, or type a query first.")
     else:
         screen.timeline_controller.add_breakpoint(found)
 

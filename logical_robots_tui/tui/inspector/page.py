@@ -266,6 +266,15 @@ class Page(Vertical):
     def breakpoint_here(self) -> Breakpoint | None:
         return None
 
+    def breakpoint_at(self, predicate: str, robot: str, column: str = "") -> Breakpoint | None:
+        """Return one at which rows of a predicate change; None if it has no rows of its own."""
+        known = (each for each in self._session.predicates if each.name == predicate)
+        if not any(each.has_rows for each in known):
+            return None
+        from logical_robots_tui.game import Breakpoint
+
+        return Breakpoint("change", predicate, robot, column)
+
     async def change_values_here(self) -> None:
         """Let the player change values of a line of a proof, and ask why again."""
         words = with_keys("Put the cursor on a line of a proof; {why} makes one.")

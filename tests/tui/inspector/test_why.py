@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.game import Breakpoint
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
@@ -313,6 +314,18 @@ async def test_of_a_predicate_that_is_inspected(data_dir: Path) -> None:
         game.inspector.inspect("Near")
         await game.press("w")
         await game.until(lambda: "sensor.clock > 5" in told(game))
+
+
+async def test_its_predicate_is_stopped_at_unless_that_is_a_function(data_dir: Path) -> None:
+    async with opened(data_dir, text=TWO_RULES) as game:
+        await asked_why(game)
+        await game.press("asterisk")
+        await game.sees("The robots stop when Robot changes for Solo.")
+        assert list(game.session.breakpoints) == [Breakpoint("change", "Robot", "Solo")]
+        game.inspector.open("Speed")
+        await game.press("w", "asterisk")
+        await game.sees("Choose a predicate with rows, or type a query first.")
+        assert len(game.session.breakpoints) == 1
 
 
 async def test_a_function_without_arguments_says_so_in_place(data_dir: Path) -> None:

@@ -84,11 +84,8 @@ class PredicatePage(Page):
         return traced_value(self.predicate, row, column, self.robot, self._session.frame.tick)
 
     def breakpoint_here(self) -> Breakpoint | None:
-        known = (each for each in self._session.predicates if each.name == self.predicate)
-        if not any(each.has_rows for each in known):
-            return None
         column = self.view.column if self.view.has_focus else ""
-        return Breakpoint("change", self.predicate, self.view.how.robot, column)
+        return self.breakpoint_at(self.predicate, self.view.how.robot, column)
 
     def _pin_of_cell(self, table: ValueTable) -> Pin | None:
         if table.place is None:

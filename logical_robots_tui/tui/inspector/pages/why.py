@@ -13,7 +13,7 @@ from textual.widgets.input import Selection
 
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
 from logical_robots_tui.explain.why.explanation import Subject, spell_call
-from logical_robots_tui.game import Frame, Inquiry, Superseded, read_part
+from logical_robots_tui.game import Breakpoint, Frame, Inquiry, Superseded, read_part
 from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.ui import in_background
@@ -110,6 +110,9 @@ class WhyPage(Page):
     def traced_here(self) -> Traced | None:
         tick = self._session.frame.tick
         return _traced_in_proof(self.view, self._steps[-1], self.robot, tick)
+
+    def breakpoint_here(self) -> Breakpoint | None:
+        return self.breakpoint_at(self._steps[-1].predicate, self.robot)
 
     async def change_values_here(self) -> None:
         here, program = self._question_here(), self._session.program
