@@ -204,8 +204,8 @@ memory changed.
 ## Where do I begin? Diagnosis
 
 `^P` and “Diagnosis” open a page. `Enter` there scans the whole run for [likely
-mistakes](diagnose.md): rules that never produced a row, conditions that never changed, memories that
-were lost.
+mistakes](diagnose.md): rules that never produced a row, conditions that never changed, memories
+that were lost.
 
 {pictures["1"]}
 
@@ -255,7 +255,8 @@ The command line shows all of them at once:
 
 {told(f"logical-robots when {FILES} '{SOUGHT}'")}
 
-`*` makes a query a breakpoint: a run stops where it begins to hold. `B` lists all breakpoints.
+`*` right after a search makes its query a breakpoint: a run stops where it begins to hold. `B`
+lists all breakpoints.
 
 ## When did it change? Watch
 

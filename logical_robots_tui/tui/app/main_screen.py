@@ -149,7 +149,12 @@ class MainScreen(Screen[None], SessionListener):
             session, ui, data_dir / "replays", library.programs, library.open_with
         )
         self.ghost = GhostController(session, ui, view, self.player.best_runs, data_dir / "replays")
-        self.search = Search(session, ui, self.timeline_controller.go_to)
+        self.search = Search(
+            session,
+            ui,
+            self.timeline_controller.go_to,
+            lambda: self.inspector.active.breakpoint_here(),
+        )
         self.announcer = VictoryAnnouncer(
             session,
             self.briefing,

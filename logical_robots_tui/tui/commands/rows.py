@@ -99,7 +99,7 @@ def save_rows(screen: MainScreen, table: ValueTable) -> None:
 
 
 def break_here(screen: MainScreen) -> None:
-    found = screen.inspector.active.breakpoint_here()
+    found = screen.search.breakpoint_here() or screen.inspector.active.breakpoint_here()
     if found is None:
         screen.tell("Choose a predicate with rows, or type a query first.")
     else:

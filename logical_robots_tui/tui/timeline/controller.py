@@ -155,11 +155,29 @@ _PATIENCE = 0.5  # seconds of a search before a message
 
 
 class Search:
-    """Goes to the next or previous tick in which a question holds."""
+    """Goes to the next or previous tick in which a question holds.
 
-    def __init__(self, session: Session, ui: Dialogs, go_to: Callable[[int], None]) -> None:
-        self._session, self._ui, self._go_to = session, ui, go_to
+    `inspected` returns the breakpoint that what is inspected would give.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        ui: Dialogs,
+        go_to: Callable[[int], None],
+        inspected: Callable[[], Breakpoint | None],
+    ) -> None:
+        self._session, self._ui, self._go_to, self._inspected = session, ui, go_to, inspected
         self._question = ""
+        self._ended: tuple[int, Breakpoint | None] | None = None
+
+    def breakpoint_here(self) -> Breakpoint | None:
+        """Return one for the question, or None once the player has turned to something else."""
+        if self._ended != (self._session.frame.tick, self._inspected()):
+            return None
+        from logical_robots_tui.game import Breakpoint
+
+        return Breakpoint("rows", self._question)
 
     async def ask(self) -> None:
         from logical_robots_tui.tui.timeline.breakpoints import QuestionPrompt
@@ -186,6 +204,7 @@ class Search:
             self._ui.tell(_NO_PROGRAM)
             return
         about, patient_until = self._about(game), session.clock.now() + _PATIENCE
+        inspected, self._ended = self._inspected(), None
 
         def told(tick: int) -> None:
             nonlocal patient_until
@@ -211,6 +230,7 @@ class Search:
             self._go_to(sought.tick)
         else:
             self._say_there_is_none(sought, way)
+        self._ended = session.frame.tick, inspected
 
     def _say_there_is_none(self, sought: SearchResult, way: Literal[-1, 1]) -> None:
         from logical_robots_tui.tui.commands.keymap import with_keys

@@ -149,6 +149,37 @@ async def test_a_breakpoint_can_be_any_question(
         await game.until(lambda: game.tick == 9 and not game.session.busy)
 
 
+async def test_of_a_search_and_the_inspector_the_later_one_is_stopped_at(
+    data_dir: Path, short: Path
+) -> None:
+    async with playing(data_dir, short) as game:
+
+        async def ask(question: str) -> None:
+            await game.press("slash")
+            await game.until(lambda: isinstance(game.main.focused, QueryLine))
+            game.main.query_one(QueryLine).value = question
+            await game.press("enter")
+            await game.sees("Ask · tick")
+            await game.press("escape")
+
+        async def stops_at(question: str) -> None:
+            await game.press("asterisk")
+            await game.until(lambda: [*game.session.breakpoints] == [Breakpoint("rows", question)])
+            game.session.breakpoints.remove(Breakpoint("rows", question))
+
+        await run_to(game, 6)
+        await ask("sensor.clock > 1")
+        await game.press("left_parenthesis")
+        await search(game, AT)
+        await game.until(lambda: game.tick == 3)
+        await stops_at(AT)
+        await ask("sensor.clock > 2")
+        await stops_at("sensor.clock > 2")
+        await game.press("colon")
+        await game.sees("No other tick before 3")
+        await stops_at(AT)
+
+
 async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
         await game.press("slash")
