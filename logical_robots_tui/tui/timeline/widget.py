@@ -155,6 +155,7 @@ class Timeline(Widget, can_focus=True):
         self._span = Span(0, 0, 0)
         self._robot: str | None = None
         self._arrived = ""
+        self._notices: dict[str, str] = {}
         self._line = Content("")
         self._is_dragged = False
         self._pointed: int | None = None
@@ -167,6 +168,11 @@ class Timeline(Widget, can_focus=True):
         history = self._history = session.history
         self._robot = robot
         self._arrived = "" if robot is not None else _arrived(session)
+        self._notices = {
+            decision.robot_name: " ".join(notice.message for notice in decision.notices)
+            for decision in session.frame.decisions
+            if decision.notices
+        }
         self._span = Span(0, 0, session.frame.tick)
         if history is not None:
             other = history.other[-1] if history.other else None
@@ -203,20 +209,24 @@ class Timeline(Widget, can_focus=True):
     def _note(self, width: int) -> Content:
         span, history = self._span, self._history
         marks = history.marks.at(span.tick) if history is not None else ()
-        said = [part for mark in marks if (part := self._said(mark))]
+        said = [(mark.kind, part) for mark in marks if (part := self._said(mark))]
+        short = text = f"tick {span.tick}"
+        if span.last > span.first:
+            text += f" of {span.last}" if not span.first else f" of {span.first} to {span.last}"
         if not said:
-            text = f"tick {span.tick}"
-            if span.last > span.first:
-                text += f" of {span.last}" if not span.first else f" of {span.first} to {span.last}"
             if history is not None and history.dropped and history.dropped <= span.first:
                 text += ", no room for earlier ones"
             if len(text + self._arrived) > width:
-                text = f"tick {span.tick}"
+                text = short
             text += self._arrived
             return Content.styled(clip(text, width), INK.dim)
-        note = Content("  ").join(said)
-        if note.cell_length + len(self._arrived) <= width:
-            return note.append(Content.styled(self._arrived, INK.dim))
+        every = [part for _, part in said]
+        most = [part for kind, part in said if kind != "memory"]  # memories change all the time
+        for tick, parts in ((text, every), (short, every), (short, most)):
+            note = Content("  ").join([Content.styled(tick, INK.dim), *parts])
+            if note.cell_length + len(self._arrived) <= width:
+                return note.append(Content.styled(self._arrived, INK.dim))
+        note = Content("  ").join([Content.styled(short, INK.dim), *every])
         return note if note.cell_length <= width else note.truncate(width - 1).append("…")
 
     def _said(self, mark: Mark) -> Content:
@@ -224,7 +234,11 @@ class Timeline(Widget, can_focus=True):
         words = ", ".join(map(one_line, mark.names))
         if mark.kind == "breakpoint" and self._history is not None:
             hits = self._history.hits_at(self._span.tick)
-            words = one_line("; ".join(hit.values for hit in hits))
+            words = one_line("; ".join(f"{hit.breakpoint.words}: {hit.values}" for hit in hits))
+        elif mark.kind == "notice":
+            notice = next((self._notices[n] for n in mark.names if n in self._notices), "")
+            is_named = len(mark.names) == 1 and mark.names[0] in notice
+            words = one_line(notice if is_named else f"{words}: {notice}" if notice else words)
         elif mark.kind == "stuck":
             words += " is stuck" if len(mark.names) == 1 else " are stuck"
         elif mark.kind == "circling":

@@ -153,7 +153,7 @@ async def test_marks_are_gone_to_one_after_the_other(data_dir: Path, short: Path
         game.main.labyrinth.view.selected = "Pip"
         await game.press("left_curly_bracket")
         await game.until(lambda: game.tick == 6)
-        await game.until(lambda: "┷ Pip" in line(game))
+        await game.until(lambda: f"tick 6 of {won_at}  ┷ Pip" in line(game))
         await game.press("left_curly_bracket")
         await game.until(lambda: game.tick == 1)
         await game.press("left_curly_bracket")
@@ -267,11 +267,20 @@ async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, sho
         await game.press("space")
         await game.until(lambda: game.tick == 13 and not game.session.running)
         await game.sees("Stopped at tick 13. Near has rows")
-        await game.until(lambda: '◉ "Pip"' in line(game))
+        await game.until(lambda: 'tick 13 of 13  ◉ Near has rows: "Pip"' in line(game))
         await game.press("space")
         await game.sees("Again")
         await game.press("escape", "left_curly_bracket")
         await game.until(lambda: game.tick == 13)
+
+
+async def test_a_notice_is_told_beside_its_tick(data_dir: Path, short: Path) -> None:
+    near, rule = TURNS.split("\n", 1)
+    text = f"{near}\n{rule}{rule.replace('Sensor(robot_name:, sensor:)', 'Near(robot_name:)')}"
+    text = text.replace("sensor.clock > 5", "1")
+    async with playing(data_dir, short, text=text) as game:
+        await run_to(game, 13)
+        await game.until(lambda: "tick 13  ! Robot has 2 rows for Pip, wh…" in line(game))
 
 
 async def test_breakpoints_are_listed_switched_off_and_deleted(data_dir: Path, short: Path) -> None:
