@@ -17,6 +17,7 @@ from logical_robots_tui.wording import clip
 
 _GAP = 2
 _WHILE_EDITING = ("run", "help")
+_WITH_NEXT = ("slower",)  # commands whose label says nothing without that of the next
 
 
 @dataclass
@@ -110,11 +111,18 @@ class CommandBar(Labels):
                     break
                 own.append((label, ""))
                 room -= label.cell_length + _GAP
+        groups: list[list[Command]] = []
+        for entry in shown:
+            if groups and groups[-1][-1].id in _WITH_NEXT:
+                groups[-1].append(entry)
+            else:
+                groups.append([entry])
         fitting: set[str] = set()
-        for entry in sorted(shown, key=lambda entry: entry.spare):
-            need = labels[entry.id].cell_length + (_GAP if fitting else 0)
+        for group in sorted(groups, key=lambda group: group[0].spare):
+            need = sum(labels[entry.id].cell_length + _GAP for entry in group)
+            need -= 0 if fitting else _GAP
             if need <= room:
-                fitting.add(entry.id)
+                fitting.update(entry.id for entry in group)
                 room -= need
         fit = [(label, name) for name, label in labels.items() if name in fitting]
         return self.line([*own, *fit], gap=_GAP)
