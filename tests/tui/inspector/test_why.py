@@ -349,10 +349,12 @@ async def test_the_change_that_would_have_given_a_row_is_told(data_dir: Path) ->
         'Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-\n'
         "  Sensor(robot_name:), ~Near(robot_name:);\n"
     )
-    async with opened(data_dir, text=text) as game:
+    async with opened(data_dir, text=text, size=(100, 40)) as game:
         await game.ready()
         await game.press("n")
         await game.until(lambda: game.tick == 1)
         game.inspector.inspect("Near")
         await game.press("w")
-        await game.sees("would give a row")
+        await game.sees("This change would give a row")
+        await game.sees("Change `5` to `0` in line 1  rule in line 1")
+        await game.sees("`sensor.clock` is 1, 4 too little.")

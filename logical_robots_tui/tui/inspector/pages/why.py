@@ -13,6 +13,7 @@ from textual.widgets.input import Selection
 
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
 from logical_robots_tui.explain.why.explanation import Subject, spell_call
+from logical_robots_tui.explain.why.nearest import Suggestion
 from logical_robots_tui.game import Breakpoint, Frame, Inquiry, Superseded, read_part
 from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE
@@ -185,7 +186,7 @@ class WhyPage(Page):
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:
-            notes = [Node("note", m.text, f"rule in line {at}", span=m.span) for at, m in misses]
+            notes = [_suggested(line, miss) for line, miss in misses]
             said = "This change" if len(misses) == 1 else "Each of these changes"
             head = Node("note", f"{said} would give a row", children=tuple(notes))
             self._show_nodes(question, (*self._roots, head), ())
@@ -273,6 +274,14 @@ class WhyPage(Page):
         if moved and node.span is not None:
             place = node.span.start, node.span.stop
             self.post_message(Placed(self._questions.program.text, place))
+
+
+def _suggested(rule: int, miss: Suggestion) -> Node:
+    """Return a change of a rule, in a line, with its reason below; together they are cut off."""
+    end = miss.text.find(": ", miss.text.find(f" in line {miss.span.line}"))
+    reason = Node("note", miss.text[end + 2 :], span=miss.span)
+    said = f"rule in line {rule}"
+    return Node("note", miss.text[:end], said, span=miss.span, children=(reason,))
 
 
 def _is_short(node: Node) -> bool:
