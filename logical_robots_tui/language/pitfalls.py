@@ -30,6 +30,9 @@ _SENSED_TEXTS = frozenset({"forward_label", "forward_object", "label", "object"}
 _UNEQUAL = ("/", "\\", "~")  # before a '=' in other languages
 _OVER_ROWS = {"Avg": "Avg", "Count": "Count", "Max": "Max", "Min": "Min", "Sum": "Sum", "+": "Sum"}
 
+CALLED_AGGREGATE = "(...) aggregates a single value"
+"""How the message about an aggregate ends that is called; in a condition it can't be computed."""
+
 
 def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Diagnostic]:
     """Yield a warning for each such place.
@@ -264,7 +267,7 @@ class _Finder:
     def _called_aggregate(self, node: Node) -> Iterator[Diagnostic]:
         name = node.name if isinstance(node, tree.Call) else ""
         if name in _OVER_ROWS and name.isalpha() and node.span is not None:
-            message = f"{name}(...) aggregates a single value"
+            message = f"{name}{CALLED_AGGREGATE}"
             hint = f"Aggregates have braces and a body: {name}{{x :- x in list}}."
             yield self._warning(node.span, message, hint)
 

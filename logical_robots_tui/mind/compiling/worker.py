@@ -25,6 +25,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.language.definitions import with_constants
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, printable
+from logical_robots_tui.language.pitfalls import CALLED_AGGREGATE
 from logical_robots_tui.mind.asking import in_plain_words
 from logical_robots_tui.mind.compilation import NO_MEMORY
 from logical_robots_tui.mind.compiling import compiler
@@ -194,6 +195,11 @@ def _try_out(program: Program) -> None:
     culprit = next((name for name in program.needed if name in failed), None)
     for predicate in program.predicates if MAIN in failed else ():
         if predicate.name == culprit:
+            if "aggregate" in failed[culprit]:
+                called = (w for w in program.warnings if w.message.endswith(CALLED_AGGREGATE))
+                wrong = tuple(replace(each, severity="error") for each in called)
+                if wrong:
+                    raise ProgramError(wrong)
             message = f"{predicate.name} can't be computed: {failed[predicate.name]}"
             hint = "Check its rules and the annotations that name it."
             raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))
