@@ -72,6 +72,30 @@ def test_a_statement_of_the_page_holds(
 
 
 @pytest.mark.parametrize(
+    ("said", "rule", "body", "is_right"),
+    [
+        ("`Love(sensor.radar)`", "Love(radar, name) = Size(radar)", "m = Love(sensor.radar)", True),
+        ("`P()` of `P(1)` are correct", "P(1)", "P(), m = 1", True),
+        ("`F()` of `F(x) = x + 1`", "F(x) = x + 1", "m = F()", False),
+        ("or of `F(x) :- x > 3` is an error", "F(x) :- x > 3", "F(), m = 1", False),
+    ],
+)
+def test_arguments_may_be_omitted_where_the_page_says_so(
+    said: str, rule: str, body: str, is_right: bool
+) -> None:
+    assert said in PAGE
+    text = (
+        f"{rule};\nRobot(robot_name:, desire: {{left_engine: 0, right_engine: 0}}, memory: m) :-"
+        f" Sensor(robot_name:, sensor:), {body};"
+    )
+    if is_right:
+        Program.compile(text)
+    else:
+        with pytest.raises(ProgramError):
+            Program.compile(text)
+
+
+@pytest.mark.parametrize(
     ("asked", "depth"),
     [("", 32), pytest.param("@Recursive(Far, 1000);", 1000, marks=pytest.mark.slow)],
 )
