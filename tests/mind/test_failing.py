@@ -30,7 +30,7 @@ def test_a_notice_names_the_predicate_that_failed_first() -> None:
     assert notice.kind == "failed"
     assert notice.message == (
         "Heard failed on the rows of Ada: a function was given a value that it can't use, "
-        "such as text instead of a list."
+        "such as a string instead of a list."
     )
 
 

@@ -108,7 +108,7 @@ def test_what_a_value_does_not_need_may_be_left_out() -> None:
 def test_what_it_needs_is_missed_where_robots_ask_for_it() -> None:
     sum_ = "Sum2(x, y) = x + y;"
     assert not Program.compile(f"{sum_} Unused(x) :- x = Sum2(1); {ROBOT} m = 1;").warnings
-    with pytest.raises(ProgramError, match="Sum2 takes 2 arguments, here is 1"):
+    with pytest.raises(ProgramError, match="Sum2 takes 2 arguments; 1 is given"):
         Program.compile(f"{sum_} {ROBOT} m = Sum2(1);")
 
 
