@@ -110,6 +110,7 @@ def test_where_robots_reason_apart_each_answers_for_itself() -> None:
         ("Item(x,\n  Twoce(y))", 2, 3, "Did you mean Twice"),
         ("Named(robot_name:, fra:)", 1, 20, "Did you mean far"),
         ("Item(x, y", 1, 5, "never closed"),
+        ("Count([1]) > 3", 1, 1, "can't be computed: an aggregate is used where a plain"),
         ("", 1, 1, "The query is empty"),
         ("  # nothing", 1, 1, "The query is empty"),
         ("Twice(y)", 1, 7, "y has no value"),

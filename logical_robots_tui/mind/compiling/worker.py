@@ -156,7 +156,14 @@ def _ask(request: dict[str, Any]) -> dict[str, object]:
     """
     question = compile_question(request["text"], request["query"])
     with closing(Database()) as database:
-        if not is_prepared_soon(database, question.sql):
+        began = process_time()
+        try:
+            database.prepare(question.sql)
+        except (sqlite3.Error, sqlite3.Warning) as error:
+            message = f"The query can't be computed: {in_plain_words(error)}"
+            hint = "Check it, and the predicates that it uses."
+            raise ProgramError((Diagnostic(1, 1, message, hint),)) from None
+        if process_time() - began > _PREPARE_SECONDS:
             raise _too_large()
     # For a table with the columns that there are already.
     tuned = tune(question.sql, MemoryColumns.closed(request["columns"]), for_all=True)
