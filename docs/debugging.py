@@ -297,8 +297,7 @@ So only the distance kept Dot from reading a lamp.
   Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "beacon", {END[:-1]}{MENDED}
 ```
 
-`^R` applies it, `esc` leaves the editor. From here on Dot remembers the right word, turns left and
-wins.
+`^R` applies it, `esc` leaves the editor. From now on Dot remembers the right word and wins.
 
 {pictures["6"]}
 
@@ -318,6 +317,7 @@ back.
 | it should hold for other values | why not? | `!` in a proof | `why --predicate 'P(x: 1)'` |
 | a rule almost holds | what would have to change? | `w`, below that rule | `why --predicate P` |
 | a value is wrong | where does it come from? | `<` | `origin` |
+| it turns in circles | which rule repeats itself? | Diagnosis, in `^P` | `diagnose` |
 | it happens now and then | in which ticks? | `Q`, then `;` `:` | `when` |
 | it happens too late to wait for | stop there | `*`, `B` | `when` |
 | a value comes and goes | when does it change? | `@`, `V` | `trace --predicates P` |
