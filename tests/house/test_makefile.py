@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -63,6 +64,14 @@ def test_a_python_without_venv_is_told_with_what_to_install(tmp_path: Path) -> N
     assert done.returncode != 0
     assert "apt install python3-venv" in done.stderr
     assert not (tmp_path / "venv").exists()
+
+
+def test_an_environment_whose_making_was_interrupted_is_made_again(tmp_path: Path) -> None:
+    environment = tmp_path / "venv"
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", environment], check=True)
+    done = make(f"{environment}/.python", f"VENV={environment}", f"PYTHON={sys.executable}")
+    assert done.returncode == 0, done.stderr
+    subprocess.run([environment / "bin/python", "-m", "pip", "--version"], check=True)
 
 
 @pytest.mark.proof
