@@ -68,10 +68,11 @@ def test_a_python_without_venv_is_told_with_what_to_install(tmp_path: Path) -> N
 
 def test_an_environment_whose_making_was_interrupted_is_made_again(tmp_path: Path) -> None:
     environment = tmp_path / "venv"
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", environment], check=True)
+    bare = [sys.executable, "-m", "venv", "--without-pip", str(environment)]
+    subprocess.run(bare, check=True, timeout=60)
     done = make(f"{environment}/.python", f"VENV={environment}", f"PYTHON={sys.executable}")
     assert done.returncode == 0, done.stderr
-    subprocess.run([environment / "bin/python", "-m", "pip", "--version"], check=True)
+    subprocess.run([environment / "bin/python", "-m", "pip", "--version"], check=True, timeout=60)
 
 
 @pytest.mark.proof
