@@ -156,15 +156,10 @@ def _ask(request: dict[str, Any]) -> dict[str, object]:
     """
     question = compile_question(request["text"], request["query"])
     with closing(Database()) as database:
-        began = process_time()
-        try:
-            database.prepare(question.sql)
-        except (sqlite3.Error, sqlite3.Warning) as error:
-            message = f"The query can't be computed: {in_plain_words(error)}"
+        if trouble := _trouble(database, question.sql):
+            message = f"The query can't be computed: {trouble}"
             hint = "Check it, and the predicates that it uses."
-            raise ProgramError((Diagnostic(1, 1, message, hint),)) from None
-        if process_time() - began > _PREPARE_SECONDS:
-            raise _too_large()
+            raise ProgramError((Diagnostic(1, 1, message, hint),))
     # For a table with the columns that there are already.
     tuned = tune(question.sql, MemoryColumns.closed(request["columns"]), for_all=True)
     found = {} if tuned is None else keep_preparable({"": tuned})
@@ -191,13 +186,8 @@ def _try_out(program: Program) -> None:
     with closing(Database()) as database:
         checks = [("", sql) for _, sql in program.recursions.values()]
         for name, sql in (*program.statements.items(), *checks):
-            began = process_time()
-            try:
-                database.prepare(sql)
-            except (sqlite3.Error, sqlite3.Warning) as error:
-                failed[name] = in_plain_words(error)
-            if process_time() - began > _PREPARE_SECONDS:
-                raise _too_large()
+            if trouble := _trouble(database, sql):
+                failed[name] = trouble
     # Errors in predicates that Robot does not use are reported when they are queried.
     culprit = next((name for name in program.needed if name in failed), None)
     for predicate in program.predicates if MAIN in failed else ():
@@ -227,12 +217,22 @@ def keep_preparable(every: dict[str, Tuned]) -> dict[str, Tuned]:
 
 def is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
     """Return whether SQLite can prepare a query with so many parameters in reasonable time."""
-    began = process_time()
+    try:
+        return not _trouble(database, sql, bounds)
+    except ProgramError:
+        return False
+
+
+def _trouble(database: Database, sql: str, bounds: int = 0) -> str:
+    """Return why SQLite can't prepare a query, or ""; raise ProgramError if it takes too long."""
+    trouble, began = "", process_time()
     try:
         database.prepare(sql, (0,) * bounds)
-    except (sqlite3.Error, sqlite3.Warning):
-        return False
-    return process_time() - began < _PREPARE_SECONDS
+    except (sqlite3.Error, sqlite3.Warning) as error:
+        trouble = in_plain_words(error)
+    if process_time() - began > _PREPARE_SECONDS:
+        raise _too_large()
+    return trouble
 
 
 def _too_large() -> ProgramError:
