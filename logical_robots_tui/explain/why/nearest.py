@@ -41,12 +41,18 @@ _OPPOSITE = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 class Suggestion:
     """A tested change of a span, "" to remove it, after which a rule would have had a row.
 
-    `text` says in one sentence what to change and why.
+    `advice` says what to change, `reason` why, in words that go on after it.
     """
 
-    text: str
+    advice: str
+    reason: str
     span: Span
     change: str
+
+    @property
+    def text(self) -> str:
+        """One sentence that says what to change and why."""
+        return f"{self.advice}: {self.reason}."
 
 
 _Sized: TypeAlias = "tuple[float, Suggestion]"
@@ -109,10 +115,10 @@ class Nearest:
             yield from self._of_call(call, span, stop.ways, binds=bool(step.gives))
         elif step.misread is not None:
             if (meant := step.misread.meant) is not None:
-                said = f"Put `{meant.text}` in line {meant.line} in parentheses: "
-                said += f"`=` is read before `{step.misread.operator}`."
+                said = f"Put `{meant.text}` in line {meant.line} in parentheses"
+                reason = f"`=` is read before `{step.misread.operator}`"
                 written = self._program.text[meant.start : meant.stop]
-                yield 0.0, Suggestion(said, meant, f"({written})")
+                yield 0.0, Suggestion(said, reason, meant, f"({written})")
         elif step.kind in ("condition", "value"):
             yield from self._of_condition(span, step.terms, stop.ways)
             if not step.gives:
@@ -279,9 +285,9 @@ class Nearest:
                 yield 4.0, _removal(self._span(start, stop), reason)
         if not binds:
             before = replace(span, stop=span.start)
-            said = f"Put `~` before `{span.text}` in line {span.line}: there is no such row."
+            said = f"Put `~` before `{span.text}` in line {span.line}"
             if (size := self._size_of_denial(call)) is not None:
-                yield size, Suggestion(said, before, "~")
+                yield size, Suggestion(said, "there is no such row", before, "~")
             yield _LAST_RESORT, _removal(span, "all the rest of the rule holds")
 
     def _size_of_denial(self, call: Call) -> float | None:
@@ -330,12 +336,11 @@ class Nearest:
 
 
 def _change(span: Span, new: str, reason: str) -> Suggestion:
-    text = f"Change `{span.text}` to `{new}` in line {span.line}: {reason}."
-    return Suggestion(text, span, new)
+    return Suggestion(f"Change `{span.text}` to `{new}` in line {span.line}", reason, span, new)
 
 
 def _removal(span: Span, reason: str) -> Suggestion:
-    return Suggestion(f"Remove `{span.text}` in line {span.line}: {reason}.", span, "")
+    return Suggestion(f"Remove `{span.text}` in line {span.line}", reason, span, "")
 
 
 def _literals(term: Term) -> list[Term]:

@@ -278,10 +278,9 @@ class WhyPage(Page):
 
 def _suggested(rule: int, miss: Suggestion) -> Node:
     """Return a change of a rule, in a line, with its reason below; together they are cut off."""
-    end = miss.text.find(": ", miss.text.find(f" in line {miss.span.line}"))
-    reason = Node("note", miss.text[end + 2 :], span=miss.span)
+    reason = Node("note", f"{miss.reason}.", span=miss.span)
     said = f"rule in line {rule}"
-    return Node("note", miss.text[:end], said, span=miss.span, children=(reason,))
+    return Node("note", miss.advice, said, span=miss.span, children=(reason,))
 
 
 def _is_short(node: Node) -> bool:
