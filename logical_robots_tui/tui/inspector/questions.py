@@ -79,6 +79,11 @@ class Questions:
         game = self.session.game
         return None if game is None else (game, game.history.turns)
 
+    @property
+    def played(self) -> tuple[Game, int, Program] | None:
+        """The same, with the program that the robots think with."""
+        return None if self.branch is None else (*self.branch, self.program)
+
     def about(self) -> tuple[Inquiry, Program]:
         return self._inquiry(), self.program
 

@@ -52,17 +52,11 @@ class DiagnosisPage(Page):
         self.head(frame.tick)
         self._list()
 
-    @property
-    def _current(self) -> tuple[Game, int, Program] | None:
-        """What findings are about: a branch, and the program that it was scanned for."""
-        game = self._session.game
-        return None if game is None else (game, game.history.turns, game.program)
-
     def _list(self) -> None:
         game = self._session.game
         last = 0 if game is None else game.history.last
         findings = self.found.findings if self.found is not None else ()
-        shown = (findings, self.is_diagnosing, last, self._current)
+        shown = (findings, self.is_diagnosing, last, self._questions.played)
         if shown == self._shown:
             return
         self._shown = shown
@@ -79,7 +73,7 @@ class DiagnosisPage(Page):
 
     def _age(self) -> str:
         """Return a sentence if the findings are no longer about what is played, or ""."""
-        was, now = self._scanned, self._current
+        was, now = self._scanned, self._questions.played
         if was is None or was == now:
             return ""
         is_same = now is not None and now[2].texts == was[2].texts
@@ -92,7 +86,7 @@ class DiagnosisPage(Page):
 
     async def _look(self) -> None:
         game = self._session.game
-        self._scanned = self._current
+        self._scanned = self._questions.played
         if game is None:
             self._describe(NO_PROGRAM)
             return

@@ -176,8 +176,7 @@ class _PinHistory:
 
     async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, Reading]:
         """Read pins at a frame; raises Superseded without a program or after a newer call."""
-        game = self._session.game
-        about = None if game is None else (self._questions.branch, game.program)
+        about = self._questions.played
         if about != self._about:
             self._about, self._ticks = about, {}
         inquiry, program = self._questions.about()
