@@ -19,7 +19,10 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from logical_robots_tui.game.history.history import History
+    from logical_robots_tui.mind import Decision
     from logical_robots_tui.player.session import Session
 
 SIGNS: dict[MarkKind, tuple[str, str, str]] = {
@@ -155,7 +158,7 @@ class Timeline(Widget, can_focus=True):
         self._span = Span(0, 0, 0)
         self._robot: str | None = None
         self._arrived = ""
-        self._notices: dict[str, str] = {}
+        self._decisions: Sequence[Decision] = ()
         self._line = Content("")
         self._is_dragged = False
         self._pointed: int | None = None
@@ -168,11 +171,7 @@ class Timeline(Widget, can_focus=True):
         history = self._history = session.history
         self._robot = robot
         self._arrived = "" if robot is not None else _arrived(session)
-        self._notices = {
-            decision.robot_name: " ".join(notice.message for notice in decision.notices)
-            for decision in session.frame.decisions
-            if decision.notices
-        }
+        self._decisions = session.frame.decisions
         self._span = Span(0, 0, session.frame.tick)
         if history is not None:
             other = history.other[-1] if history.other else None
@@ -236,7 +235,12 @@ class Timeline(Widget, can_focus=True):
             hits = self._history.hits_at(self._span.tick)
             words = one_line("; ".join(f"{hit.breakpoint.words}: {hit.values}" for hit in hits))
         elif mark.kind == "notice":
-            notice = next((self._notices[n] for n in mark.names if n in self._notices), "")
+            notices = {
+                decision.robot_name: " ".join(notice.message for notice in decision.notices)
+                for decision in self._decisions
+                if decision.notices
+            }
+            notice = next((notices[name] for name in mark.names if name in notices), "")
             is_named = len(mark.names) == 1 and mark.names[0] in notice
             words = one_line(notice if is_named else f"{words}: {notice}" if notice else words)
         elif mark.kind == "stuck":
