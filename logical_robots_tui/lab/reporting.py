@@ -427,6 +427,9 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
     return f"<h2>{title}</h2>" + as_table(head, rows) if rows else ""
 
 
+_EXPLAIN = "replace <code>play</code> with <code>why</code> to explain a tick."
+
+
 def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
     rows: list[Sequence[Any]] = []
     names = {student.id: student.called for student in manifest.students}
@@ -455,10 +458,10 @@ def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
         )
     medians = [f"median {name}" for name in measures]
     head = ("", "level", "program", "given start", "won", "95% interval", *medians, "replay")
-    said = "Run the commands in this folder; replace `play` with `why` to explain a tick."
+    said = f"Run the commands in this folder; {_EXPLAIN}"
     if names:
         said = "Run the commands where this folder is. In one from runs.csv, "
-        said += "replace `play` with `why` to explain a tick."
+        said += _EXPLAIN
     return f"<h2>Programs in levels</h2><p>{said}</p>" + as_table(head, rows)
 
 
