@@ -352,7 +352,8 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
     if tally.failed:
         said = f"{count_of(tally.failed, 'run')} could not be done (infrastructure)"
         print(f"{said}." if is_grading else f"{said}, for example:")
-        for done in islice(failed_runs(manifest, ledger), 0 if is_grading else 5):
+    if tally.failed and not is_grading:
+        for done in islice(failed_runs(manifest, ledger), 5):
             _, _, reason = done.result.first or (0, "", "")
             print(harmless(f"  {manifest.called(done.cell)}, start {done.start}: {reason}"))
     if is_grading and (ungraded := ungraded_lines(manifest, ledger)):

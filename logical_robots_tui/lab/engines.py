@@ -23,7 +23,7 @@ from typing import Any
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, Task, execute
+from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, Task, execute, took_too_long
 from logical_robots_tui.processes.helper import collect_seldom
 
 _MOST_FALSE_STARTS = 2  # in a row
@@ -106,8 +106,7 @@ class _Worker:
             self._false_starts = 0 if has_begun else self._false_starts + 1
             if self._false_starts > _MOST_FALSE_STARTS:
                 raise InputError("A worker process can't start", hint="Is there memory left?")
-            most = f"{self.task.seconds:g} second{'s' * (self.task.seconds != 1)}"
-            said = f"it took more than {most} and could not be stopped"
+            said = f"{took_too_long(self.task)} and could not be stopped"
             is_final = self._spent > self._limit
             answer = Answer(failure=said if self._is_stuck else "its worker process died")
             answer = msgspec.structs.replace(answer, is_final=is_final and self._is_stuck)

@@ -239,6 +239,10 @@ def _reason(error: Exception, task: Task) -> str:
         return "the worker has too little memory"
     if isinstance(error, ProgramError):
         return "the program could not be compiled in time"
+    return took_too_long(task)
+
+
+def took_too_long(task: Task) -> str:
     return f"it took more than {task.seconds:g} second{'s' * (task.seconds != 1)}"
 
 

@@ -1,4 +1,4 @@
-"""Going back and taking another way: futures that are kept, left and gone over to."""
+"""Going back and taking another way: branches that are kept, left and switched to."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-async def test_going_back_and_changing_the_program_makes_another_future(hall_game: Game) -> None:
+async def test_going_back_and_changing_the_program_begins_another_branch(hall_game: Game) -> None:
     await hall_game.run_until(tick=20)
     there = hall_game.frame.after.robots[0].x
     hall_game.go_to(5)
@@ -39,7 +39,7 @@ async def test_ticks_that_are_known_are_gone_through_again_without_thinking(
     assert (await hall_game.step()).tick == 21
 
 
-async def test_another_program_begins_another_future_and_the_old_one_is_kept(
+async def test_another_program_begins_another_branch_and_the_old_one_is_kept(
     hall_game: Game,
 ) -> None:
     await hall_game.run_until(tick=20)
@@ -107,7 +107,7 @@ async def test_a_program_that_is_asked_for_goes_on_where_another_one_took_over(
     assert hall_game.history.divergence.tick == 6
 
 
-async def test_restarting_under_a_changed_program_leaves_the_old_future_to_compare(
+async def test_restarting_under_a_changed_program_leaves_the_old_branch_to_compare(
     hall_game: Game,
 ) -> None:
     await hall_game.run_until(tick=5)

@@ -24,7 +24,7 @@ from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value, read_value, spell
 
-GOES_OVER_NOTHING = "aggregates no rows"
+AGGREGATES_NO_ROWS = "aggregates no rows"
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
 _TOLD_ELEMENTS = 40  # with where they come from
@@ -157,7 +157,7 @@ class Telling:
         self, found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value, is_all: bool
     ) -> tuple[Node, ...]:
         if not found:
-            return (Node("note", GOES_OVER_NOTHING),)
+            return (Node("note", AGGREGATES_NO_ROWS),)
         name = found[0][1].operator
         number = number_of(len(found), "row", is_all=is_all)
         if name in DECIDED_BY_ONE:
@@ -225,7 +225,7 @@ class Telling:
             found += [(clause, clause.collected[0], inner) for inner in ways]
         is_all = len(found) < most
         if not found:
-            yield Node("note", GOES_OVER_NOTHING, children=self.refuted(body, way))
+            yield Node("note", AGGREGATES_NO_ROWS, children=self.refuted(body, way))
             return
         yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
 

@@ -14,7 +14,7 @@ from logical_robots_tui.explain.why.derivations import (
     check_given,
     is_aggregated,
 )
-from logical_robots_tui.explain.why.deriving import GOES_OVER_NOTHING, MOST_ELEMENTS, number_of
+from logical_robots_tui.explain.why.deriving import AGGREGATES_NO_ROWS, MOST_ELEMENTS, number_of
 from logical_robots_tui.explain.why.explanation import (
     Ask,
     Explanation,
@@ -206,7 +206,7 @@ class _Proving:
             yield Node("note", f"`{name}` is null", said)
 
     def _empty(self, node: Node, depth: int) -> Iterator[str]:
-        if any(child.text == GOES_OVER_NOTHING for child in node.children):
+        if any(child.text == AGGREGATES_NO_ROWS for child in node.children):
             yield node.span.text if node.span else node.text
         elif node.asked is not None and depth:
             inner = explain(self._derivations, node.asked, is_first=False)
@@ -244,7 +244,7 @@ def _number_of_rows(number: int) -> str:
 
 
 def _over_nothing(found: RuleFound, row: Row, label: Callable[[str], str]) -> RuleFound:
-    said = GOES_OVER_NOTHING
+    said = AGGREGATES_NO_ROWS
     columns = (Node("column", label(c), said, None, (v,)) for c, v in row.items())
     children = (*columns, *found.node.children)
     node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)
