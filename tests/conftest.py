@@ -20,6 +20,7 @@ from logical_robots_tui.game import measuring
 from logical_robots_tui.mind import Decision, Notice
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.progress import store
+from tests import costs
 from tests.installed import Installed, build, install
 
 if TYPE_CHECKING:
@@ -55,6 +56,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="run also the tests marked slow, every sampled case, and more random examples",
     )
     parser.addoption(
+        "--quick",
+        action="store_true",
+        help="leave out slow tests and most sampled cases also in the files that are named",
+    )
+    parser.addoption(
         "--tenth",
         type=int,
         default=date.today().toordinal() % SHARE,
@@ -73,6 +79,8 @@ def pytest_configure(config: pytest.Config) -> None:
         # Runs are computed anew each time, and with `--all` programs are compiled anew as well.
         place = _compiled(config)
         shutil.rmtree(place if config.option.all else place / "runs", ignore_errors=True)
+        config.pluginmanager.register(_Sources(config))
+    costs.register(config)
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
@@ -84,30 +92,60 @@ def pytest_report_header(config: pytest.Config) -> str | None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    named = config.option.keyword or any(".py" in argument for argument in config.args)
-    if config.option.all or named:
+    """Leave to a whole run what is slow, and all but a tenth of the sampled cases of each test.
+
+    A test is run whole if its file is named, or if tests are chosen by their names.
+    """
+    if config.option.all or (config.option.keyword and not config.option.quick):
         return
-    tests = {item: item.nodeid.split("[")[0] for item in items}
-    slow = {item for item in items if item.get_closest_marker("slow")}
-    cases = Counter(
-        test
-        for item, test in tests.items()
-        if item not in slow and item.get_closest_marker("sampled")
-    )
-    seen: Counter[str] = Counter()
-    left_out = []
-    for item, test in tests.items():
-        if item in slow:
-            left_out.append(item)
-        elif item.get_closest_marker("sampled"):
-            share = min(SHARE, cases[test])  # at least one case
-            if seen[test] % share != config.option.tenth % share:
-                left_out.append(item)
-            seen[test] += 1
+    whole_files = set() if config.option.quick else _named_files(config)
+    chances = [item for item in items if item.path not in whole_files]
+    left_out = {item for item in chances if item.get_closest_marker("slow")}
+    sampled = [
+        item for item in chances if item not in left_out and item.get_closest_marker("sampled")
+    ]
+    cases = Counter(map(_test_of, sampled))
+    numbers: Counter[str] = Counter()
+    for item in sampled:
+        test = _test_of(item)
+        share = min(SHARE, cases[test])  # at least one case
+        if numbers[test] % share != config.option.tenth % share:
+            left_out.add(item)
+        numbers[test] += 1
     if left_out:
-        config.hook.pytest_deselected(items=left_out)
-        gone = set(left_out)
-        items[:] = [item for item in items if item not in gone]
+        config.hook.pytest_deselected(items=list(left_out))
+        items[:] = [item for item in items if item not in left_out]
+
+
+def _test_of(item: pytest.Item) -> str:
+    return item.nodeid.split("[")[0]
+
+
+def _named_files(config: pytest.Config) -> set[Path]:
+    """Return the files that the command names, with or without one of their tests."""
+    paths = (config.invocation_params.dir / name.split("::")[0] for name in config.args)
+    return {path.resolve() for path in paths if path.suffix == ".py"}
+
+
+class _Sources:
+    """Ends a run whose sources are edited meanwhile: its failures would tell nothing."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._config = config
+        self._package = config.rootpath / "logical_robots_tui"
+        self._times = self._read()
+
+    def _read(self) -> dict[Path, int]:
+        return {path: path.stat().st_mtime_ns for path in self._package.rglob("*.py")}
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed and (edited := dict(self._read().items() ^ self._times.items())):
+            names = ", ".join(sorted(str(path.relative_to(self._package)) for path in edited))
+            message = f"{names}: edited while the tests ran; run them again"
+            distributed = self._config.pluginmanager.getplugin("dsession")
+            if distributed is None:
+                pytest.exit(message, pytest.ExitCode.INTERRUPTED)
+            distributed.shouldstop = message
 
 
 def _compiled(config: pytest.Config) -> Path:

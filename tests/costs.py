@@ -1,0 +1,188 @@
+"""What the tests cost: processor seconds by folder, and bounds for what costs most.
+
+Processor time is told and not asserted; what is bounded is how often a quick run does what is
+expensive, which is the same on every machine.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui.mind.compilation import _Compiler
+from logical_robots_tui.world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterator
+
+    from _pytest.terminal import TerminalReporter
+
+__all__ = ["BOUNDS", "Bound", "Costs", "folder_of", "register"]
+
+SLOWEST = 6
+"""Folders named at the end of a run."""
+
+CACHE_KEY = "logical-robots/costs"
+"""Where pytest's cache has the processor seconds of each test."""
+
+_TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
+
+
+@dataclass(frozen=True)
+class Bound:
+    """How often a whole quick run may do something, and why that is bounded."""
+
+    most: int
+    reason: str
+
+
+BOUNDS = {
+    "apps opened": Bound(700, "each lays out the whole screen, for 60 to 80 ms"),
+    "processes started": Bound(120, "an interpreter that loads the game takes 150 to 250 ms"),
+    "ticks played": Bound(60_000, "a tick of a few robots takes 1 ms, one of a swarm 10 to 20"),
+    "programs compiled": Bound(1_500, "a small one takes 22 ms, the longest of ours 1.3 s"),
+}
+"""What costs time in a quick run; who lowers a number of the run lowers its bound."""
+
+
+def folder_of(test: str) -> str:
+    """Return the folder of a test under `tests/`, for `tests/tui` the one below it."""
+    parts = test.partition("::")[0].split("/")[1:-1]
+    return "/".join(parts[: 2 if parts[:1] == ["tui"] else 1]) or "."
+
+
+def register(config: pytest.Config) -> None:
+    """Measure each test in the process that runs it, and sum up in the one that reports."""
+    if not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Costs(config), "costs")
+    if hasattr(config, "workerinput") or not config.option.numprocesses:
+        config.pluginmanager.register(_Meter(), "meter")
+
+
+class _Meter:
+    """Adds to the report of each test what it has cost and counted."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[str] = Counter()
+        self._processor_seconds = 0.0
+        self._patches = pytest.MonkeyPatch()
+
+    def pytest_sessionfinish(self) -> None:
+        self._patches.undo()
+
+    def pytest_sessionstart(self) -> None:
+        from textual.app import App
+
+        self._count(App, "run_test", "apps opened")
+        self._count(subprocess.Popen, "__init__", "processes started")
+        self._count(World, "act", "ticks played")
+        self._count(_Compiler, "_ask", "programs compiled")
+        self._processor_seconds = _processor_seconds()
+
+    def _count(self, owner: type, name: str, what: str) -> None:
+        function: Callable[..., Any] = getattr(owner, name)
+
+        def counted(*args: Any, **options: Any) -> Any:
+            self._counts[what] += 1
+            return function(*args, **options)
+
+        self._patches.setattr(owner, name, counted)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(
+        self, call: pytest.CallInfo[None]
+    ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+        report = yield
+        if call.when == "teardown":
+            now = _processor_seconds()
+            report.user_properties.append(("cost", now - self._processor_seconds))
+            report.user_properties += self._counts.items()
+            self._processor_seconds = now
+            self._counts.clear()
+        return report
+
+
+def _processor_seconds() -> float:
+    """Return the processor time of this process and all below it, also of those that have ended."""
+    ended = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in ended) + sum(
+        map(_of_process, _children("self"))
+    )
+
+
+def _children(pid: str) -> Iterator[str]:
+    try:
+        for task in Path(f"/proc/{pid}/task").iterdir():
+            for child in (task / "children").read_text().split():
+                yield child
+                yield from _children(child)
+    except OSError:  # it has ended, or this system doesn't say
+        return
+
+
+def _of_process(pid: str) -> float:
+    """Return the processor time of a process and of its children that have ended."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return sum(map(int, fields[11:15])) / _TICKS_PER_SECOND
+
+
+class Costs:
+    """Sums up what the tests of a run have cost, and fails a quick run that does too much."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._config = config
+        self.by_test: dict[str, float] = {}
+        self.counts: Counter[str] = Counter()
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.when != "teardown":
+            return
+        for name, value in report.user_properties:
+            if name == "cost":
+                self.by_test[report.nodeid] = float(str(value))
+            elif name in BOUNDS:
+                self.counts[name] += int(str(value))
+
+    @property
+    def excesses(self) -> list[str]:
+        """Return what the run did more often than a quick run may."""
+        return [
+            f"{self.counts[name]:,} {name}, more than {bound.most:,}: {bound.reason}"
+            for name, bound in BOUNDS.items()
+            if self.counts[name] > bound.most
+        ]
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        cache: pytest.Cache | None = getattr(self._config, "cache", None)
+        if cache is not None and self.by_test:
+            cache.set(CACHE_KEY, {**cache.get(CACHE_KEY, {}), **_rounded(self.by_test)})
+        is_green = session.exitstatus == pytest.ExitCode.OK
+        if is_green and not self._config.option.all and self.excesses:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(self, terminalreporter: TerminalReporter) -> None:
+        by_folder: Counter[str] = Counter()
+        for test, seconds in self.by_test.items():
+            by_folder[folder_of(test)] += seconds  # type: ignore[assignment]  # of numbers alike
+        slowest = ", ".join(f"{name} {s:.0f}" for name, s in by_folder.most_common(SLOWEST))
+        terminalreporter.write_line(
+            f"processor seconds: {sum(by_folder.values()):.0f}; slowest folders: {slowest}"
+        )
+        if not self._config.option.all:
+            for excess in self.excesses:
+                terminalreporter.write_line(f"A quick run does too much: {excess}", red=True)
+
+
+def _rounded(costs: dict[str, float]) -> dict[str, float]:
+    return {test: round(seconds, 3) for test, seconds in costs.items()}
