@@ -8,6 +8,8 @@ WORKERS ?= $(shell getconf _NPROCESSORS_ONLN)
 BIN := $(VENV)/bin
 # A quick run leaves out slow tests and nine tenths of what there are many of; ALL=1 runs everything.
 ALL ?=
+# CHANGED=1 runs the tests nearest to what differs from main, CHANGED=BRANCH from another branch or commit.
+CHANGED ?=
 # Whatever the environment says, modules and tests are compiled once and not in each process.
 PYTEST = PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal $(if $(ALL),--all)
 PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
@@ -16,7 +18,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lowest lint check format proof prove bench lock screenshot reference learn debugging measures dist clean
+.PHONY: help play test lowest lint check format proof prove mutants bench lock screenshot reference learn debugging measures dist clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -24,8 +26,12 @@ help: ## Show this list
 play: $(VENV)/.play ## Play; ARGS="play LEVEL" passes arguments on
 	@$(BIN)/python -m logical_robots_tui $(ARGS)
 
-test: $(VENV)/.dev ## Run the tests on all cores, a quick choice of them or ALL=1; ARGS="-k wall" passes arguments on
+test: $(VENV)/.dev ## Run the tests, a quick choice of them, CHANGED=1 or ALL=1; ARGS="-k wall" passes arguments on
+ifdef CHANGED
+	files=$$($(BIN)/python -m tests.changed $(patsubst 1,main,$(CHANGED))) && $(PYTEST) --quick $$files $(ARGS)
+else
 	$(PYTEST) $(ARGS)
+endif
 
 lowest: $(VENV)/.dev ## Run the tests of the screen with the lowest Textual, in VENV; it stays there
 	@$(PIP) install --quiet --no-deps \
@@ -50,6 +56,9 @@ proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
 
 prove: $(VENV)/.dev ## Prove the levels from 20 starts each; ARGS="-k 05-lighthouse" only that one
 	$(PYTEST) --all -m "proof or not proof" -o faulthandler_timeout=7200 tests/levels/test_proof.py $(ARGS)
+
+mutants: $(VENV)/.dev ## Undo corrections of the past and see which tests notice; ARGS="--all" runs all tests
+	$(BIN)/python -m tests.mutants.corrections --workers $(WORKERS) $(ARGS)
 
 bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	@$(BIN)/python -m compileall -q logical_robots_tui

@@ -1,0 +1,157 @@
+"""Does the suite notice if a correction of the past is undone?  `make mutants` tells.
+
+Each correction in `corrections.txt` is undone alone in a copy of the checkout, and the tests run
+until one fails: those nearest to the change (see `tests/changed.py`), the rest of the quick choice,
+and with ``--all`` everything. What later commits have changed again stays as it is. This takes an
+hour, and is no part of CI.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tests.changed import PACKAGE, PROCESSOR_SECONDS, ROOT, Nearness, measured_costs, nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+LIST = Path(__file__).with_name("corrections.txt")
+LONGEST = 3_600  # seconds of one run of tests
+STAGES = ("nearest tests", "quick choice", "ALL=1")
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A commit that corrected something, with the texts of the modules without it."""
+
+    commit: str
+    subject: str
+    undone: Mapping[str, str]
+
+
+def corrections(commits: Sequence[str] = ()) -> Iterator[Correction]:
+    """Yield the listed corrections of which something is left to undo, or only some of them.
+
+    Raises:
+        SystemExit: The history of this clone lacks a commit.
+    """
+    for line in LIST.read_text(encoding="utf-8").splitlines():
+        commit, _, subject = line.partition(" ")
+        if commits and commit not in commits:
+            continue
+        if undone := _undone(commit):
+            yield Correction(commit, subject, undone)
+        else:
+            print(f"{commit} {subject}: nothing is left to undo")
+
+
+def _undone(commit: str) -> dict[str, str]:
+    names = _git("diff-tree", "--no-commit-id", "--name-only", "-r", commit, "--", PACKAGE)
+    texts = {}
+    for name in names.split():
+        if not name.endswith(".py") or not (ROOT / name).exists():
+            continue
+        before, after = (_git("show", f"{at}:{name}") for at in (f"{commit}^", commit))
+        today = (ROOT / name).read_text(encoding="utf-8")
+        merged = _merged(today, after, before)
+        if merged != today:
+            texts[name] = merged
+    return texts
+
+
+def _merged(today: str, after: str, before: str) -> str:
+    """Undo what led from `before` to `after` wherever today's text still has it."""
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [Path(folder) / name for name in ("today", "after", "before")]
+        for path, text in zip(paths, (today, after, before), strict=True):
+            path.write_text(text, encoding="utf-8")
+        return _git("merge-file", "-p", "--ours", *map(str, paths))
+
+
+def _git(*arguments: str) -> str:
+    done = subprocess.run(
+        ["git", *arguments], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+    )
+    if done.returncode < 0 or done.returncode > 127:
+        sys.exit(f"git {' '.join(arguments)}: {done.stderr.strip()}")
+    return done.stdout
+
+
+class Copy:
+    """A copy of the checkout in which corrections are undone, one after the other."""
+
+    def __init__(self, folder: Path, workers: int) -> None:
+        self._folder = folder
+        self._workers = workers
+        names = _git("ls-files", "--cached", "--others", "--exclude-standard").splitlines()
+        for name in names:
+            if (ROOT / name).is_file():
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(ROOT / name, folder / name)
+        self._nearness = Nearness(folder)
+        self._costs = measured_costs()
+
+    def notice(self, correction: Correction, *, whole: bool) -> tuple[str, str]:
+        """Return the stage in which undoing a correction is noticed, and the test; or ""."""
+        near = nearest(correction.undone, self._nearness, self._costs, PROCESSOR_SECONDS)
+        runs = [["--quick", *near], ["--quick"], *([["--all"]] if whole else [])]
+        for name, text in correction.undone.items():
+            (self._folder / name).write_text(text, encoding="utf-8")
+        try:
+            for stage, arguments in zip(STAGES, runs, strict=False):
+                if test := self._first_failure(arguments):
+                    return stage, test
+        finally:
+            for name in correction.undone:
+                shutil.copy2(ROOT / name, self._folder / name)
+        return "", ""
+
+    def _first_failure(self, arguments: Sequence[str]) -> str:
+        command = [sys.executable, "-m", "pytest", "-q", "--tb=no", "--maxfail=1"]
+        done = subprocess.run(
+            [*command, "-n", str(self._workers), "--dist", "worksteal", *arguments],
+            cwd=self._folder,
+            env={**os.environ, "PYTHONPATH": str(self._folder)},
+            capture_output=True,
+            text=True,
+            timeout=LONGEST,
+            check=False,
+        )
+        if done.returncode == 0:
+            return ""
+        failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
+        return failed[1] if failed else f"pytest ended with status {done.returncode}"
+
+
+def main() -> None:
+    """Undo each correction, and print by what that is noticed."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("commits", nargs="*", help="only these of the list")
+    parser.add_argument("--all", action="store_true", help="run all tests if the quick ones pass")
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="of each run")
+    options = parser.parse_args()
+    stages: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Copy(Path(folder), options.workers)
+        for correction in corrections(options.commits):
+            stage, test = copy.notice(correction, whole=options.all)
+            stages[stage] += 1
+            outcome = f"noticed by the {stage}: {test}" if stage else "NOT NOTICED"
+            print(f"{correction.commit} {correction.subject}\n    {outcome}", flush=True)
+    total = sum(stages.values())
+    for place, stage in enumerate(STAGES[: 3 if options.all else 2], 1):
+        print(f"{sum(stages[name] for name in STAGES[:place])} of {total} by the {stage}")
+
+
+if __name__ == "__main__":
+    main()
