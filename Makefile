@@ -33,10 +33,13 @@ else
 	$(PYTEST) $(ARGS)
 endif
 
-lowest: $(VENV)/.dev ## Run the tests of the screen with the lowest Textual, in VENV; it stays there
-	@$(PIP) install --quiet --no-deps \
+# What touches Textual's private parts, and what a terminal shows.
+LOWEST = tests/tui/terminal tests/snapshots
+
+lowest: $(VENV)/.dev ## Run the tests that depend on Textual's version with the lowest one
+	@$(PIP) install --quiet --no-deps --upgrade --target $(VENV)/lowest \
 		textual==$$(sed -n 's/.*"textual>=\([0-9.]*\),.*/\1/p' pyproject.toml)
-	$(PYTEST) tests/tui tests/snapshots $(ARGS)
+	PYTHONPATH=$(abspath $(VENV))/lowest $(PYTEST) $(LOWEST) $(ARGS)
 
 lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
 	$(BIN)/python -m ruff format --check .

@@ -9,6 +9,7 @@ import sys
 from collections import Counter
 from contextlib import contextmanager
 from datetime import date
+from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -83,12 +84,12 @@ def pytest_configure(config: pytest.Config) -> None:
     costs.register(config)
 
 
-def pytest_report_header(config: pytest.Config) -> str | None:
+def pytest_report_header(config: pytest.Config) -> str:
+    textual = f"Textual {metadata.version('textual')}"
     if config.option.all:
-        return None
-    return (
-        f"quick run: tenth {config.option.tenth} of the sampled cases, nothing slow; --all runs all"
-    )
+        return textual
+    tenth = config.option.tenth
+    return f"{textual}; quick run: tenth {tenth} of the sampled cases, nothing slow; --all runs all"
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
