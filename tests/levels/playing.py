@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from logical_robots_tui import Level, Program, list_levels, load_level
-from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.game.source import load_program, reference_names
 from logical_robots_tui.game.victory import reference_table
+from tests.levels.verdicts import verdict
 
 if TYPE_CHECKING:
     from logical_robots_tui.progress import Measures
@@ -62,4 +62,5 @@ def ticks_to_win(level: Level, program: Program | str, ticks: int) -> int | None
     """The tick of victory, or None if it isn't reached in so many ticks."""
     if isinstance(program, str):
         program = Program.compile(program)
-    return play_through(level, program, ticks).won_at
+    won_at = verdict(level, program, ticks).won_at
+    return None if won_at is None or won_at > ticks else won_at
