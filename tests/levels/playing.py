@@ -8,19 +8,34 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from logical_robots_tui import Level, Program, list_levels, load_level
+from logical_robots_tui.game.measuring import STARTS, vary_start
 from logical_robots_tui.game.source import load_program, reference_names
 from logical_robots_tui.game.victory import reference_table
 from tests.levels.verdicts import verdict
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from logical_robots_tui.progress import Measures
 
 LEVELS = list_levels()
-LONG = 5_000  # thoughts, that is robots times ticks; only a full run waits for more
+LONG = 2_000  # thoughts, that is robots times ticks; only a full run waits for more
+
+SMALL = 1_050  # characters of a program that is soon compiled
+
+
+def slow(is_slow: bool) -> list[pytest.MarkDecorator]:
+    """The marks of a case that only a full run waits for, if it is one."""
+    return [pytest.mark.slow] * is_slow
 
 
 def program_text(name: str) -> str:
     return load_program(name).text
+
+
+def is_small(name: str) -> bool:
+    """Whether a program is soon compiled."""
+    return len(program_text(name)) < SMALL
 
 
 @cache
@@ -51,7 +66,7 @@ def reference_cases() -> list[Any]:
         pytest.param(
             level,
             program,
-            marks=[pytest.mark.slow] * (len(load_level(level).robots) * measures.ticks > LONG),
+            marks=slow(len(load_level(level).robots) * measures.ticks > LONG),
         )
         for level, programs in reference_table().items()
         for program, measures in programs.items()
@@ -64,3 +79,10 @@ def ticks_to_win(level: Level, program: Program | str, ticks: int) -> int | None
         program = Program.compile(program)
     won_at = verdict(level, program, ticks).won_at
     return None if won_at is None or won_at > ticks else won_at
+
+
+def wins_from_starts(level: Level, program: Program, ticks: int) -> Iterator[int]:
+    """The varied starts from which a program wins within so many ticks, in order."""
+    for seed in range(STARTS):
+        if ticks_to_win(vary_start(level, seed), program, ticks):
+            yield seed

@@ -53,6 +53,7 @@ def away_from_start(world: World) -> list[float]:
     return [math.dist((r.x, r.y), (s.x, s.y)) for r, s in zip(world.robots, starts, strict=True)]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("program", "level"), EXAMPLES.items())
 def test_an_example_has_nothing_odd_and_moves_every_robot(program: str, level: str) -> None:
     assert shipped_program(program).warnings == ()
@@ -68,6 +69,7 @@ def test_the_clock_brings_a_robot_round_a_square() -> None:
     assert ways[-1] < 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", ["steering", "wall-crawler"])
 def test_a_hand_on_the_wall_leads_out_of_a_labyrinth(program: str) -> None:
     assert ticks_to_win(load_level(EXAMPLES[program]), shipped_program(program), 6000)
@@ -82,5 +84,6 @@ def ticks_near_each_other(program: str) -> int:
     )
 
 
+@pytest.mark.slow
 def test_a_herd_keeps_together() -> None:
     assert ticks_near_each_other("herd") > 3 * ticks_near_each_other("open-space")

@@ -13,11 +13,20 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 
-from logical_robots_tui import Desire, Program, World, load_level
-from logical_robots_tui.game.measuring import play_through, vary_start
+from logical_robots_tui import Desire, World, load_level
+from logical_robots_tui.game.measuring import vary_start
 from logical_robots_tui.paths import shipped_names
 from logical_robots_tui.world.dynamics import Mover, drive, is_inside
-from tests.levels.playing import LEVELS, measured, program_text, shipped_program, solution_of
+from tests.levels.playing import (
+    LEVELS,
+    is_small,
+    measured,
+    program_text,
+    shipped_program,
+    slow,
+    solution_of,
+    ticks_to_win,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,14 +73,15 @@ HAVE_THE_IDEA = {
 }
 """Programs of other levels that win a level, because they have its idea."""
 
+THOUGHTS = 450  # of all robots together, which are enough for a look
+THOUGHTS_OF_A_PROOF = 18_000
+
 OTHERS = [
-    (level.name, program)
+    pytest.param(level.name, program, marks=slow(not is_small(program)))
     for level in map(load_level, LEVELS)
     for program in shipped_names("programs", ".l")
     if program not in (level.solution, level.starter)
 ]
-THOUGHTS = 450  # of all robots together, which are enough for a look
-THOUGHTS_OF_A_PROOF = 18_000
 
 each_level = pytest.mark.parametrize("name", LEVELS)
 
@@ -170,7 +180,7 @@ def test_no_periodic_engines_win(name: str) -> None:
 
 def wins(level: Level, program: str, thoughts: int) -> bool:
     ticks = thoughts // len(level.robots)
-    return play_through(level, shipped_program(program), ticks).won_at is not None
+    return ticks_to_win(level, shipped_program(program), ticks) is not None
 
 
 @pytest.mark.sampled
@@ -220,7 +230,12 @@ VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
 
 @pytest.mark.sampled
 @pytest.mark.parametrize(
-    ("name", "changes"), [(name, each) for name, some in VARIATIONS.items() for each in some]
+    ("name", "changes"),
+    [
+        pytest.param(name, changes, marks=slow(name > "03"))
+        for name, variations in VARIATIONS.items()
+        for changes in variations
+    ],
 )
 def test_no_easy_variation_is_twice_as_fast_as_the_solution(
     name: str, changes: tuple[tuple[str, str], ...]
@@ -229,5 +244,4 @@ def test_no_easy_variation_is_twice_as_fast_as_the_solution(
     for before, after in changes:
         assert before in text
         text = text.replace(before, after)
-    half = measured(name).ticks // 2
-    assert play_through(load_level(name), Program.compile(text), half).won_at is None
+    assert ticks_to_win(load_level(name), text, measured(name).ticks // 2) is None

@@ -8,35 +8,26 @@ tries 20 starts and watches losers to the end.
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui import load_level
-from logical_robots_tui.game.history.marks import Rounds
-from logical_robots_tui.game.measuring import (
-    MOST_TICKS,
-    STARTS,
-    patience_for,
-    play_through,
-    try_starts,
-    vary_start,
-)
+from logical_robots_tui.game.measuring import MOST_TICKS, STARTS, patience_for, vary_start
 from logical_robots_tui.game.victory import measures_of, reference_table
 from logical_robots_tui.world.level import SecondGoal
 from tests.levels.playing import (
     LEVELS,
+    LONG,
     measured,
     reference_cases,
     references_of,
     shipped_program,
+    slow,
     solution_of,
     ticks_to_win,
+    wins_from_starts,
 )
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Mind
+from tests.levels.verdicts import verdict
 
 PAIRS = [(level, lower) for lower, level in combinations(LEVELS, 2)]
 
@@ -73,72 +64,59 @@ def test_a_reference_asks_for_no_more_than_robots_may_see(name: str, program: st
 def test_a_reference_does_as_well_as_was_measured_and_never_goes_in_circles(
     name: str, program: str
 ) -> None:
+    level, compiled = load_level(name), shipped_program(program)
     expected = reference_table()[name][program]
-    rounds = Rounds()
-
-    def goes_in_circles(frame: Frame, _mind: Mind) -> bool:
-        robots = frame.after.robots
-        circling = rounds.follow(robots)
-        assert not circling, [r.name for i, r in enumerate(robots) if circling >> i & 1]
-        return False
-
-    played = play_through(
-        load_level(name), shipped_program(program), MOST_TICKS, is_over=goes_in_circles
-    )
+    played = verdict(level, compiled, MOST_TICKS)
     assert played.won_at is not None
-    level = load_level(name)
+    assert played.circling == ()
     found = measures_of(
-        level,
-        shipped_program(program),
-        played.won_at,
-        round(played.distance, 1),
-        played.is_blocked,
+        level, compiled, played.won_at, round(played.distance, 1), played.is_blocked
     )
     later = {goal.words for goal in level.second_goals if goal.is_tried_later}
     at_once = tuple(goal for goal in expected.goals if goal not in later)
     assert found == expected._replace(wins=None, starts=0, goals=at_once), "run `make measures`"
 
 
-@each_level
-def test_every_reference_is_measured_and_the_solution_wins_from_varied_starts(name: str) -> None:
-    table = reference_table()[name]
-    assert list(table) == references_of(name)
-    assert all(each.starts == STARTS == 20 for each in table.values())
-    assert (measured(name).wins or 0) >= 19
+def test_the_table_measures_every_reference_and_each_is_the_best_at_what_it_is_called() -> None:
+    for name in LEVELS:
+        table, solution = reference_table()[name], solution_of(name)
+        assert list(table) == references_of(name)
+        assert len(table) >= 3
+        assert {measures.starts for measures in table.values()} == {STARTS} == {20}
+        assert (measured(name).wins or 0) >= 19, name
+        assert measured(name).ticks * len(load_level(name).robots) < THOUGHTS_OF_A_SOLUTION, name
+        for word, field in RECORDS.items():
+            best = min(getattr(measures, field) for measures in table.values())
+            holder = table.get(f"{solution}-{word}")  # where there is none, another one is best
+            assert holder is None or getattr(holder, field) == best, (name, word)
 
 
-@each_level
-def test_the_references_are_the_best_at_what_they_are_called(name: str) -> None:
-    table, solution = reference_table()[name], solution_of(name)
-    assert len(table) >= 3
-    for word, field in RECORDS.items():
-        best = min(getattr(each, field) for each in table.values())
-        holder = table.get(f"{solution}-{word}")  # where there is none, another one is best
-        assert holder is None or getattr(holder, field) == best, word
-
-
-@each_level
-def test_each_second_goal_is_reached_by_a_reference_and_not_by_the_solution(name: str) -> None:
+def test_each_second_goal_is_reached_by_a_reference_and_not_by_the_solution() -> None:
     """But for that of all starts, which every reference reaches."""
-    goals = {goal.words for goal in load_level(name).second_goals}
-    assert len(goals) == 2
-    reached = [set(each.goals) for each in reference_table()[name].values()]
-    assert set().union(*reached) == goals
     starts = {SecondGoal("starts").words}
-    assert set.intersection(*reached) <= starts
-    assert set(measured(name).goals) <= starts
+    for name in LEVELS:
+        goals = {goal.words for goal in load_level(name).second_goals}
+        assert len(goals) == 2, name
+        reached = [set(measures.goals) for measures in reference_table()[name].values()]
+        assert set().union(*reached) == goals, name
+        assert set.intersection(*reached) <= starts, name
+        assert set(measured(name).goals) <= starts, name
 
 
 @pytest.mark.sampled
-@each_level
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [
+        pytest.param(name, seed, marks=slow(thoughts > LONG))
+        for name in LEVELS
+        for seed in range(3)
+        for thoughts in [measured(name).ticks * len(load_level(name).robots)]
+        if (seed + 1) * thoughts < THOUGHTS_FOR_VARIED_STARTS  # `make prove` tries all
+    ],
+)
 def test_the_solution_wins_from_a_varied_start(name: str, seed: int) -> None:
-    level = load_level(name)
-    ticks = measured(name).ticks
-    if (seed + 1) * ticks * len(level.robots) > THOUGHTS_FOR_VARIED_STARTS:
-        pytest.skip("takes long; `make prove` tries it")
-    program = shipped_program(solution_of(name))
-    assert ticks_to_win(vary_start(level, seed), program, patience_for(ticks))
+    program, patience = shipped_program(solution_of(name)), patience_for(measured(name).ticks)
+    assert ticks_to_win(vary_start(load_level(name), seed), program, patience)
 
 
 @pytest.mark.sampled
@@ -154,14 +132,9 @@ def test_the_starter_does_not_win_soon(name: str) -> None:
 def test_a_reference_wins_from_as_many_varied_starts_as_was_measured(
     name: str, program: str
 ) -> None:
-    expected = reference_table()[name][program]
-    patience = patience_for(expected.ticks)
-    assert try_starts(load_level(name), shipped_program(program), patience) == expected.wins
-
-
-@each_level
-def test_the_solution_wins_while_one_waits(name: str) -> None:
-    assert measured(name).ticks * len(load_level(name).robots) < THOUGHTS_OF_A_SOLUTION
+    expected, compiled = reference_table()[name][program], shipped_program(program)
+    wins = wins_from_starts(load_level(name), compiled, patience_for(expected.ticks))
+    assert len(list(wins)) == expected.wins
 
 
 @pytest.mark.proof

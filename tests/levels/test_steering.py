@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ TAUGHT_BEFORE = {"Stop"}
 """What level 4 teaches and a starter may leave to the player."""
 
 
+@cache
 def rules_of(name: str) -> dict[str, list[Rule]]:
     """The rules of a program by the predicate that they define, but for Robot."""
     rules: dict[str, list[Rule]] = {}
@@ -26,6 +28,7 @@ def rules_of(name: str) -> dict[str, list[Rule]]:
     return rules
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", LEVELS[4:])
 def test_steering_is_given_and_the_same_in_every_level(name: str) -> None:
     library = rules_of("steering")
