@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -86,3 +87,13 @@ def wins_from_starts(level: Level, program: Program, ticks: int) -> Iterator[int
     for seed in range(STARTS):
         if ticks_to_win(vary_start(level, seed), program, ticks):
             yield seed
+
+
+def code_in(lesson: str) -> list[str]:
+    """The blocks of code in a lesson."""
+    return re.findall(r"^```\n(.*?)^```$", lesson, re.DOTALL | re.MULTILINE)
+
+
+def squeezed(text: str) -> str:
+    """A text without blanks."""
+    return "".join(text.split())

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
-from functools import cache
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,46 +12,39 @@ import pytest
 from logical_robots_tui import Program, list_arenas, load_level
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.game.measuring import start_of
-from logical_robots_tui.game.minds import mind_for
 from logical_robots_tui.paths import ARENAS, shipped_names
-from logical_robots_tui.world import Level, World
-from logical_robots_tui.world.dynamics import points
-from tests.levels.playing import LEVELS, program_text
-from tests.levels.test_levels import around, check_texts
-
-if TYPE_CHECKING:
-    from logical_robots_tui.values import Value
+from logical_robots_tui.world import Level
+from tests.levels.playing import LEVELS, code_in, program_text, slow, squeezed
+from tests.levels.test_levels import assert_room_for_robots, check_texts
+from tests.levels.verdicts import verdict
 
 NAMES = list_arenas()
-FOUR_TEAMS = "17-four-doors"
-SEATS = [
-    pytest.param(name, seat, marks=[pytest.mark.slow] * (name == FOUR_TEAMS))
-    for name in NAMES
-    for seat in range(len(load_level(name).teams))
-]
+QUICK = NAMES[0]
+"""The arena whose programs are soon compiled."""
+
+SEATS = [(name, seat) for name in NAMES for seat in range(len(load_level(name).teams))]
 STARTS = range(1, 11)
 
-each_arena = pytest.mark.parametrize("name", NAMES)
+
+def matches(*cases: tuple[Any, ...]) -> pytest.MarkDecorator:
+    """Cases of which a quick run takes a tenth of those in one arena."""
+    names = ("name", "seat", "start")[: len(cases[0])]
+    return pytest.mark.parametrize(
+        names, [pytest.param(*case, marks=slow(case[0] != QUICK)) for case in cases]
+    )
 
 
-def scores(level: Level, programs: list[str]) -> list[float]:
-    """What each team has at the end of a match, rounded as the screen does."""
+def scores(level: Level, programs: list[str]) -> tuple[float, ...]:
+    """What each team has at the end of a match, in which nothing is remarked."""
     names = [team.name for team in level.teams]
     texts = map(program_text, programs)
-    mind = mind_for(Program.compile(dict(zip(names, texts, strict=True))), level)
-    world = World(level)
-    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
-    while world.tick < level.match_ticks:
-        decisions = mind.think(world.sense(), memories)
-        assert not any(decision.notices for decision in decisions)
-        world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-        memories = {d.robot_name: d.memory for d in decisions}
-    mind.close()
-    return [round(sum(mine), 2) for mine in points(level, world.save()).values()]
+    program = Program.compile(dict(zip(names, texts, strict=True)))
+    played = verdict(level, program, level.match_ticks or 0)
+    assert played.notices == ()
+    return played.points
 
 
-@cache
-def played(name: str, seat: int | None, start: int) -> list[float]:
+def played(name: str, seat: int | None, start: int) -> tuple[float, ...]:
     """The scores with the solution on one seat, or on none, and sparring partners on the others."""
     level = start_of(load_level(name), start)
     programs = [team.program for team in level.teams]
@@ -79,17 +70,16 @@ def test_arenas_are_numbered_after_the_course() -> None:
     assert len(NAMES) == 3
 
 
-@each_arena
-def test_an_arena_has_texts_that_fit_a_pane_and_programs_of_its_name(name: str) -> None:
-    level = load_level(name)
-    check_texts(level)
-    assert level.solution == name.partition("-")[2] == level.title.lower().replace(" ", "-")
-    assert {team.program for team in level.teams} == {level.starter}
-    assert level.starter == f"{level.solution}-sparring"
-    solution = "".join(program_text(level.solution).split())
-    (block,) = re.findall(r"^```\n(.*?)^```$", level.lesson, re.DOTALL | re.MULTILINE)
-    assert "".join(block.split()) in solution
-    assert max(map(len, block.split("\n"))) <= 76
+def test_an_arena_has_texts_that_fit_a_pane_and_programs_of_its_name() -> None:
+    for level in map(load_level, NAMES):
+        check_texts(level)
+        assert level.solution == level.name.partition("-")[2]
+        assert level.solution == level.title.lower().replace(" ", "-")
+        assert {team.program for team in level.teams} == {level.starter}
+        assert level.starter == f"{level.solution}-sparring"
+        (block,) = code_in(level.lesson)
+        assert squeezed(block) in squeezed(program_text(level.solution)), level.name
+        assert max(map(len, block.split("\n"))) <= 76
 
 
 def test_every_program_for_arenas_belongs_to_one() -> None:
@@ -98,19 +88,16 @@ def test_every_program_for_arenas_belongs_to_one() -> None:
     assert sorted(wanted) == shipped_names("programs", ".l", ARENAS)
 
 
-@each_arena
-def test_an_arena_is_without_mistakes_and_nobody_wins_it_for_all(name: str) -> None:
-    level = load_level(name)
-    assert check(level) == []
-    assert level.match_ticks
-    assert level.scores
-    assert not any(area.victory_robots for area in level.areas)
-    for robot in level.robots:
-        across, down = slice(*around(robot.x)), slice(*around(robot.y))
-        assert not np.any(level.walls[down, across])
+def test_an_arena_is_without_mistakes_and_nobody_wins_it_for_all() -> None:
+    for level in map(load_level, NAMES):
+        assert check(level) == []
+        assert level.match_ticks
+        assert level.scores
+        assert not any(area.victory_robots for area in level.areas)
+        assert_room_for_robots(level)
 
 
-@each_arena
+@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("start", [0, 1])
 def test_an_arena_looks_the_same_from_every_seat(name: str, start: int) -> None:
     level = start_of(load_level(name), start)
@@ -136,31 +123,27 @@ def test_an_arena_looks_the_same_from_every_seat(name: str, start: int) -> None:
 
 
 @pytest.mark.sampled
-@each_arena
-@pytest.mark.parametrize("start", [0, 1])
-def test_equal_programs_have_equal_scores(name: str, start: int) -> None:
-    found = played(name, None, start)
-    assert len(set(found)) == 1
+@matches(*((name, None, start) for name in NAMES for start in (0, 1)))
+def test_equal_programs_have_equal_scores(name: str, seat: None, start: int) -> None:
+    assert len(set(played(name, seat, start))) == 1
 
 
 @pytest.mark.sampled
-@each_arena
+@matches(*((name,) for name in NAMES))
 def test_the_solution_has_an_equal_match_against_itself(name: str) -> None:
     level = load_level(name)
     assert len(set(scores(level, [level.solution] * len(level.teams)))) == 1
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize(("name", "seat"), SEATS)
-@pytest.mark.parametrize("start", [0, 5])
+@matches(*((name, seat, start) for name, seat in SEATS if seat for start in (0, 5)))
 def test_who_takes_another_seat_takes_the_scores_along(name: str, seat: int, start: int) -> None:
     first = played(name, 0, start)
-    assert played(name, seat, start) == [*first[len(first) - seat :], *first[: len(first) - seat]]
+    assert played(name, seat, start) == (*first[len(first) - seat :], *first[: len(first) - seat])
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("start", STARTS)
-@pytest.mark.parametrize(("name", "seat"), SEATS)
+@matches(*((name, seat, start) for start in STARTS for name, seat in SEATS))
 def test_the_solution_beats_all_sparring_partners(name: str, seat: int, start: int) -> None:
     found = played(name, seat, start)
     others = [*found[:seat], *found[seat + 1 :]]

@@ -10,14 +10,10 @@ import pytest
 
 from logical_robots_tui import load_level
 from tests.levels.moments import Moment, at, step
-from tests.levels.playing import LEVELS, measured, program_text, slow, ticks_to_win
+from tests.levels.playing import LEVELS, measured, program_text, slow, squeezed, ticks_to_win
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-
-def squeezed(text: str) -> str:
-    return "".join(text.split())
 
 
 # What hints say.

@@ -14,11 +14,13 @@ from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.paths import shipped_names
 from tests.levels.playing import (
     LEVELS,
+    code_in,
     is_small,
     program_text,
     shipped_program,
     slow,
     solution_of,
+    squeezed,
     ticks_to_win,
     wins_from_starts,
 )
@@ -63,10 +65,6 @@ def test_a_level_has_texts_that_fit_a_pane() -> None:
         assert max(len(line) for block in code for line in block.split("\n")) <= 76, level.name
 
 
-def code_in(lesson: str) -> list[str]:
-    return re.findall(r"^```\n(.*?)^```$", lesson, re.DOTALL | re.MULTILINE)
-
-
 def test_a_level_and_its_programs_have_one_name() -> None:
     for name in LEVELS:
         level = load_level(name)
@@ -94,9 +92,9 @@ def compiles(text: str) -> bool:
 @each_solution
 def test_the_code_in_a_lesson_is_that_of_its_solution_or_goes_with_a_program(name: str) -> None:
     level = load_level(name)
-    solution = "".join(program_text(level.solution).split())
+    solution = squeezed(program_text(level.solution))
     for block in code_in(level.lesson):
-        parts = ["".join(part.split()) for part in re.split(r";\n|\.\.\.;?\n", block)]
+        parts = [squeezed(part) for part in re.split(r";\n|\.\.\.;?\n", block)]
         if not all(part in solution for part in parts):
             rest = ("", AHEAD, program_text(level.starter), program_text(level.solution))
             assert any(compiles(f"{each}\n{block}") for each in rest), block
