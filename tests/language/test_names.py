@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.diagnostics import Mention, Names, unknown_names
@@ -22,39 +20,35 @@ def mentioned(text: str) -> list[tuple[str, str]]:
     return [(each.text, each.of) for each in found]
 
 
-@pytest.mark.parametrize(
-    "rules",
-    [
-        f'A(1) :- {RAY}, ray.label == "x";',
-        f'A(1) :- {RAY}, "x" != ray.label;',
-        f'A(1) :- {RAY}, ray.label in ["x"];',
-        f'A(1) :- {RAY}, y == ray.label, y == "x";',
-        f'A(1) :- {RAY}, y == "x", ray.label == y;',
-        f'A(y) :- {RAY}, y = (if ray.label == "x" then 1 else 2);',
-        'A(1) :- Sensor(sensor:), {label: "x"} in sensor.radar;',
-        f'B(name: ray.label) :- {RAY}; A(1) :- B(name: "x");',
-        f'F(y) = (if y == "x" then 1 else 2); A(F(ray.label)) :- {RAY};',
-        'A(1) :- Sensor(sensor:), sensor.forward_label == "x";',
-        f'A(y) :- y = Count{{ray.angle :- {RAY}, ray.label == "x"}};',
-    ],
-)
-def test_a_label_is_recognised_wherever_it_comes_from(rules: str) -> None:
-    assert mentioned(rules) == [("x", "label")]
+LABELS = [
+    f'A(1) :- {RAY}, ray.label == "x";',
+    f'A(1) :- {RAY}, "x" != ray.label;',
+    f'A(1) :- {RAY}, ray.label in ["x"];',
+    f'A(1) :- {RAY}, y == ray.label, y == "x";',
+    f'A(1) :- {RAY}, y == "x", ray.label == y;',
+    f'A(y) :- {RAY}, y = (if ray.label == "x" then 1 else 2);',
+    'A(1) :- Sensor(sensor:), {label: "x"} in sensor.radar;',
+    f'B(name: ray.label) :- {RAY}; A(1) :- B(name: "x");',
+    f'F(y) = (if y == "x" then 1 else 2); A(F(ray.label)) :- {RAY};',
+    'A(1) :- Sensor(sensor:), sensor.forward_label == "x";',
+    f'A(y) :- y = Count{{ray.angle :- {RAY}, ray.label == "x"}};',
+]
+OTHER_TEXTS = [
+    'A(1) :- Memory(memory:), memory == "x";',
+    'A(1) :- Memory(memory:), memory.label == "x";',
+    f'B(ray.label) :- {RAY}; B("y"); A(1) :- B("x");',
+    f'A(1) :- {RAY}, Upper(ray.label) == "x";',
+    f'A(y) :- {RAY}, y = ray.label ++ "x";',
+    f'A(1) :- {RAY}, StartsWith(ray.label, "x");',
+]
 
 
-@pytest.mark.parametrize(
-    "rules",
-    [
-        'A(1) :- Memory(memory:), memory == "x";',
-        'A(1) :- Memory(memory:), memory.label == "x";',
-        f'B(ray.label) :- {RAY}; B("y"); A(1) :- B("x");',
-        f'A(1) :- {RAY}, Upper(ray.label) == "x";',
-        f'A(y) :- {RAY}, y = ray.label ++ "x";',
-        f'A(1) :- {RAY}, StartsWith(ray.label, "x");',
-    ],
-)
-def test_other_texts_are_not_names(rules: str) -> None:
-    assert mentioned(rules) == []
+def test_a_label_is_recognised_wherever_it_comes_from_and_other_texts_are_not_names() -> None:
+    found = {rules: mentioned(rules) for rules in [*LABELS, *OTHER_TEXTS]}
+    assert found == {
+        **{rules: [("x", "label")] for rules in LABELS},
+        **{rules: [] for rules in OTHER_TEXTS},
+    }
 
 
 def test_the_names_of_robots_are_told_from_labels() -> None:
@@ -67,12 +61,8 @@ def told(text: str, of: str) -> list[tuple[str, str]]:
     return [(each.message, each.hint) for each in found]
 
 
-@pytest.mark.parametrize("name", ["Ada", "Harbour", "wall", "nothing"])
-def test_a_label_that_a_level_has_is_met_with_silence(name: str) -> None:
-    assert told(name, "label") == []
-
-
-def test_an_unknown_name_is_told_with_the_nearest() -> None:
+def test_an_unknown_name_is_told_with_the_nearest_and_a_label_of_the_level_is_not() -> None:
+    assert [told(name, "label") for name in ("Ada", "Harbour", "wall", "nothing")] == [[]] * 4
     nobody = "No robot, beacon or solid area of this level is called"
     assert told("harbor", "label") == [(f'{nobody} "harbor"', 'Did you mean "Harbour"?')]
     assert told("Add", "robot_name") == [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from functools import cache
 
 import pytest
 from hypothesis import given
@@ -11,8 +12,8 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.language import package_patches, tree
-from logical_robots_tui.language.adapter import _Reader, _Writer, parse
-from logical_robots_tui.language.source_text import prepare
+from logical_robots_tui.language.adapter import Parsed, _Reader, _Writer, parse
+from logical_robots_tui.language.source_text import Prepared, prepare
 from tests.mind.differential.corpus import CASES
 from tests.mind.test_no_false_alarm import SUBTLE
 
@@ -36,41 +37,72 @@ Odd(x) couldbe :- x in [1, 3] && x != 2, n += (1 :- Odd(y)), z == ArgMax{y -> x 
 PAIR = re.compile(r"\([^(){}[\]]*\)|\[[^(){}[\]]*\]|{[^(){}[\]]*}")
 
 
-def programs() -> list[str]:
-    shipped = [load_program(name).text for name in list_programs()]
-    return [FORMS, *shipped, *SUBTLE, *(text for _, text, _ in CASES)]
+TEXTS = {
+    "forms": [FORMS],
+    "subtle programs": SUBTLE,
+    "constructs": sorted({rules for _, rules, _ in CASES}),
+}
+"""Texts by what they are; any other name is that of a shipped program."""
+
+PROGRAMS = [
+    *TEXTS,
+    *(pytest.param(name, marks=pytest.mark.sampled) for name in list_programs()),
+]
+
+
+@cache
+def parsed(text: str) -> Parsed:
+    return parse(prepare(text))
+
+
+def texts(name: str) -> list[str]:
+    return TEXTS[name] if name in TEXTS else [load_program(name).text]
 
 
 def statements(text: str) -> list[tree.Statement]:
-    return parse(prepare(text)).statements
+    return parsed(text).statements
 
 
-@pytest.mark.parametrize("text", programs())
-def test_what_goes_to_the_package_comes_back_as_it_was(text: str) -> None:
-    source = prepare(text)
-    reader, writer = _Reader(source), _Writer(source.text)
-    for statement in parse(source).statements:
-        assert reader.statement(writer.statement(statement)) == statement
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_what_goes_to_the_package_comes_back_as_it_was(name: str) -> None:
+    for text in texts(name):
+        source = parsed(text).source
+        reader, writer = _Reader(source), _Writer(source.text)
+        for statement in statements(text):
+            assert reader.statement(writer.statement(statement)) == statement, text
 
 
-@pytest.mark.parametrize("text", programs())
-def test_each_name_and_each_span_is_where_it_stands(text: str) -> None:
-    source = prepare(text)
-    for node in tree.walk(parse(source).statements):
-        if node.span:
-            assert 0 <= node.span.start <= node.span.stop <= len(text)
-            piece = source.skeleton[slice(*node.span)]
-            while PAIR.search(piece):
-                piece = PAIR.sub("", piece)
-            assert not {*"(){}[]"} & {*piece}
-        for part in dataclasses.fields(node):
-            value = getattr(node, part.name)
-            if isinstance(value, tree.Name) and value.start >= 0:
-                assert source.text.startswith(value, value.start)
-        for inner in tree.children(node):
-            if node.span and inner.span:
-                assert node.span.start <= inner.span.start
-                assert inner.span.stop <= node.span.stop
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_each_name_and_each_span_is_where_it_stands(name: str) -> None:
+    for text in texts(name):
+        source = parsed(text).source
+        for node in tree.walk(statements(text)):
+            assert stands_at_its_place(node, source), (text, node)
+
+
+def stands_at_its_place(node: tree.Node, source: Prepared) -> bool:
+    """Whether the span of a node is whole, has its children inside, and names are in the text."""
+    names = [getattr(node, field.name) for field in dataclasses.fields(node)]
+    are_there = all(
+        source.text.startswith(name, name.start)
+        for name in names
+        if isinstance(name, tree.Name) and name.start >= 0
+    )
+    if not node.span:
+        return are_there
+    piece = source.skeleton[slice(*node.span)]
+    while PAIR.search(piece):
+        piece = PAIR.sub("", piece)
+    return (
+        are_there
+        and 0 <= node.span.start <= node.span.stop <= len(source.text)
+        and not {*"(){}[]"} & {*piece}
+        and all(
+            node.span.start <= inner.span.start and inner.span.stop <= node.span.stop
+            for inner in tree.children(node)
+            if inner.span
+        )
+    )
 
 
 def test_a_rule_written_with_an_arrow_knows_its_place() -> None:
