@@ -18,12 +18,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Desire, SensorRow
 
 TOLERANCE = 1e-6
-
-
-@pytest.fixture(scope="module", params=TRACES, ids=lambda path: path.stem)
-def trace(request: pytest.FixtureRequest) -> Trace:
-    path: Path = request.param
-    return read_trace(path)
+ONE_OF_EACH_LEVEL = [
+    pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (number % 2 != number // 2 % 2))
+    for number, path in enumerate(TRACES)
+]
+"""Traces of which the quick choice has one of a level, of one script and the other by turns."""
 
 
 def near(found: float, recorded: float) -> bool:
@@ -35,7 +34,9 @@ def test_all_traces_are_there() -> None:
     assert len(TRACES) == 22
 
 
-def test_a_free_run_follows_the_trace_from_start_to_end(trace: Trace) -> None:
+@pytest.mark.parametrize("path", ONE_OF_EACH_LEVEL)
+def test_a_free_run_follows_the_trace_from_start_to_end(path: Path) -> None:
+    trace = read_trace(path)
     world = World(load_level(trace.level_path))
     _check_state(world, trace.start)
     events: list[list[Any]] = []
@@ -52,7 +53,9 @@ def test_a_free_run_follows_the_trace_from_start_to_end(trace: Trace) -> None:
     assert len(trace.ticks) > 80
 
 
-def test_every_recorded_tick_follows_from_the_recorded_one_before(trace: Trace) -> None:
+@pytest.mark.parametrize("path", TRACES, ids=lambda path: path.stem)
+def test_every_recorded_tick_follows_from_the_recorded_one_before(path: Path) -> None:
+    trace = read_trace(path)
     world = World(load_level(trace.level_path))
     before = trace.start
     for tick in range(1, 13):

@@ -99,6 +99,7 @@ def test_what_was_sensed_before_changes_nothing(
         assert world.look() == other.look()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("path", LEVELS, ids=lambda path: path.stem)
 def test_the_fast_rays_agree_with_the_plain_ones_along_a_drive(path: Path) -> None:
     world = World(load_level(path))

@@ -14,16 +14,16 @@ from tests.memory_use import memory_use
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["bounded_memory", "bounded_work"]
+__all__ = ["GROWTH", "bounded_memory", "bounded_work"]
 
 GROWTH = 400 * 1024**2  # bytes: the memory of SQLite, and what all rows of a thought may take
 
 
 @contextmanager
-def bounded_memory() -> Iterator[None]:
+def bounded_memory(most: int = GROWTH) -> Iterator[None]:
     before = _forget_peak()
     yield
-    assert memory_use("self", "VmHWM") - before < GROWTH
+    assert memory_use("self", "VmHWM") - before < most
 
 
 @contextmanager
