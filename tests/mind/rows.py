@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind import Decision, Limits, Mind, Program
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
 
 ROBOT = (
     "Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: m) :- "
@@ -96,3 +99,25 @@ def remembered(expression: str, memory: Any = "", *, rules: str = "") -> Any:
     (decision,) = think(text, [row("Ada")], {"Ada": memory})
     assert not decision.notices, decision.notices
     return decision.memory
+
+
+def cases(expressions: Sequence[str]) -> tuple[str, dict[str, str]]:
+    """Rules that make a function of each expression, in which names are its own, and its calls.
+
+    Returns:
+        The rules, and calls by names for columns or fields.
+    """
+    rules = "".join(
+        f"\nCase{number}(sensor, memory) = ({text});" for number, text in enumerate(expressions)
+    )
+    return rules, {f"c{n}": f"Case{n}(sensor, memory)" for n in range(len(expressions))}
+
+
+def all_remembered(
+    expressions: Collection[str], memory: Any = "", *, rules: str = ""
+) -> dict[str, Any]:
+    """What a robot remembers of each of several expressions, all in one program."""
+    functions, calls = cases([*expressions])
+    record = ", ".join(f"{name}: {call}" for name, call in calls.items())
+    values = remembered(f"{{{record}}}", memory, rules=rules + functions)
+    return {text: values[name] for text, name in zip(expressions, calls, strict=True)}

@@ -17,7 +17,7 @@ from logical_robots_tui.mind.tuning import sql, tune_all
 from logical_robots_tui.mind.tuning.passes import PASSES
 from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.differential.comparing import MEMORIES, ROWS
-from tests.mind.differential.corpus import CASES
+from tests.mind.differential.corpus import BATCHES, CASES, Case, in_one
 from tests.mind.differential.whole_programs import MOMENTS, PROGRAMS
 from tests.mind.rows import ROBOT, nearly_same
 
@@ -41,6 +41,12 @@ LEVELS = {
 }
 FREE_PROGRAMS_RUN_IN = "02-open-space"
 TICKS = (1, 9, 30)
+
+
+LARGE_ARE_SLOW = [
+    pytest.param(name, marks=[pytest.mark.slow] * (len(load_program(name).text) > 1_500))
+    for name in list_programs()
+]
 
 
 @cache
@@ -90,7 +96,7 @@ def test_each_pass_has_a_name_of_its_own_and_is_documented() -> None:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("name", list_programs())
+@pytest.mark.parametrize("name", LARGE_ARE_SLOW)
 def test_a_tree_that_is_handed_on_is_that_of_its_statement(name: str) -> None:
     program, trees = compile_text(load_program(name).text)
     assert program.statements["Robot"] in trees
@@ -99,10 +105,10 @@ def test_a_tree_that_is_handed_on_is_that_of_its_statement(name: str) -> None:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize(("number", "name"), [*enumerate(list_programs())])
-def test_a_shipped_program_decides_the_same_without_some_passes(number: int, name: str) -> None:
+@pytest.mark.parametrize("name", LARGE_ARE_SLOW)
+def test_a_shipped_program_decides_the_same_without_some_passes(name: str) -> None:
     program, moments, visible = in_its_level(name)
-    check(program, moments, LEFT_OUT[number % 10 :: 10], **visible)
+    check(program, moments, LEFT_OUT[list_programs().index(name) % 10 :: 10], **visible)
 
 
 @pytest.mark.proof
@@ -112,12 +118,8 @@ def test_a_shipped_program_decides_the_same_without_any_pass(name: str) -> None:
     check(program, moments, LEFT_OUT, **visible)
 
 
-CASE_TEXTS = [
-    f"{rules}\n{ROBOT}Memory(robot_name:, memory:), m = ({value});" for _, rules, value in CASES
-]
-
-
-def check_case(text: str) -> None:
+def check_case(rules: str, value: str) -> None:
+    text = f"{rules}\n{ROBOT}Memory(robot_name:, memory:), m = ({value});"
     check(Program.compile(text), [(ROWS, MEMORIES)], LEFT_OUT)
 
 
@@ -127,15 +129,16 @@ def check_whole(title: str, sets: list[Collection[str]]) -> None:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("text", CASE_TEXTS[::10])
-def test_a_construct_means_the_same_without_any_pass(text: str) -> None:
-    check_case(text)
+@pytest.mark.parametrize("batch", BATCHES[::4], ids=range(0, len(BATCHES), 4))
+def test_constructs_mean_the_same_without_any_pass(batch: list[Case]) -> None:
+    rules, calls = in_one(batch[::3])
+    check_case(rules, f"{{{', '.join(map('{}: {}'.format, calls, calls.values()))}}}")
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize("text", [t for n, t in enumerate(CASE_TEXTS) if n % 10])
-def test_every_construct_means_the_same_without_any_pass(text: str) -> None:
-    check_case(text)
+@pytest.mark.parametrize(("rules", "value"), [case[1:] for case in CASES])
+def test_every_construct_means_the_same_without_any_pass(rules: str, value: str) -> None:
+    check_case(rules, value)
 
 
 @pytest.mark.sampled

@@ -35,9 +35,13 @@ def repr_of(values: list[Any]) -> str:
     return repr([round(v, 6) if isinstance(v, float) else v for v in values])
 
 
-@pytest.mark.sampled
 @pytest.mark.parametrize(
-    ("name", "tick"), [("06-breadcrumbs", 200), ("10-distributed-mapping", 120), ("13-swarm", 20)]
+    ("name", "tick"),
+    [
+        ("06-breadcrumbs", 60),
+        pytest.param("10-distributed-mapping", 120, marks=pytest.mark.slow),
+        pytest.param("13-swarm", 20, marks=pytest.mark.slow),
+    ],
 )
 async def test_every_predicate_of_our_programs_can_be_asked_so(name: str, tick: int) -> None:
     level = load_level(name)

@@ -6,15 +6,21 @@ needs before ``@@``; lines that begin with ``##`` name the topic.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
-__all__ = ["CASES", "DIFFERENCES"]
+from logical_robots_tui.language.definitions import built_in_names, definitions, prelude
+from tests.mind.rows import cases
+
+__all__ = ["BATCHES", "CASES", "DIFFERENCES", "Case", "in_one"]
+
+Case = tuple[str, str, str]
+"""Topic, rules and expression."""
 
 _TEXT = Path(__file__).with_name("corpus.txt").read_text(encoding="utf-8")
 
 
-def _cases() -> list[tuple[str, str, str]]:
-    """Topic, rules and expression of every case."""
+def _cases() -> list[Case]:
     topic = ""
     cases = []
     for line in _TEXT.strip().splitlines():
@@ -27,6 +33,52 @@ def _cases() -> list[tuple[str, str, str]]:
 
 
 CASES = _cases()
+
+_SUPPLIED = {*built_in_names(), *definitions(prelude()), "Sensor", "Memory", "Str", "Bool", "Int"}
+_WORD = re.compile(r""""[^"]*"|'[^']*'|@?\b[A-Z]\w*""")
+
+
+def _apart(case: Case, number: int) -> tuple[str, str]:
+    """Rules and expression of a case, whose predicates have names of their own."""
+    own = {word for word in _WORD.findall(case[1]) if word[0].isalpha()} - _SUPPLIED
+    rules, expression = (
+        _WORD.sub(lambda word: f"{word[0]}{number}" if word[0] in own else word[0], text)
+        for text in case[1:]
+    )
+    return rules, expression
+
+
+def in_one(batch: list[Case]) -> tuple[str, dict[str, str]]:
+    """The rules of all cases, and an expression for each by a name for a column or a field."""
+    parts = [_apart(case, number) for number, case in enumerate(batch)]
+    functions, calls = cases([expression for _, expression in parts])
+    return "\n".join(rules for rules, _ in parts) + functions, calls
+
+
+def _group(case: Case) -> str:
+    """What kind of program a case can stand in together with others."""
+    topic, rules, expression = case
+    statements = {part.strip().partition("(")[0]: part for part in rules.split(";")}
+    is_recursive = any(part.count(f"{head}(") > 1 for head, part in statements.items())
+    stands_alone = (
+        is_recursive  # and has the plain way only
+        or topic.startswith("recursion")
+        or "@DefineFlag" in rules
+        or _SUPPLIED & {*statements}
+    )
+    return rules + expression if stands_alone else ""
+
+
+def _batches(size: int) -> list[list[Case]]:
+    groups: dict[str, list[Case]] = {}
+    for case in CASES:
+        groups.setdefault(_group(case), []).append(case)
+    counts = {name: -(-len(group) // size) for name, group in groups.items()}
+    return [groups[name][n::count] for name, count in counts.items() for n in range(count)]
+
+
+BATCHES = _batches(16)
+"""All cases, those in one list that can stand in one program."""
 
 DIFFERENCES: list[tuple[str, object, object]] = [
     # expression, its value here, its value on DuckDB; each is explained in docs/dialect.md

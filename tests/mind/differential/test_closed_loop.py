@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import settings
 
 from tests.mind.differential.closed_loop import PROGRAMS, differences
 
@@ -12,10 +13,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+TICKS = min(40, 2 * settings().max_examples)
+
+
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_robot_remembers_and_decides_as_on_duckdb(name: str, tmp_path: Path) -> None:
-    assert not list(differences(PROGRAMS[name], 40, tmp_path))
+    assert not list(differences(PROGRAMS[name], TICKS, tmp_path))
 
 
 @pytest.mark.proof

@@ -14,9 +14,10 @@ from logical_robots_tui.mind.sqlite.budget import Within
 from logical_robots_tui.mind.sqlite.moment import Moment
 from logical_robots_tui.mind.sqlite.tables import TunedTables
 from tests.mind.differential.comparing import MEMORIES, ROWS, here, program, same, there
-from tests.mind.differential.corpus import CASES, DIFFERENCES
+from tests.mind.differential.corpus import BATCHES, CASES, DIFFERENCES, Case, in_one
 from tests.mind.rows import ROBOT
 
+SLOW = pytest.mark.slow
 PAGE = Path(__file__).parents[3] / "docs" / "dialect.md"
 
 
@@ -25,15 +26,31 @@ def test_the_corpus_is_large_enough() -> None:
     assert len(set(CASES)) == len(CASES)
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize(("topic", "rules", "expression"), CASES)
-def test_a_construct_means_what_it_means_on_duckdb_and_is_answered_the_quick_way(
-    topic: str, rules: str, expression: str, tmp_path: Path
-) -> None:
-    text = program(rules, value=expression)
-    ours, theirs = here(text), there(text, tmp_path)
-    assert same(ours, theirs), f"{topic}: here {ours}, on DuckDB {theirs}"
+def compare(rules: str, expressions: dict[str, str], cases: list[Case], folder: Path) -> None:
+    """Assert that each case has the same value here, both ways, and on DuckDB."""
+    text = program(rules, **expressions)
+    (ours,), (theirs,) = here(text), there(text, folder)
+    different = [
+        (case, one, other)
+        for case, one, other in zip(cases, ours, theirs, strict=True)
+        if not same(one, other)
+    ]
+    assert different == []
     assert_the_quick_way_answers(Program.compile(f"{text}\n{ROBOT}m = 1;"))
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("batch", BATCHES, ids=range(len(BATCHES)))
+def test_constructs_mean_what_they_mean_on_duckdb_and_are_answered_the_quick_way(
+    batch: list[Case], tmp_path: Path
+) -> None:
+    compare(*in_one(batch), batch, tmp_path)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("case", CASES)
+def test_each_construct_alone_means_what_it_means_on_duckdb(case: Case, tmp_path: Path) -> None:
+    compare(case[1], {"value": case[2]}, [case], tmp_path)
 
 
 def assert_the_quick_way_answers(compiled: Program) -> None:
@@ -89,19 +106,25 @@ TRY_CASTS = [
 ]
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize(("value", "ours", "theirs"), TRY_CASTS)
-def test_try_cast_means_what_duckdb_means_by_it(
-    value: str, ours: str, theirs: str, tmp_path: Path
-) -> None:
+def test_try_cast_means_what_duckdb_means_by_it(tmp_path: Path) -> None:
     # The package's release has no TryCast; DuckDB's own is the measure.
-    sql = f'SqlExpr("TRY_CAST({{x}} AS {theirs})", {{x: {value}}})'
-    expected = there(program(value=sql), tmp_path)
-    assert same(here(program(value=f"TryCast({value}, {ours})")), expected)
-    assert same(here(program(value=f'TryCast({value}, "{theirs}")')), expected)
+    names = [f"c{number}" for number in range(len(TRY_CASTS))]
+    duckdb, by_example, by_name = (
+        dict(zip(names, casts, strict=True))
+        for casts in (
+            [f'SqlExpr("TRY_CAST({{x}} AS {sql})", {{x: {value}}})' for value, _, sql in TRY_CASTS],
+            [f"TryCast({value}, {kind})" for value, kind, _ in TRY_CASTS],
+            [f'TryCast({value}, "{sql}")' for value, _, sql in TRY_CASTS],
+        )
+    )
+    (expected,) = there(program(**duckdb), tmp_path)
+    for expressions in (by_example, by_name):
+        (ours,) = here(program(**expressions))
+        for cast, one, other in zip(TRY_CASTS, ours, expected, strict=True):
+            assert same(one, other), cast
 
 
-@pytest.mark.parametrize("depth", [1, 3, 4, 7])
+@pytest.mark.parametrize("depth", [1, pytest.param(3, marks=SLOW), 4, pytest.param(7, marks=SLOW)])
 def test_a_recursion_ends_where_it_is_told_to(depth: int, tmp_path: Path) -> None:
     rules = f"@Recursive(S, {depth}); S(0); S(n + 1) :- S(n), n < 100;"
     text = program(rules, value="Max{n :- S(n)}")
@@ -117,12 +140,11 @@ def test_what_was_cast_is_a_record_to_go_on_with() -> None:
     assert here(text) == [(8.75,)]
 
 
-@pytest.mark.parametrize("value", ['"abc"', '""', "7", '"Zoë"'])
-def test_a_hash_is_another_number_but_of_the_same_kind(value: str, tmp_path: Path) -> None:
-    text = program(value=f"NaturalHash({value})")
-    ours, theirs = here(text)[0][0], there(text, tmp_path)[0][0]
-    assert isinstance(ours, int)
-    assert isinstance(theirs, int)
-    assert 0 <= ours < 2**63
-    assert 0 <= theirs < 2**63
-    assert here(text) == here(text)
+def test_a_hash_is_another_number_but_of_the_same_kind(tmp_path: Path) -> None:
+    values = ['"abc"', '""', "7", '"Zoë"']
+    text = program(**{f"c{n}": f"NaturalHash({value})" for n, value in enumerate(values)})
+    (ours,), (theirs,) = here(text), there(text, tmp_path)
+    for number in (*ours, *theirs):
+        assert isinstance(number, int)
+        assert 0 <= number < 2**63
+    assert here(text) == [ours]

@@ -252,7 +252,7 @@ def test_a_thousand_random_programs_mean_the_same(
 
 
 @settings(
-    max_examples=min(12, settings().max_examples),
+    max_examples=max(2, min(12, settings().max_examples // 3)),
     deadline=None,
     derandomize=True,
     phases=[Phase.explicit, Phase.generate],
@@ -270,14 +270,18 @@ def test_hundreds_of_random_robot_programs_mean_the_same(tmp_path: Path, text: s
     check_whole(text, tmp_path)
 
 
-typed = st.lists(expressions.map(lambda expression: ("", expression)), min_size=10, max_size=10)
 graphs = recursions(0).map(lambda recursion: [recursion])
 
 
+def typed(count: int) -> st.SearchStrategy[list[tuple[str, str]]]:
+    rules_and_expression = expressions.map(lambda expression: ("", expression))
+    return st.lists(rules_and_expression, min_size=count, max_size=count)
+
+
 @settings(
-    max_examples=min(4, settings().max_examples), deadline=None, suppress_health_check=relaxed
+    max_examples=min(8, settings().max_examples // 2), deadline=None, suppress_health_check=relaxed
 )
-@given(typed | graphs)
+@given(typed(5) | graphs)
 def test_random_casts_texts_records_and_recursions_mean_the_same(
     tmp_path: Path, batch: list[tuple[str, str]]
 ) -> None:
@@ -289,7 +293,7 @@ def test_5000_random_casts_texts_records_and_recursions_mean_the_same(tmp_path: 
     counts = Counter[str]()
 
     @settings(max_examples=100, deadline=None, suppress_health_check=relaxed)
-    @given(typed | graphs)
+    @given(typed(10) | graphs)
     def compare(batch: list[tuple[str, str]]) -> None:
         assert not list(compared(batch, tmp_path, counts))
 

@@ -47,6 +47,10 @@ def pairs() -> list[tuple[str, str]]:
     ]
 
 
+def is_large(level: str, program: str) -> bool:
+    return level == "13-swarm" or len(load_program(program).text) > 1_000
+
+
 def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, Any]:
     """The row of `Robot` that DuckDB computes from one robot's own sensor and memory."""
     rows = [row for row in frame.sensors if row["robot_name"] == name]
@@ -62,7 +66,7 @@ def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, An
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     ("level_name", "program_name"),
-    [pytest.param(*pair, marks=[pytest.mark.slow] * (pair[0] == "13-swarm")) for pair in pairs()],
+    [pytest.param(*pair, marks=[pytest.mark.slow] * is_large(*pair)) for pair in pairs()],
 )
 async def test_a_program_decides_as_on_duckdb(
     level_name: str, program_name: str, tmp_path: Path

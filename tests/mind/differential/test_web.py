@@ -57,6 +57,7 @@ REFUSED = {
     "P(x: List{r.l :- r in [{l: [1]}]});": "no lists of lists",
 }
 
+AS_THE_HINT_SAYS = f"@Recursive(T, 30, iterative: false); {COUNTING}"
 ACCEPTED = (
     "P(order: 1);",
     f"P(x: memory.edges) :- {MEMORY};",
@@ -73,6 +74,7 @@ ACCEPTED = (
     f"P(x: Coalesce(TryCast(memory.values, [1]), [])) :- {MEMORY};",
     "P(x: [{items: [1]}]);",
     "@Recursive(T, 4); " + COUNTING,
+    AS_THE_HINT_SAYS,
 )
 
 
@@ -87,23 +89,36 @@ def there(text: str, folder: Path) -> list[tuple[Any, ...]]:
     return answer_in_one(text, "P", [row("Ada")], EDGES, folder)
 
 
-@pytest.mark.parametrize(("text", "reason"), REFUSED.items())
-def test_what_the_platform_refuses_is_marked(text: str, reason: str, tmp_path: Path) -> None:
+def test_what_the_platform_refuses_is_marked_and_nothing_else() -> None:
+    for text, reason in REFUSED.items():
+        found = remarks(text)
+        assert found, text
+        assert all(reason in remark.message for remark in found), text
+        assert all(remark.severity == "warning" and remark.hint for remark in found), text
+    assert {text: found for text in ACCEPTED if (found := remarks(text))} == {}
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("text", REFUSED)
+def test_the_platform_refuses_it(text: str, tmp_path: Path) -> None:
     with pytest.raises(FAILS):
         there(text, tmp_path)
-    found = remarks(text)
-    assert found
-    assert all(reason in each.message for each in found)
-    assert all(each.severity == "warning" and each.hint for each in found)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("text", ACCEPTED)
-def test_what_the_platform_accepts_is_not_marked(text: str, tmp_path: Path) -> None:
+def test_the_platform_accepts_it(text: str, tmp_path: Path) -> None:
     there(text, tmp_path)
-    assert remarks(text) == []
 
 
-@pytest.mark.parametrize("option", ["", "@Recursive(T, 10);", "@Recursive(T, 2);"])
+@pytest.mark.parametrize(
+    "option",
+    [
+        "",
+        pytest.param("@Recursive(T, 10);", marks=pytest.mark.slow),
+        pytest.param("@Recursive(T, 2);", marks=pytest.mark.slow),
+    ],
+)
 def test_a_recursion_that_ends_early_there_is_marked_once(option: str, tmp_path: Path) -> None:
     text = f"{option}\n{COUNTING}"
     ((steps,),) = there(text, tmp_path)
@@ -113,10 +128,9 @@ def test_a_recursion_that_ends_early_there_is_marked_once(option: str, tmp_path:
     assert found.excerpt == ("@Recursive" if option else "T")
 
 
+@pytest.mark.slow
 def test_the_hint_about_a_recursion_helps(tmp_path: Path) -> None:
-    text = f"@Recursive(T, 30, iterative: false); {COUNTING}"
-    assert there(text, tmp_path) == [(30,)]
-    assert remarks(text) == []
+    assert there(AS_THE_HINT_SAYS, tmp_path) == [(30,)]
 
 
 def test_a_circle_of_predicates_is_marked_once(tmp_path: Path) -> None:
@@ -138,21 +152,19 @@ def test_the_words_of_sql_are_those_that_duckdb_refuses() -> None:
     assert refused == set(_SQL_WORDS.split())
 
 
-@pytest.mark.parametrize(
-    "value", ["1", "Size(sensor.radar)", "sensor.clock", "n", "if x < 3 then 1 else 0"]
-)
-def test_a_choice_by_counts_is_marked_once_as_ties_are_likely(value: str) -> None:
-    choice = f"ArgMin{{x -> {value} :- x in [1, 2], n = Size([x])}}"
-    (found,) = remarks(f"P(a: {choice}, b: {choice}) :- Sensor(sensor:);")
-    assert found.message == "If values tie, ArgMin may choose another one on the web platform"
+def test_a_choice_by_counts_is_marked_once_as_ties_are_likely_and_one_by_measures_is_not() -> None:
+    for value in ("1", "Size(sensor.radar)", "sensor.clock", "n", "if x < 3 then 1 else 0"):
+        choice = f"ArgMin{{x -> {value} :- x in [1, 2], n = Size([x])}}"
+        found = remarks(f"P(a: {choice}, b: {choice}) :- Sensor(sensor:);")
+        assert [remark.message for remark in found] == [
+            "If values tie, ArgMin may choose another one on the web platform"
+        ], value
+    for value in ("ray.distance", "x * 0.5", "Abs(ray.angle)"):
+        text = f"P(ArgMax{{ray -> {value} :- ray in sensor.radar, x = 1}}) :- Sensor(sensor:);"
+        assert remarks(text) == [], value
 
 
-@pytest.mark.parametrize("value", ["ray.distance", "x * 0.5", "Abs(ray.angle)"])
-def test_a_choice_by_measures_is_not_marked(value: str) -> None:
-    text = f"P(ArgMax{{ray -> {value} :- ray in sensor.radar, x = 1}}) :- Sensor(sensor:);"
-    assert remarks(text) == []
-
-
+@pytest.mark.sampled
 @pytest.mark.parametrize("file", sorted(shipped_folder("programs").rglob("*.l")), ids=str)
 def test_nothing_is_said_about_the_shipped_programs(file: Path) -> None:
     assert remarks(file.read_text(encoding="utf-8")) == []

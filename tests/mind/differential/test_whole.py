@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import settings
 
 from tests.mind.differential.whole_programs import MOMENTS, PLAYERS, PROGRAMS, differences
 
@@ -31,16 +32,19 @@ def test_there_are_enough_of_them() -> None:
     }
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("title", SOME)
-def test_a_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> None:
-    assert not differences(PROGRAMS[title], tmp_path)
+ONE_LEVEL_OR_ALL = max(3, settings().max_examples // 4)
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("title", PLAYERS)
-def test_a_program_of_a_player_means_the_same(title: str, tmp_path: Path) -> None:
-    assert not differences(PLAYERS[title], tmp_path)
+@pytest.mark.parametrize("text", [PROGRAMS[title] for title in SOME], ids=SOME)
+def test_a_program_means_the_same_as_on_duckdb(text: str, tmp_path: Path) -> None:
+    assert not differences(text, tmp_path, ONE_LEVEL_OR_ALL)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("text", PLAYERS.values(), ids=PLAYERS)
+def test_a_program_of_a_player_means_the_same(text: str, tmp_path: Path) -> None:
+    assert not differences(text, tmp_path, ONE_LEVEL_OR_ALL)
 
 
 @pytest.mark.proof

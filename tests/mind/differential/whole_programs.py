@@ -50,14 +50,14 @@ PROGRAMS = {
 """Programs by title."""
 
 
-def differences(text: str, folder: Path) -> list[str]:
-    """What robots decide or remember otherwise than DuckDB says, at all moments."""
+def differences(text: str, folder: Path, most: int = len(MOMENTS)) -> list[str]:
+    """What robots decide or remember otherwise than DuckDB says, at the first moments."""
     program = Program.compile(text)
     limits = Limits(think_seconds=10)
     minds = [Mind(program, "all", "all", limits, plain=plain) for plain in (False, True)]
     found: list[str] = []
     level, memories = "", dict[str, Any]()
-    for moment in MOMENTS:
+    for moment in MOMENTS[:most]:
         rows = moment["rows"]
         if moment["level"] != level:
             level, memories = moment["level"], {row["robot_name"]: "" for row in rows}
