@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -21,27 +22,75 @@ from tests.waiting import until
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-GETS_STUCK = """
-import sys, threading
-from logical_robots_tui import supervisor
-from logical_robots_tui.processes import lifeline
-from logical_robots_tui.tui.app.app import LogicalRobotsApp
-how, computed, idle = sys.argv.pop(1), float(sys.argv.pop(1)), float(sys.argv.pop(1))
-def get_stuck(self):
-    if how == "in C":
-        str(10**10**9)
-    while how == "in Python":
-        pass
-    lock = threading.Lock()
-    lock.acquire()
-    lock.acquire()
-LogicalRobotsApp.action_interrupt = get_stuck
-supervisor._MOST_COMPUTED, supervisor._MOST_IDLE = computed, idle
-lifeline._MOST_COMPUTED = 5.0
-sys.exit(supervisor.main())
+GETS_STUCK = """if True:
+    import ctypes, itertools, os, sys, threading
+    from logical_robots_tui import supervisor
+    from logical_robots_tui.processes import lifeline
+
+    how, computed, idle, unwatched = sys.argv.pop(1), *(float(sys.argv.pop(1)) for _ in range(3))
+    supervisor._MOST_COMPUTED, supervisor._MOST_IDLE = computed, idle
+    lifeline._MOST_COMPUTED = unwatched
+
+    def get_stuck(self=None):
+        os.write(1, b"stuck")
+        if how == "computes in C":
+            all(itertools.repeat(True))
+        while how == "computes in Python":
+            pass
+        if how == "waits in C":
+            mutex = ctypes.create_string_buffer(64)
+            for _ in range(2):
+                ctypes.PyDLL(None).pthread_mutex_lock(mutex)
+        lock = threading.Lock()
+        for _ in range(2):
+            lock.acquire()
 """
+WHOLE = """
+    from logical_robots_tui.tui.app.app import LogicalRobotsApp
+    LogicalRobotsApp.action_interrupt = get_stuck
+    sys.exit(supervisor.main())
+"""
+SMALL = """
+    import asyncio, signal, time, tty, types
+    supervisor._LOOK_SECONDS, supervisor._TO_END, supervisor._COMPUTED_TO_END = 0.05, 0.2, 0.1
+    lifeline._BEAT_SECONDS = 0.05
+
+    def leave_for_an_editor():
+        with lifeline.away():
+            while time.process_time() < 2 * computed:
+                pass
+            print("editing", flush=True)
+            os.read(0, 1)
+
+    def main():
+        tty.setraw(0)
+        for number in (signal.SIGHUP, signal.SIGTERM):
+            signal.signal(number, lambda *_: sys.exit())
+        loop = asyncio.new_event_loop()
+        answers = {
+            b"!": get_stuck,
+            b"E": leave_for_an_editor,
+            b"n": lambda: print("tick 1 .", flush=True),
+            b"q": loop.stop,
+        }
+        lifeline.keep_beating(loop)
+        loop.add_reader(0, lambda: answers[os.read(0, 1)]())
+        print(end="\\x1b[?1049happlied", flush=True)
+        loop.run_forever()
+        return 0
+
+    sys.modules["logical_robots_tui.cli.main"] = types.SimpleNamespace(main=main)
+    sys.exit(supervisor.main())
+"""
+"""A game of a few keys, which is there in no time, and whose supervisor looks more often."""
+
 NEVER = 1e9
 SIZE = (100, 30)
+
+slow = pytest.mark.slow
+either_game = pytest.mark.parametrize(
+    "game", [SMALL, pytest.param(WHOLE, marks=slow)], ids=["small", "whole"]
+)
 
 
 def playing(
@@ -51,10 +100,32 @@ def playing(
     return Terminal(command, size=SIZE, env={"EDITOR": editor}, controls=True)
 
 
-def getting_stuck(
-    folder: Path, how: str, *, computed: float = NEVER, idle: float = NEVER, editor: str = "vi"
-) -> Terminal:
-    return playing(folder, ["-c", GETS_STUCK, how, str(computed), str(idle)], editor)
+@contextmanager
+def watched(
+    game: str,
+    folder: Path,
+    how: str = "waits in C",
+    *,
+    computed: float = NEVER,
+    idle: float = NEVER,
+    unwatched: float = NEVER,
+    editor: str = "vi",
+) -> Iterator[Terminal]:
+    """A game that can get stuck; the seconds are what the supervisor, or the kernel, leaves it."""
+    python = ["-c", GETS_STUCK + game, how, str(computed), str(idle), str(unwatched)]
+    with playing(folder, python, editor) as terminal:
+        terminal.wait_for("applied")
+        yield terminal
+
+
+def get_stuck(terminal: Terminal, game: str) -> None:
+    terminal.send("!" if game == SMALL else "\x03")
+
+
+def make_interruptible(terminal: Terminal, game: str) -> None:
+    """Make the game stuck, and wait until ^C is a signal."""
+    get_stuck(terminal, game)
+    until(lambda: termios.tcgetattr(terminal.fileno())[3] & termios.ISIG)
 
 
 def type_hello(terminal: Terminal) -> None:
@@ -80,27 +151,38 @@ def is_put_back(terminal: Terminal) -> bool:
     return terminal.everything.rpartition("\x1b[?1049l")[2].startswith("\x1b[0m\x1b[?7h\x1b[?25h")
 
 
-@pytest.mark.parametrize("how", ["in C", "in Python", "in a lock"])
-def test_a_stuck_game_is_ended_and_says_so(tmp_path: Path, how: str) -> None:
-    idle = 2.0 if how == "in a lock" else NEVER
-    with getting_stuck(tmp_path, how, computed=1.0, idle=idle) as terminal:
-        before = settings(terminal)
-        type_hello(terminal)
+@pytest.mark.parametrize(
+    ("game", "how", "computed", "idle"),
+    [
+        pytest.param(SMALL, "computes in C", 0.2, NEVER, id="small, in C"),
+        pytest.param(WHOLE, "waits in C", NEVER, 2.0, id="idle in C"),
+        pytest.param(WHOLE, "waits in a lock", NEVER, 2.0, id="in a lock", marks=slow),
+        pytest.param(WHOLE, "computes in C", 1.0, NEVER, id="in C", marks=slow),
+        pytest.param(WHOLE, "computes in Python", 1.0, NEVER, id="in Python", marks=slow),
+    ],
+)
+def test_a_stuck_game_is_ended_and_says_so(
+    tmp_path: Path, game: str, how: str, computed: float, idle: float
+) -> None:
+    with playing(tmp_path, ["-c", "pass"]) as shell:
+        before = settings(shell)
+    with watched(game, tmp_path, how, computed=computed, idle=idle) as terminal:
         assert settings(terminal) != before
-        until(lambda: list((tmp_path / "drafts").glob("*.json")))
-        terminal.send("\x03")
+        if game == WHOLE:
+            type_hello(terminal)
+            until(lambda: list((tmp_path / "drafts").glob("*.json")))
+        get_stuck(terminal, game)
         assert terminal.finish() == 70
         assert settings(terminal) == before
         assert is_put_back(terminal)
         assert "The game was stuck and was ended. Unsaved text is kept." in terminal.everything
-    assert texts(tmp_path) == ["hello"]
+    assert game == SMALL or texts(tmp_path) == ["hello"]
 
 
-def test_three_interrupts_end_a_stuck_game_at_once(tmp_path: Path) -> None:
-    with getting_stuck(tmp_path, "in C") as terminal:
-        type_hello(terminal)
-        terminal.send("\x03")
-        until(lambda: termios.tcgetattr(terminal.fileno())[3] & termios.ISIG)
+@either_game
+def test_three_interrupts_end_a_stuck_game_at_once(tmp_path: Path, game: str) -> None:
+    with watched(game, tmp_path) as terminal:
+        make_interruptible(terminal, game)
         until(lambda: interrupts(terminal))
         assert terminal.finish() == 70
         assert is_put_back(terminal)
@@ -113,14 +195,13 @@ def interrupts(terminal: Terminal) -> bool:
     return terminal.process.poll() is not None
 
 
+@either_game
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_the_command_even_if_the_game_is_stuck(
-    tmp_path: Path, number: signal.Signals
+    tmp_path: Path, number: signal.Signals, game: str
 ) -> None:
-    with getting_stuck(tmp_path, "in C") as terminal:
-        type_hello(terminal)
-        terminal.send("\x03")
-        until(lambda: termios.tcgetattr(terminal.fileno())[3] & termios.ISIG)
+    with watched(game, tmp_path) as terminal:
+        make_interruptible(terminal, game)
         terminal.process.send_signal(number)
         assert terminal.finish() == 128 + number
         assert is_put_back(terminal)
@@ -139,7 +220,7 @@ def starved(process: int) -> Iterator[None]:
         yield
 
 
-@pytest.mark.slow
+@slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_game_without_a_processor_has_time_to_keep_the_text(
     tmp_path: Path, number: signal.Signals
@@ -156,44 +237,56 @@ def test_a_game_without_a_processor_has_time_to_keep_the_text(
 
 
 @pytest.mark.parametrize(
-    ("number", "said"),
+    ("game", "number", "said"),
     [
-        (signal.SIGSEGV, "was ended by SIGSEGV, a fault in compiled code"),
-        (signal.SIGKILL, "was ended by SIGKILL, perhaps because memory ran out"),
+        (SMALL, signal.SIGSEGV, "was ended by SIGSEGV, a fault in compiled code"),
+        (SMALL, signal.SIGKILL, "was ended by SIGKILL, perhaps because memory ran out"),
+        pytest.param(WHOLE, signal.SIGSEGV, "was ended by SIGSEGV", marks=slow),
     ],
+    ids=["fault", "kill", "fault of the whole game"],
 )
-def test_what_ended_a_game_is_said(tmp_path: Path, number: signal.Signals, said: str) -> None:
-    with playing(tmp_path) as terminal:
-        before = settings(terminal)
-        terminal.wait_for("applied")
+def test_what_ended_a_game_is_said(
+    tmp_path: Path, game: str, number: signal.Signals, said: str
+) -> None:
+    with playing(tmp_path, ["-c", "pass"]) as shell:
+        before = settings(shell)
+    with watched(game, tmp_path) as terminal:
         os.kill(terminal.game, number)
         assert terminal.finish() == 128 + number
         assert said in terminal.everything
         assert settings(terminal) == before
 
 
-def test_a_game_whose_supervisor_is_killed_keeps_the_text_and_ends(tmp_path: Path) -> None:
+def test_a_game_whose_small_supervisor_is_killed_keeps_the_text_and_ends(tmp_path: Path) -> None:
     with playing(tmp_path) as terminal:
         type_hello(terminal)
         game = terminal.game
+        assert memory_use(terminal.process.pid) < 12 * 1024**2
         terminal.process.kill()
+        terminal.finish()
         until(lambda: not Path(f"/proc/{game}").exists())
     assert texts(tmp_path) == ["hello"]
 
 
-def test_a_stuck_game_whose_supervisor_is_killed_ends_as_well(tmp_path: Path) -> None:
-    with getting_stuck(tmp_path, "in C") as terminal:
-        terminal.wait_for("applied")
-        game = terminal.game
-        terminal.send("\x03")
-        until(lambda: termios.tcgetattr(terminal.fileno())[3] & termios.ISIG)
+@pytest.mark.parametrize(
+    ("game", "seconds"),
+    [(SMALL, 0.2), pytest.param(WHOLE, 3.0, marks=slow)],
+    ids=["small", "whole"],
+)
+def test_a_stuck_game_whose_supervisor_is_killed_ends_as_well(
+    tmp_path: Path, game: str, seconds: float
+) -> None:
+    with watched(game, tmp_path, "computes in C", unwatched=seconds) as terminal:
+        process = terminal.game
+        get_stuck(terminal, game)
+        terminal.wait_for("stuck")
         terminal.process.kill()
-        until(lambda: not Path(f"/proc/{game}").exists())
+        until(lambda: not Path(f"/proc/{process}").exists())
 
 
-def test_a_stopped_game_is_not_stuck(tmp_path: Path) -> None:
-    with getting_stuck(tmp_path, "in C", computed=5.0, idle=3.0) as terminal:
-        terminal.wait_for("applied")
+@either_game
+def test_a_stopped_game_is_not_stuck(tmp_path: Path, game: str) -> None:
+    with watched(game, tmp_path, computed=5.0, idle=3.0) as terminal:
         os.kill(terminal.game, signal.SIGSTOP)
         until(lambda: state(terminal.process.pid) == "T")
         terminal.process.send_signal(signal.SIGCONT)
@@ -209,20 +302,30 @@ def state(process: int) -> str:
 
 
 def test_another_program_in_the_terminal_is_not_taken_for_a_stuck_game(tmp_path: Path) -> None:
-    editor = tmp_path / "editor"
-    editor.write_text("#!/bin/sh\nsleep 6\necho '# edited' >> $1\n")
-    editor.chmod(0o755)
-    with getting_stuck(tmp_path, "in C", computed=5.0, idle=3.0, editor=str(editor)) as terminal:
-        terminal.wait_for("applied")
+    with watched(SMALL, tmp_path, computed=0.2) as terminal:
         terminal.send("E")
-        terminal.wait_for("open-space-starter*")
+        terminal.wait_for("editing")
+        looks_before = looks(terminal.process.pid)
+        until(lambda: looks(terminal.process.pid) > looks_before + 2)
+        terminal.send(" n")
+        terminal.wait_for("tick 1 ")
         terminal.send("q")
         assert terminal.finish() == 0
 
 
-def test_the_supervisor_is_small(tmp_path: Path) -> None:
-    with playing(tmp_path) as terminal:
-        terminal.wait_for("applied")
-        assert memory_use(terminal.process.pid) < 12 * 1024**2
+def looks(supervisor: int) -> int:
+    """How often a supervisor has waited for signals until it looked after the game."""
+    status = Path(f"/proc/{supervisor}/status").read_text()
+    return int(re.findall(r"^voluntary_ctxt_switches:\s+(\d+)", status, re.MULTILINE)[0])
+
+
+@slow
+def test_an_editor_in_the_terminal_is_not_taken_for_a_stuck_game(tmp_path: Path) -> None:
+    editor = tmp_path / "editor"
+    editor.write_text("#!/bin/sh\nsleep 6\necho '# edited' >> $1\n")
+    editor.chmod(0o755)
+    with watched(WHOLE, tmp_path, computed=5.0, idle=3.0, editor=str(editor)) as terminal:
+        terminal.send("E")
+        terminal.wait_for("open-space-starter*")
         terminal.send("q")
         assert terminal.finish() == 0
