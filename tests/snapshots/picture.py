@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from itertools import groupby
+from itertools import groupby, zip_longest
 from string import ascii_letters
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -72,14 +72,19 @@ def read_picture(written: str) -> list[list[Cell]]:
 
 def differences(wanted: list[list[Cell]], found: list[list[Cell]]) -> Iterator[str]:
     """Tell where two screens differ, one line of the screen at a time."""
-    for y, (should, does) in enumerate(zip(wanted, found, strict=True), 1):
-        columns = [x for x, pair in enumerate(zip(should, does, strict=True)) if pair[0] != pair[1]]
+    sizes = [f"{max(map(len, lines))}x{len(lines)}" for lines in (wanted, found)]
+    if sizes[0] != sizes[1]:
+        yield f"{sizes[1]} cells instead of {sizes[0]}"
+    nothing: list[Cell] = []
+    for y, (should, does) in enumerate(zip_longest(wanted, found, fillvalue=nothing), 1):
+        columns = [x for x, (one, other) in enumerate(zip_longest(should, does)) if one != other]
         if columns:
             first, last = columns[0], columns[-1]
             yield f"line {y}, columns {first + 1} to {last + 1}, {len(columns)} cells:"
             for name, line in (("wanted", should), ("found ", does)):
-                text = "".join(cell.text for cell in line[first : last + 1])
-                yield f"  {name} |{text}| starting with {line[first].look}"
+                part = line[first : last + 1] or [Cell("", "nothing")]
+                text = "".join(cell.text for cell in part)
+                yield f"  {name} |{text}| starting with {part[0].look}"
 
 
 def _timeless(cells: list[pyte.screens.Char]) -> list[pyte.screens.Char]:

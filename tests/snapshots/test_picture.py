@@ -7,8 +7,8 @@ import pyte
 from tests.snapshots.picture import cells_of, differences, picture, read_picture
 
 
-def screen(*chunks: str) -> pyte.Screen:
-    made = pyte.Screen(20, 3)
+def screen(*chunks: str, lines: int = 3) -> pyte.Screen:
+    made = pyte.Screen(20, lines)
     stream = pyte.Stream(made)
     for chunk in chunks:
         stream.feed(chunk)
@@ -28,6 +28,13 @@ def test_another_character_is_told_with_its_place() -> None:
     told = list(differences(cells_of(screen("one\r\ntwo")), cells_of(screen("one\r\ntoo"))))
     assert told[0] == "line 2, columns 2 to 2, 1 cells:"
     assert [line.split("|")[1] for line in told[1:]] == ["w", "o"]
+
+
+def test_another_size_is_told_with_the_lines_that_are_missing() -> None:
+    told = list(differences(cells_of(screen("a\r\nb")), cells_of(screen("a", lines=1))))
+    assert told[0] == "20x1 cells instead of 20x3"
+    assert told[1] == "line 2, columns 1 to 20, 20 cells:"
+    assert told[3] == "  found  || starting with nothing"
 
 
 def test_another_colour_is_a_difference() -> None:

@@ -1,0 +1,79 @@
+"""Each pane, and two whole screens, compared with what they are meant to look like.
+
+A pane is alone on its screen where others would take room from it, so that a change in one breaks
+no picture of another. ``pytest --update-snapshots tests/snapshots`` accepts what is shown now.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.tui.layout.command_bar import CommandBar, PaneTabs
+from logical_robots_tui.tui.layout.status_line import StatusLine
+from logical_robots_tui.tui.timeline.widget import Timeline
+from tests.snapshots.conftest import LOOKS, Show, Shown
+
+if TYPE_CHECKING:
+    from textual.widget import Widget
+
+STEPS = 20
+
+
+def bars(shown: Shown) -> list[Widget]:
+    """The lines above and below the panes."""
+    return [
+        shown.game.main.query_one(kind) for kind in (StatusLine, PaneTabs, Timeline, CommandBar)
+    ]
+
+
+async def compare_panes(shown: Shown) -> None:
+    """Compare one pane after the other, each of which fills its screen."""
+    game, main = shown.game, shown.game.main
+    await shown.compare("bars", *bars(shown))
+    await shown.compare("map", main.labyrinth)
+    await game.press("2")
+    await shown.compare("program", main.program)
+    await game.press("escape", "w")
+    await shown.compare("why", main.inspector)
+    await game.press("3")
+    await shown.compare("inspector", main.inspector)
+    await game.press("1", "M")
+    await shown.compare("editor", main.labyrinth)
+
+
+async def test_the_main_screen_and_each_pane(show: Show) -> None:
+    async with show((80, 24)) as shown:
+        await shown.compare("start")
+        await compare_panes(shown)
+        await shown.game.press("escape")
+        for _ in range(STEPS):
+            await shown.game.press("n")
+            await shown.game.later(0.1)  # it is drawn: trails are made of what was drawn
+        await shown.compare(f"bars-tick-{STEPS}", *bars(shown))
+        await shown.compare(f"map-tick-{STEPS}", shown.game.main.labyrinth)
+        await shown.game.press("3", "home")
+        await shown.compare(f"inspector-tick-{STEPS}", shown.game.main.inspector)
+
+
+async def test_large_panes(show: Show) -> None:
+    async with show((120, 40)) as shown:
+        await shown.compare("start")
+        main = shown.game.main
+        await shown.game.press("k")
+        await shown.compare("map", main.labyrinth)
+        await shown.game.press("M")
+        await shown.compare("editor", main.labyrinth)
+        await shown.game.press("escape", "2")
+        await shown.compare("program", main.program)
+        await shown.game.press("escape", "k", "n")
+        await shown.resize(160, 30)
+        await shown.compare("inspector", main.inspector)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("look", LOOKS)
+async def test_each_pane_in_other_colours(look: str, show: Show) -> None:
+    async with show((80, 24), look) as shown:
+        await compare_panes(shown)
