@@ -1,21 +1,36 @@
-"""The briefing: there at the start of a level, whenever that is on the screen."""
+"""The briefing is there at the start of a level; what is told later of robots that get nowhere."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
-from tests.tui.conftest import PAPER, STILL, opened
+import pytest
+
+from logical_robots_tui.game.history.marks import trouble
+from logical_robots_tui.paths import shipped_folder
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap
+from logical_robots_tui.tui.commands.table import COMMANDS
+from logical_robots_tui.tui.labyrinth.briefing import Task
+from logical_robots_tui.world import list_levels, load_level
+from tests.player.test_session import table
+from tests.tui.conftest import STILL, opened
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from tests.tui.conftest import Opened
+
 TASK = "Bring Pip to the door."
+SIZES = [(80, 24), (120, 40), (90, 50), (200, 60)]
 
 
-async def test_the_briefing_comes_back_with_the_start(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=PAPER) as game:
+async def test_the_briefing_is_there_at_the_start_and_when_it_is_asked_for(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=STILL) as game:
         await game.ready()
-        await game.sees(TASK)
+        await game.until(lambda: game.shows(TASK) and game.main.briefing.over.display)
         view = game.main.labyrinth.view
         shown, size = view.view, view.size
         await game.press("space")
@@ -34,26 +49,10 @@ async def test_the_briefing_comes_back_with_the_start(data_dir: Path, short: Pat
         await game.until(lambda: game.tick == 0 and game.shows(TASK))
         await game.press("right_parenthesis")
         await game.until(lambda: game.tick > 0 and not game.shows(TASK))
-
-
-async def test_the_briefing_can_be_read_under_way(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=STILL) as game:
-        await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1 and not game.shows(TASK))
         await game.press("b")
         await game.sees(TASK)
         await game.press("b")
         await game.until(lambda: not game.shows(TASK))
-
-
-async def test_the_briefing_stays_away_while_the_level_is_edited(
-    data_dir: Path, short: Path
-) -> None:
-    async with opened(data_dir, level=short, text=STILL) as game:
-        await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
         await game.press("M")
         await game.until(lambda: game.main.editing.is_on)
         game.session.go_to(0)
@@ -61,11 +60,55 @@ async def test_the_briefing_stays_away_while_the_level_is_edited(
         await game.sees_no(TASK)
         await game.press("escape")
         await game.until(lambda: not game.main.editing.is_on and game.shows(TASK))
+        assert game.main.briefing.over.display
+        await game.press("3")
+        await game.until(lambda: not game.main.briefing.over.display)
+
+
+def shows_beside_the_map(game: Opened) -> bool:
+    """Whether the whole briefing is on the screen, and no cell of it over the map."""
+    briefing, view = game.main.briefing, game.main.labyrinth.view
+    shown = [card.region for card in (briefing.beside, briefing.over) if card.display]
+    return (
+        len(shown) == 1
+        and shown[0].area > 0
+        and view.region.area > 0
+        and not shown[0].overlaps(view.region)
+        and game.main.region.contains_region(shown[0])
+        and all(game.shows(words) for words in ("First steps", "mirrored labyrinth", "t lesson"))
+    )
+
+
+@pytest.mark.parametrize(
+    "size", [SIZES[0], *(pytest.param(size, marks=pytest.mark.slow) for size in SIZES[1:])]
+)
+async def test_the_briefing_finds_its_place_at_any_size(
+    data_dir: Path, size: tuple[int, int]
+) -> None:
+    file = shipped_folder("levels") / "01-first-steps.toml"
+    async with opened(data_dir, level=file, text=STILL, size=size) as game:
+        await game.ready()
+        await game.until(partial(shows_beside_the_map, game))
+        for other in (*SIZES, (140, 45), (80, 24), (120, 40)):
+            await game.pilot.resize_terminal(*other)
+            await game.until(partial(shows_beside_the_map, game))
+        await game.press("b")
+        await game.until(lambda: not game.main.briefing.is_open and not game.shows("t lesson"))
+        for key in "bkk":
+            await game.press(key)
+            await game.until(partial(shows_beside_the_map, game))
+
+
+@pytest.mark.parametrize("name", list_levels())
+def test_each_shipped_briefing_fits_in_its_smallest_place(name: str) -> None:
+    KEY_MAP.set(KeyMap(COMMANDS))
+    task = Task.of(load_level(name))
+    assert len(task.side_by_side(105, 9).split("\n", allow_blank=True)) <= 9
+    assert len(task.stacked(36).split("\n", allow_blank=True)) <= 20
 
 
 async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> None:
-    ahead = STILL.replace("left_engine: 0.0", "left_engine: 1.0")
-    backwards = ahead.replace("right_engine: 0.0", "right_engine: 1.0").replace(": 1.0", ": -1.0")
+    backwards = STILL.replace(": 0.0", ": -1.0")
     async with opened(data_dir, level=short, text=backwards) as game:
         await game.ready()
         game.session.run_until(150)
@@ -85,23 +128,24 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
         game.session.run_until(first + 20)
         await game.until(lambda: game.tick == first + 20)
         assert [mark.kind for mark in history.marks.at(first)].count("stuck") == 1
-
-
-async def test_a_robot_that_goes_round_in_circles_is_told_and_marked(
-    data_dir: Path, short: Path
-) -> None:
-    turning = STILL.replace("left_engine: 0.0", "left_engine: 0.5")
-    async with opened(data_dir, level=short, text=turning) as game:
-        await game.ready()
-        game.session.run_until(900)
-        await game.sees("Pip goes round in circles: 3 times the same way.")
-        await game.until(lambda: game.tick == 900)
-        await game.press("left_curly_bracket")
+        history.marks.note(first + 20, "circling")
+        game.session.go_to(first + 20)
         await game.sees("↻ Pip goes in circles")
-        history, first = game.session.history, game.tick
+
+
+async def test_a_robot_that_goes_round_in_circles_is_told_and_marked(tmp_path: Path) -> None:
+    turning = STILL.replace("left_engine: 0.0", "left_engine: 1.0")
+    async with table(tmp_path, turning) as at:
+        at.session.run_until(500)
+        await at.until(lambda: at.session.frame.tick == 500)
+        history = at.session.history
         assert history is not None
-        await game.write(turning.replace("memory: 1", "memory: 2"))
-        await game.until(lambda: "memory: 2" in (game.session.state.applied or ""))
-        game.session.run_until(first + 50)
-        await game.until(lambda: game.tick == first + 50)
+        first = history.marks.nearest(500, -1, ["circling"], None)
+        assert first is not None
+        (words,) = filter(None, map(trouble, history.marks.at(first)))
+        assert words == "Pip goes round in circles: 3 times the same way."
+        at.session.go_to(first)
+        await at.apply(turning.replace("memory: 1", "memory: 2"))
+        at.session.run_until(first + 50)
+        await at.until(lambda: at.session.frame.tick == first + 50)
         assert not history.marks.has("circling", first + 1, first + 50), "it has only begun"

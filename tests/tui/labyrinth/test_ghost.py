@@ -2,19 +2,158 @@
 
 from __future__ import annotations
 
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.paths import write_atomically
-from logical_robots_tui.world import load_level
+from logical_robots_tui.editing.level_text import write_native
+from logical_robots_tui.game.replay import gather
+from logical_robots_tui.player.best_runs import BestRuns
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap
+from logical_robots_tui.tui.commands.table import COMMANDS
+from logical_robots_tui.tui.labyrinth.ghost import GhostController
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView
+from tests.player.test_best_runs import win
+from tests.player.test_session import Table, table
 from tests.short import AHEAD
-from tests.tui.conftest import SHORT, Opened, opened
+from tests.tui.conftest import Opened, opened
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
     from pathlib import Path
 
 SLOWER = AHEAD.replace("0.5", "0.1")
+
+
+@dataclass
+class Race:
+    """A session, its best runs and its ghost, without a screen."""
+
+    at: Table
+    best: BestRuns
+    controller: GhostController
+    view: LabyrinthView
+
+    @property
+    def length(self) -> int | None:
+        """The ticks of the ghost's run, if there is a ghost."""
+        return self.view.ghost.last if self.view.ghost else None
+
+    async def win(self, text: str = AHEAD) -> int:
+        """Win with a program from the start, and return the tick."""
+        await self.at.apply(text)
+        return await win(self.at)
+
+    async def toggle(self) -> str:
+        """Switch the ghost, and return what is said."""
+        await self.controller.toggle()
+        return self.at.ui.said[-1]
+
+    async def run_to(self, tick: int) -> None:
+        self.at.session.run_until(tick)
+        await self.at.until(lambda: not self.at.session.busy)
+
+    async def choose(self, patch: pytest.MonkeyPatch) -> str:
+        """Race against a replay of what was played so far, and return what is said."""
+        assert self.at.session.history is not None
+        replay = await gather(self.at.session.history, write_native, lambda _: "mine")
+
+        async def answer(_: object) -> object:
+            return replay
+
+        patch.setattr(self.at.ui, "ask", answer)
+        await self.controller.choose()
+        return self.at.ui.said[-1]
+
+
+@asynccontextmanager
+async def racing(tmp_path: Path) -> AsyncIterator[Race]:
+    KEY_MAP.set(KeyMap(COMMANDS))
+    async with table(tmp_path) as at:
+        best, view = BestRuns(at.session, at.ui, tmp_path / "best-runs"), LabyrinthView()
+        controller = GhostController(at.session, at.ui, view, best, tmp_path / "replays")
+        at.session.listeners += [best, controller]
+        yield Race(at, best, controller, view)
+
+
+async def test_a_better_run_replaces_the_ghost_and_a_worse_one_does_not(tmp_path: Path) -> None:
+    async with racing(tmp_path) as race:
+        assert "Win this level; then" in await race.toggle()
+        assert race.length is None
+        slow = await race.win(SLOWER)
+        assert f"your best run, {slow} ticks" in await race.toggle()
+        quick = await race.win()
+        assert race.length == quick < slow
+        await race.win(SLOWER)
+        assert race.length == quick
+        assert "off" in await race.toggle()
+        assert race.length is None
+        assert f"your best run, {quick} ticks" in await race.toggle()
+        level = replace(race.at.session.opened, name="another", source="another.toml")
+        race.at.session.open_level(level, {"": race.at.session.source}, AHEAD)
+        assert race.length is None
+
+
+async def test_reaching_an_area_is_compared_once_a_run(tmp_path: Path) -> None:
+    async with racing(tmp_path) as race:
+        session, said = race.at.session, race.at.ui.said
+        won = await race.win()
+        await race.toggle()
+        late = await race.win(SLOWER)
+        words = f"Pip reached Door {late - won} ticks after your best run."
+        assert said.count(words) == 1
+        session.go_to(late - 1)
+        for tick in (late, late + 1):
+            await race.run_to(tick)
+        assert said.count(words) == 1
+        await race.win()
+        assert said[-1] == "Pip reached Door in the same tick as your best run."
+
+
+async def test_a_damaged_best_run_is_told_and_nothing_is_lost(tmp_path: Path) -> None:
+    async with racing(tmp_path) as race:
+        await race.win()
+        path = race.best.path(race.at.session.opened)
+        path.write_bytes(path.read_bytes()[:-1])
+        assert "Your best run can't be read" in await race.toggle()
+        won = await race.win()
+        assert f"{won} ticks" in await race.toggle()
+        assert len(list(path.parent.iterdir())) == 2
+
+
+async def test_a_changed_level_has_no_ghost(tmp_path: Path) -> None:
+    async with racing(tmp_path) as race:
+        session = race.at.session
+        won = await race.win()
+        (pip,) = session.opened.robots
+        changed = replace(session.opened, robots=(replace(pip, x=14),))
+        session.open_level(changed, {"": session.source}, AHEAD)
+        assert "this level has changed since" in await race.toggle()
+        assert race.length is None
+        await race.at.until(lambda: session.state.applied == AHEAD)
+        assert await race.win() < won
+        await race.toggle()
+        assert race.length is not None
+        assert race.length < won
+
+
+async def test_a_replay_is_raced_unless_it_was_changed_by_hand(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with racing(tmp_path) as race:
+        await race.run_to(20)
+        assert "the replay, 20 ticks" in await race.choose(monkeypatch)
+        assert await race.win(SLOWER) > 20
+        assert race.at.ui.said[-1] == "Pip reached Door, which the replay never did."
+        await race.toggle()
+        race.at.session.restart()
+        await race.run_to(3)
+        race.at.session.put("Pip", (30.0, 12.0, 0.5))
+        await race.run_to(5)
+        assert "can't be raced against" in await race.choose(monkeypatch)
+        assert race.length is None
 
 
 def ghosts(game: Opened) -> list[tuple[int, int]]:
@@ -25,16 +164,12 @@ def ghosts(game: Opened) -> list[tuple[int, int]]:
     return [(row, column) for row, line in rows for column, c in enumerate(line) if c in signs]
 
 
-async def win(game: Opened, text: str = AHEAD) -> int:
-    """Win with a program from the start, and return the tick."""
-    await game.write(text)
-    await game.until(lambda: game.session.state.applied == text)
-    await game.press("escape", "r")
-    game.session.run_until(1000)
-    await game.sees("Again")
-    await game.press("escape")
-    await game.settled()
-    return game.tick
+async def run_to(game: Opened, tick: int) -> None:
+    """Run to a tick, and wait until it is drawn."""
+    game.session.run_until(tick)
+    view = game.main.labyrinth.view
+    await game.until(lambda: not game.session.busy and view._frame is game.session.frame)
+    assert game.tick == tick
 
 
 async def command(game: Opened, words: str, title: str) -> None:
@@ -45,21 +180,19 @@ async def command(game: Opened, words: str, title: str) -> None:
     await game.press("enter")
 
 
-async def run_to(game: Opened, tick: int) -> None:
-    """Run to a tick, and wait until it is drawn."""
-    game.session.run_until(tick)
-    view = game.main.labyrinth.view
-    await game.until(lambda: not game.session.busy and view._frame is game.session.frame)
-    assert game.tick == tick
-
-
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_the_best_run_is_drawn_at_the_tick_that_is_shown(
+@pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.slow), (120, 40)])
+async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
     data_dir: Path, short: Path, size: tuple[int, int]
 ) -> None:
     async with opened(data_dir, level=short, text=AHEAD, size=size) as game:
         await game.ready()
-        won = await win(game)
+        game.session.run_until(1000)
+        await game.sees("Again")
+        await game.press("escape")
+        await game.settled()
+        won = game.tick
+        await command(game, "savearep", "Save a replay")
+        await game.sees("bytes).")
         await game.write(SLOWER)
         await game.until(lambda: game.session.state.applied == SLOWER)
         await game.press("escape", "r", "G")
@@ -78,122 +211,8 @@ async def test_the_best_run_is_drawn_at_the_tick_that_is_shown(
         await game.sees("The ghost is off.")
         await game.sees_no("ghost: ")
         assert not ghosts(game)
-
-
-async def test_reaching_an_area_is_compared_once_a_run(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        won = await win(game)
-        await command(game, "bestrun"[:4], "Ghost")
-        await game.sees("ghost: ")
-        late = await win(game, SLOWER)
-        words = f"Pip reached Door {late - won} ticks after your best run."
-        await game.sees(words)
-        await game.sees_no(words)
-        await game.press("p", "n")
-        await game.until(lambda: game.tick == late)
-        await game.press("n")
-        await game.until(lambda: game.tick == late + 1)
-        assert not game.shows(words)
-        await win(game)
-        await game.sees("Pip reached Door in the same tick as your best run.")
-
-
-async def test_a_better_run_replaces_the_ghost_and_a_worse_one_does_not(
-    data_dir: Path, short: Path
-) -> None:
-    async with opened(data_dir, level=short, text=SLOWER) as game:
-        await game.ready()
-        slow = await win(game, SLOWER)
-        await game.press("G")
-        await game.sees(f"ghost: {slow} ticks")
-        quick = await win(game)
-        await game.sees(f"ghost: {quick} ticks")
-        await win(game, SLOWER)
-        await game.press("G", "G")
-        await game.sees(f"ghost: {quick} ticks")
-
-
-async def test_without_a_win_it_says_what_to_do(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await game.press("G")
-        await game.sees("Win this level; then")
-        assert game.main.labyrinth.view.ghost is None
-
-
-async def test_a_damaged_best_run_is_told_and_nothing_is_lost(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await win(game)
-        (path,) = (data_dir / "best-runs").iterdir()
-        path.write_bytes(path.read_bytes()[:-1])
-        await game.press("G")
-        await game.sees("Your best run can't be read")
-        await game.press("r")
-        await win(game)
-        await game.press("G")
-        await game.sees("ghost: ")
-        assert len(list((data_dir / "best-runs").iterdir())) == 2
-
-
-async def test_a_changed_level_has_no_ghost(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await win(game)
-        await game.press("G")
-        await game.sees("ghost: ")
-    write_atomically(short, SHORT.replace("x = 12", "x = 14"))
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await game.press("G")
-        await game.sees("this level has changed since")
-        assert game.main.labyrinth.view.ghost is None
-        won = await win(game)
-        await game.press("G")
+        await command(game, "racearep", "Race a replay")
+        await game.sees(f"{won} ticks")
+        await game.press("enter")
         await game.sees(f"ghost: {won} ticks")
-
-
-async def test_a_replay_is_raced(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await run_to(game, 20)
-        await command(game, "savearep", "Save a replay")
-        await game.sees("bytes).")
-        await game.write(SLOWER)
-        await game.until(lambda: game.session.state.applied == SLOWER)
-        await game.press("escape", "r")
-        await command(game, "racearep", "Race a replay")
-        await game.sees("20 ticks")
-        await game.press("enter")
-        await game.sees("ghost: 20 ticks")
-        late = await win(game, SLOWER)
-        await game.sees("Pip reached Door, which the replay never did.")
-        assert ghosts(game)
-        assert late > 20
-
-
-async def test_a_run_changed_by_hand_is_not_a_race(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await run_to(game, 3)
-        game.session.put("Pip", (30.0, 12.0, 0.5))
-        await run_to(game, 5)
-        await command(game, "savearep", "Save a replay")
-        await game.sees("bytes).")
-        await command(game, "racearep", "Race a replay")
-        await game.sees("5 ticks")
-        await game.press("enter")
-        await game.sees("can't be raced against")
-        assert game.main.labyrinth.view.ghost is None
-
-
-async def test_the_next_level_begins_without_a_ghost(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await win(game)
-        await game.press("G")
-        await game.sees("ghost: ")
-        await game.main.library.open_level(load_level("01-first-steps"))
-        await game.sees_no("ghost: ")
-        assert game.main.labyrinth.view.ghost is None
+        await game.until(lambda: [column for _, column in ghosts(game)] == [halfway])
