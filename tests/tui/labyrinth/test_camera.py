@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
@@ -19,8 +18,7 @@ from tests.tui.labyrinth.drawing.scenes import room
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-
+SIGHTS = (Sight.FOLLOW, Sight.SENSES, Sight.WHOLE)
 LEVEL = room(800, 400)
 _cameras = st.builds(
     Camera,
@@ -100,94 +98,81 @@ def test_a_viewport_around_a_place_that_is_none_has_no_cell_for_it() -> None:
     assert Viewport(10, 10, 0, 0, 1).cell(math.nan, 1) is None
 
 
-def looks_at(view: LabyrinthView, sight: Sight) -> bool:
-    return view.camera.sight is sight
-
-
-async def test_one_key_goes_through_the_views(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        view = game.main.labyrinth.view
-        name = game.session.level.robots[0].name
-        for sight in (Sight.FOLLOW, Sight.SENSES, Sight.WHOLE):
-            await game.press("f")
-            await game.until(partial(looks_at, view, sight))
-        assert view.selected == name
-        await game.press("f")
-        await game.sees(f"Map · {name} 3")
-        await game.press("z")
-        await game.sees(f"{name} 4")
-        await game.press("Z", "Z")
-        await game.sees(f"{name} 2")
-
-
-async def test_the_view_stays_with_a_robot_that_drives_away(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        view = game.main.labyrinth.view
-        await game.press("f", "z", "z", "z")
-        await game.press("space")
-        await game.until(lambda: game.tick > 60)
-        await game.press("space")
-        await game.until(lambda: not game.session.busy)
-        robot = game.session.frame.after.robots[0]
-        assert view.view is not None
-        assert view.view.cell(robot.x, robot.y) is not None
-
-
-async def test_arrows_and_dragging_move_the_view(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        view = game.main.labyrinth.view
-        await game.press("right", "down")
-        await game.settled()
-        assert view.camera.sight is Sight.FREE
-        before = view.camera
-        pilot = game.pilot
-        await pilot.mouse_down(view, offset=(30, 10))
-        await pilot.hover(view, offset=(20, 8))
-        await pilot.mouse_up(view, offset=(20, 8))
-        await game.until(lambda: view.camera != before)
-        assert view.camera.x > before.x
-        assert view.camera.y > before.y
-        assert view.selected is None
-
-
-async def test_the_wheel_zooms(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        view = game.main.labyrinth.view
-        region = view.content_region
-
-        def wheel(kind: type[events.MouseEvent]) -> None:
-            x, y = region.x + 20, region.y + 5
-            game.app.post_message(kind(view, 20, 5, 0, 0, 0, False, False, False, x, y))
-
-        wheel(events.MouseScrollUp)
-        await game.until(lambda: view.camera.sight is Sight.FREE)
-        wheel(events.MouseScrollDown)
-        await game.until(lambda: view.camera.sight is Sight.WHOLE)
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("size", [(80, 24), (120, 40), (300, 100)])
-async def test_a_click_on_a_robot_shows_its_card(data_dir: Path, size: tuple[int, int]) -> None:
+@pytest.mark.parametrize(
+    "size",
+    [
+        (120, 40),
+        pytest.param((80, 24), marks=pytest.mark.slow),
+        pytest.param((300, 100), marks=pytest.mark.slow),
+    ],
+)
+async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int]) -> None:
     async with opened(data_dir, size=size) as game:
         await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
-        view = game.main.labyrinth.view
-        robot = game.session.frame.after.robots[0]
-        assert view.view is not None
-        cell = view.view.cell(robot.x, robot.y)
+        view, pilot = game.main.labyrinth.view, game.pilot
+        name = game.session.level.robots[0].name
+
+        async def looks(sight: Sight) -> None:
+            await game.until(lambda: view.camera.sight is sight)
+
+        # The wheel zooms.
+        region = view.content_region
+        for kind, sight in (
+            (events.MouseScrollUp, Sight.FREE),
+            (events.MouseScrollDown, Sight.WHOLE),
+        ):
+            x, y = region.x + 20, region.y + 5
+            game.app.post_message(kind(view, 20, 5, 0, 0, 0, False, False, False, x, y))
+            await looks(sight)
+
+        # One key goes through the views.
+        for key, sight in zip("fff", SIGHTS, strict=True):
+            await game.press(key)
+            await looks(sight)
+        assert view.selected == name
+
+        # The keys zoom, and the view stays with a robot that drives away.
+        await game.press("f")
+        await game.sees(f"{name} 3" if size == (80, 24) else f"Map · {name} 3")
+        for keys, zoom in (("z", 4), ("ZZ", 2), ("zzzz", 8)):
+            await game.press(*keys)
+            await game.sees(f"{name} {zoom}")
+        whence = view.view
+        assert whence is not None
+
+        def cell_in(viewport: Viewport | None) -> tuple[int, int] | None:
+            robot = game.session.frame.after.robots[0]
+            assert viewport is not None
+            return viewport.cell(robot.x, robot.y)
+
+        game.session.run_until(100)
+        await game.until(lambda: game.tick == 100 and view._frame is game.session.frame)
+        assert cell_in(whence) is None
+        assert cell_in(view.view) is not None
+
+        # A click on a robot shows its card.
+        await game.press("escape", "f", "f")
+        await looks(Sight.WHOLE)
+        view.selected = None
+        await game.sees_no("battery")
+        cell = cell_in(view.view)
         assert cell is not None
         inset = view.content_region.offset - view.region.offset
         await game.click(view, offset=(cell[1] + inset.x, cell[0] + inset.y))
-        await game.sees("battery needs none")
-        await game.sees("I am a robot")
-        await game.sees("engines +")
+        for words in ("battery needs none", "I am a robot", "engines +"):
+            await game.sees(words)
         await game.press("escape")
-        await game.until(lambda: not game.shows("battery"))
+        await game.sees_no("battery")
+
+        # Arrows and dragging move the view, and select nothing.
+        await game.press("right", "down")
+        await looks(Sight.FREE)
+        before = view.camera
+        await pilot.mouse_down(view, offset=(30, 10))
+        await pilot.hover(view, offset=(20, 8))
+        await pilot.mouse_up(view, offset=(20, 8))
+        await game.until(lambda: view.camera.x > before.x and view.camera.y > before.y)
+        assert view.selected is None
 
 
 async def test_a_robot_without_decision_says_so(data_dir: Path) -> None:

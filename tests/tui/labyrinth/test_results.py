@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import pytest
 from rich.cells import cell_len
 
 from logical_robots_tui.game.victory import references_for
+from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.progress import FILE_NAME, Bests, Measures, Progress
 from logical_robots_tui.tui.labyrinth.results import Results, goal_lines, scale_lines
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import list_levels, load_level
 from logical_robots_tui.world.level import SecondGoal
 from tests.short import AHEAD
-from tests.tui.conftest import opened
+from tests.tui.conftest import SHORT, opened
 
 THREE = [Measures(100, 1, 300.0), Measures(200, 5, 250.4), Measures(150, 9, 350.0)]
 GOALS = [SecondGoal("symbol", 11), SecondGoal("blocked")]
-SIZES = [(80, 24), (120, 40)]
+SIZES = [pytest.param((80, 24), marks=pytest.mark.slow), (120, 40)]
 
 
 def scales(
@@ -64,7 +64,6 @@ def test_second_goals_are_ticked_when_they_are_reached() -> None:
     assert list(goal_lines([], ["never blocked"])) == []
 
 
-@pytest.mark.sampled
 @pytest.mark.parametrize("size", SIZES)
 async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int, int]) -> None:
     level = load_level(list_levels()[0])
@@ -78,47 +77,36 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
         told = [f"✓ {goal.words}", f"☐ {other.words}", "1,500●", "1,300●", "● your best"]
         told += [f"  {each.ticks:,}" for each in references_for(level).values()]
         for words in told:
-            await game.until(partial(game.shows, words))
+            await game.sees(words)
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
         await game.press("m", "l")
         await game.until(lambda: isinstance(game.app.screen, LevelScreen))
         for words in ("1,500●", f"✓ {goal.words}"):
-            await game.until(partial(game.shows, words))
+            await game.sees(words)
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
 
 
-@pytest.fixture
-def with_goals(short: Path) -> Path:
-    goals = 'second_goals = ["at most 11 symbols", "at most 20 ticks"]\n'
-    short.write_text(goals + short.read_text())
-    return short
-
-
-@pytest.mark.sampled
 @pytest.mark.parametrize("size", SIZES)
 async def test_a_victory_ticks_the_goals_that_it_reaches(
-    data_dir: Path, with_goals: Path, size: tuple[int, int]
+    data_dir: Path, short: Path, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, level=with_goals, text=AHEAD, size=size) as game:
+    goals = 'second_goals = ["at most 11 symbols", "at most 20 ticks"]\n'
+    write_atomically(short, goals + SHORT)
+    async with opened(data_dir, level=short, text=AHEAD, size=size) as game:
         await game.ready()
         await game.sees("☐ at most 11 symbols")
         await game.press(*["plus"] * 6, "space")
         await game.sees("✓ at most 11 symbols")
         await game.sees("☐ at most 20 ticks")
-    assert Progress(data_dir / FILE_NAME).record(str(with_goals)).bests.goals == (
-        "at most 11 symbols",
-    )
+        await game.press("escape")
 
-
-async def test_what_is_measured_before_the_results_are_mounted_is_shown(
-    data_dir: Path, short: Path
-) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        results = Results(game.main.recorder, "Won", [("restart", "Again")])
+        # What is measured before the results are mounted is shown.
+        results = Results(game.main.recorder, "Won", [("restart", "Once more")])
         results._rows = []
         game.app.push_screen(results)
         assert results.is_active
         results.follow()
-        await game.sees("Again")
+        await game.sees("Once more")
         await game.sees("your best")
+    best = Progress(data_dir / FILE_NAME).record(str(short)).bests
+    assert best.goals == ("at most 11 symbols",)

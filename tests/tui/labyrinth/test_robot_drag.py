@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import pytest
 from textual import events
 
-from logical_robots_tui.player.settings import Settings
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened
 from tests.tui.level_editor.conftest import ROOM
@@ -16,6 +15,7 @@ from tests.tui.level_editor.conftest import ROOM
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.world import RobotState
     from tests.tui.conftest import Opened
 
 
@@ -53,89 +53,87 @@ async def drag(game: Opened, *points: tuple[float, float], button: int = 1) -> N
 async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_file: Path) -> None:
     async with opened(data_dir, level=room_file, text=STILL) as game:
         await game.ready()
+        view = game.main.labyrinth.view
+
+        def robot() -> RobotState:
+            return game.session.frame.after.robots[0]
+
         await game.press("space")
         await game.until(lambda: game.tick > 2)
-        before = game.main.labyrinth.view.view
+        before = view.view
         await drag(game, (40, 50), (90, 60), (150, 60))
-        await game.until(lambda: game.session.frame.after.robots[0].x > 140)
-        await game.until(lambda: game.main.labyrinth.view.robot_at(*cell(game, (150, 60))))
+        await game.until(lambda: robot().x > 140)
+        await game.until(lambda: view.robot_at(*cell(game, (150, 60))))
         assert game.session.running
         assert not game.main.editing.is_on
-        assert game.main.labyrinth.view.view == before
-        robot = game.session.frame.after.robots[0]
-        assert abs(robot.y - 60) < 8
+        assert view.view == before
+        assert abs(robot().y - 60) < 8
+        x = robot().x
         await drag(game, (150, 60), (150, 80), button=3)
-        await game.until(lambda: game.session.frame.after.robots[0].angle > 1)
-        assert game.session.frame.after.robots[0].angle == pytest.approx(math.pi / 2, abs=0.4)
-        assert game.session.frame.after.robots[0].x == robot.x
+        await game.until(lambda: robot().angle > 1)
+        assert robot().angle == pytest.approx(math.pi / 2, abs=0.4)
+        assert robot().x == x
         assert game.session.level.robots[0].x == 40
         await game.press("space")
         await game.until(lambda: not game.session.running)
         await game.press("r")
         await game.until(lambda: game.tick == 0)
-        assert game.session.frame.after.robots[0].x == 40
+        assert robot().x == 40
 
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("ticks", [0, 1])
-async def test_a_victory_of_a_robot_that_was_dragged_does_not_count(
-    data_dir: Path, room_file: Path, ticks: int
-) -> None:
-    async with opened(data_dir, level=room_file, text=AHEAD) as game:
-        await game.ready()
-        await game.press(*["n"] * ticks)
-        await game.until(lambda: game.tick == ticks)
-        x = game.session.frame.after.robots[0].x
-        await drag(game, (x, 50), (100, 50), (200, 50))
-        await game.until(lambda: game.session.frame.after.robots[0].x > 190)
-        await game.press("space")
-        await game.sees("a robot moved by hand")
-        assert game.main.recorder.record.state != "won"
-
-
-async def test_empty_ground_and_a_setting_drag_the_map(data_dir: Path, room_file: Path) -> None:
-    plain = Settings(drag_robots=False)
-    async with opened(data_dir, level=room_file, text=STILL, settings=plain) as game:
-        await game.ready()
-        view = game.main.labyrinth.view
+        # Empty ground, and a setting, drag the map.
         view.zoom(2, (40, 50))
-        before = view.view
-        await drag(game, (40, 50), (60, 50))
-        await game.until(lambda: view.view != before)
-        assert game.session.frame.after.robots[0].x == 40
-        view.drags_robots = True
         before = view.view
         await drag(game, (80, 60), (70, 60))
         await game.until(lambda: view.view != before)
-        assert game.session.frame.after.robots[0].x == 40
+        assert robot().x == 40
+        game.app.change_setting("drag_robots", False)
+        before = view.view
+        await drag(game, (40, 50), (60, 50))
+        await game.until(lambda: view.view != before)
+        assert robot().x == 40
 
 
-async def test_pointing_at_a_robot_shows_its_card(data_dir: Path, room_file: Path) -> None:
+async def test_a_robot_that_is_pointed_at_shows_its_card_unless_the_level_is_edited(
+    data_dir: Path, room_file: Path
+) -> None:
     async with opened(data_dir, level=room_file, text=AHEAD) as game:
         await game.ready()
         await game.press("n")
         await game.until(lambda: game.tick == 1)
-        card = game.main.labyrinth.card
+        view, card = game.main.labyrinth.view, game.main.labyrinth.card
         assert not card.display
         x = game.session.frame.after.robots[0].x
         await mouse(game, events.MouseMove, (x, 50))
         await game.until(lambda: card.display and game.shows("engines"))
         await game.sees("battery")
-        assert game.main.labyrinth.view.selected is None
+        assert view.selected is None
         await mouse(game, events.MouseMove, (150, 80))
         await game.until(lambda: not card.display)
+        await mouse(game, events.MouseMove, (x, 50))
+        await game.until(lambda: card.display)
+        await game.press("M")
+        await game.until(lambda: view.overlay is not None)
+        assert view.pointed is not None
+        assert not card.display
+        await mouse(game, events.MouseMove, (150, 80))
+        await game.until(lambda: view.pointed is None)
 
 
-async def test_no_card_covers_the_level_editor(data_dir: Path, room_file: Path) -> None:
+async def test_a_victory_of_a_robot_that_was_dragged_does_not_count(
+    data_dir: Path, room_file: Path
+) -> None:
     async with opened(data_dir, level=room_file, text=AHEAD) as game:
         await game.ready()
-        pane = game.main.labyrinth
-        x = game.session.frame.after.robots[0].x
-        await mouse(game, events.MouseMove, (x, 50))
-        await game.until(lambda: pane.card.display)
-        await game.press("M")
-        await game.until(lambda: pane.view.overlay is not None)
-        assert pane.view.pointed is not None
-        assert not pane.card.display
-        await mouse(game, events.MouseMove, (150, 80))
-        await game.until(lambda: pane.view.pointed is None)
+        for ticks in range(2):
+            await game.press(*["n"] * ticks)
+            await game.settled()
+            assert game.tick == ticks
+            x = game.session.frame.after.robots[0].x
+            await drag(game, (x, 50), (100, 50), (200, 50))
+            await game.until(lambda: game.session.frame.after.robots[0].x > 190)
+            game.session.run_until(1000)
+            await game.sees("a robot moved by hand")
+            assert game.main.recorder.record.state != "won"
+            await game.press("escape", "r")
+            await game.sees_no("a robot moved by hand")
+            await game.until(lambda: game.tick == 0)
