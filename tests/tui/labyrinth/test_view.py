@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 from textual.app import App, ComposeResult
 
-from logical_robots_tui.tui.labyrinth.drawing import LIGHT, Drawing
+from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Camera, Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.world import Beacon, Level, Robot
@@ -16,7 +17,10 @@ from tests.tui.labyrinth.drawing.scenes import room, run, start, with_robot
 from tests.virtual_time import virtual_loop
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
     from textual.geometry import Region
+    from textual.pilot import Pilot
 
 
 class Recorder(LabyrinthView):
@@ -62,18 +66,31 @@ def text(view: LabyrinthView) -> str:
     return "\n".join(view.render_line(row).text for row in range(view.size.height))
 
 
-async def test_a_frame_is_shown() -> None:
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        assert app.view.render_line(0).cell_length == 78
-        app.view.show(level(), start(level()))
+def widths(view: LabyrinthView) -> list[int]:
+    return [view.render_line(row).cell_length for row in range(view.size.height)]
+
+
+@asynccontextmanager
+async def bench(
+    size: tuple[int, int] = (80, 24), shown: Level | None = None
+) -> AsyncIterator[tuple[Bench, Recorder, Pilot[None]]]:
+    """A labyrinth alone in an app, at the start of a level."""
+    app, shown = Bench(), shown or level()
+    async with app.run_test(size=size) as pilot:
+        assert widths(app.view) == [app.view.size.width] * app.view.size.height
+        app.view.show(shown, start(shown))
         await pilot.pause()
-        shown = text(app.view)
-        for sign in ("Ann", "Bob", "lamp", "◆"):
-            assert sign in shown
+        yield app, app.view, pilot
 
 
-async def test_a_frame_given_before_mounting_is_shown() -> None:
+async def test_a_frame_is_shown_whole_or_in_part_also_if_it_came_before_mounting() -> None:
+    async with bench() as (_, view, pilot):
+        assert all(sign in text(view) for sign in ("Ann", "Bob", "lamp", "◆"))
+        view.camera = Camera(Sight.FREE, 5, 300, 200)
+        await pilot.pause()
+        assert "Ann" in text(view)
+        assert "Bob" not in text(view)
+        assert view.robot_at(39, 11) == "Ann"
     app = Bench()
     app.view.show(level(), start(level()))
     async with app.run_test(size=(80, 24)):
@@ -81,134 +98,91 @@ async def test_a_frame_given_before_mounting_is_shown() -> None:
 
 
 async def test_only_changed_rows_are_refreshed() -> None:
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.view.rays = app.view.marks = False
+    async with bench() as (_, view, pilot):
+        view.rays = view.marks = False
         one = level()
         frames = run(one, 30)
-        app.view.show(one, frames[0])
+        view.show(one, frames[0])
         await pilot.pause()
-        app.view.regions.clear()
-        app.view.show(one, frames[0])
-        assert app.view.regions == []
-        app.view.show(one, frames[30])
-        rows = {region.y for region in app.view.regions}
-        assert 0 < len(rows) < 12
-        assert all(region.height == 1 for region in app.view.regions)
+        view.regions.clear()
+        view.show(one, frames[0])
+        assert view.regions == []
+        view.show(one, frames[30])
+        assert 0 < len({region.y for region in view.regions}) < 12
+        assert all(region.height == 1 for region in view.regions)
 
 
 @pytest.mark.parametrize("size", [(1, 1), (3, 2), (4, 3), (5, 4), (24, 8), (200, 60)])
 async def test_any_size_is_drawn(size: tuple[int, int]) -> None:
-    app = Bench()
-    async with app.run_test(size=size) as pilot:
-        app.view.show(level(), start(level()))
-        await pilot.pause()
-        width, height = app.view.size
-        for row in range(height):
-            assert app.view.render_line(row).cell_length == width
+    async with bench(size) as (_, view, _):
+        assert widths(view) == [view.size.width] * view.size.height
 
 
 async def test_a_resize_fits_the_picture_anew() -> None:
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.view.show(level(), start(level()))
+    async with bench() as (_, view, pilot):
         for size in ((120, 40), (3, 2), (1, 1), (60, 20)):
             await pilot.resize_terminal(*size)
             await pilot.pause()
-            width, height = app.view.size
-            assert [app.view.render_line(row).cell_length for row in range(height)] == (
-                [width] * height
-            )
-        assert "Ann" in text(app.view)
+            assert widths(view) == [view.size.width] * view.size.height
+        assert "Ann" in text(view)
 
 
 async def test_a_click_picks_the_nearest_robot() -> None:
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.view.show(level(), start(level()))
-        await pilot.pause()
-        view = app.view.view
-        assert view is not None
+    async with bench() as (app, view, pilot):
+        assert view.view is not None
         for name, x, y, off in (("Ann", 300, 200, 2), ("Bob", 700, 300, -1)):
-            cell = view.cell(x, y)
+            cell = view.view.cell(x, y)
             assert cell is not None
             # The border is one cell.
-            await pilot.click(app.view, offset=(cell[1] + 1 + off, cell[0] + 1))
+            await pilot.click(view, offset=(cell[1] + 1 + off, cell[0] + 1))
             await virtual_loop().settled()
             assert app.picked.pop() == name
-        await pilot.click(app.view, offset=(20, 20))
-        await pilot.click(app.view, offset=(0, 0))
+        await pilot.click(view, offset=(20, 20))
+        await pilot.click(view, offset=(0, 0))
         await virtual_loop().settled()
         assert app.picked == []
 
 
-async def test_switches_change_the_picture() -> None:
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.view.show(level(), start(level()))
-        await pilot.pause()
+async def test_switches_and_the_theme_change_the_picture() -> None:
+    async with bench() as (app, view, pilot):
 
         def picture() -> str:
-            return str([list(app.view.render_line(row)) for row in range(app.view.size.height)])
+            return str([list(view.render_line(row)) for row in range(view.size.height)])
 
-        seen = {picture()}
-        app.view.rays = False
-        seen.add(picture())
-        app.view.marks = False
-        seen.add(picture())
-        app.view.selected = "Bob"
-        seen.add(picture())
-        app.view.palette = LIGHT
-        seen.add(picture())
-        app.view.drawing = Drawing.HALVES
-        seen.add(picture())
-        app.view.drawing = Drawing.ASCII
-        seen.add(picture())
-        assert len(seen) == 7
-        assert text(app.view).isascii()
-
-
-async def test_the_colours_follow_the_theme() -> None:
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.view.show(level(), start(level()))
-        app.theme = "textual-dark"
-        await pilot.pause()
-        dark = str(list(app.view.render_line(10)))
-        app.theme = "textual-light"
-        await pilot.pause()
-        assert str(list(app.view.render_line(10))) != dark
-
-
-async def test_a_camera_shows_part_of_the_map() -> None:
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        one = level()
-        app.view.show(one, start(one))
-        app.view.camera = Camera(Sight.FREE, 5, 300, 200)
-        await pilot.pause()
-        shown = text(app.view)
-        assert "Ann" in shown
-        assert "Bob" not in shown
-        assert app.view.robot_at(39, 11) == "Ann"
+        pictures = [picture()]
+        for theme in ("textual-dark", "textual-light"):
+            app.theme = theme
+            await pilot.pause()
+            pictures.append(str(list(view.render_line(10))))
+        for name, value in {
+            "palette": DARK,
+            "rays": False,
+            "marks": False,
+            "selected": "Bob",
+            "drawing": Drawing.HALVES,
+        }.items():
+            setattr(view, name, value)
+            pictures.append(picture())
+        view.palette = LIGHT
+        pictures.append(picture())
+        view.drawing = Drawing.ASCII
+        pictures.append(picture())
+        assert len(set(pictures)) == len(pictures)
+        assert text(view).isascii()
 
 
 async def test_names_are_not_markup() -> None:
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        one = level()
-        name = "[b]x[/b]"
-        one = replace(one, robots=(replace(one.robots[0], name=name),))
-        app.view.show(one, with_robot(start(one), x=500.0))
+    one, name = level(), "[b]x[/b]"
+    one = replace(one, robots=(replace(one.robots[0], name=name),))
+    async with bench(shown=one) as (_, view, pilot):
+        view.show(one, with_robot(start(one), x=500.0))
         await pilot.pause()
-        assert name in text(app.view)
+        assert name in text(view)
 
 
 async def test_without_colour_nothing_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    app = Bench()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.view.drawing = Drawing.ASCII
-        app.view.show(level(), start(level()))
+    async with bench() as (_, view, pilot):
+        view.drawing = Drawing.ASCII
         await pilot.pause()
-        assert "Ann" in text(app.view)
+        assert "Ann" in text(view)
