@@ -10,7 +10,7 @@ from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.tui.commands.help import Palette
-from logical_robots_tui.tui.layout.dialogs import Listing, Question
+from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.learning.reader import Hints
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
@@ -54,17 +54,18 @@ async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays
     assert (data_dir / "programs" / "other.l").read_text() == PAPER
 
 
-async def test_what_is_longer_than_its_line_is_seen_at_its_end(data_dir: Path) -> None:
+async def test_a_long_line_is_seen_at_its_end_and_late_clicks_choose_nothing(
+    data_dir: Path,
+) -> None:
     async with opened(data_dir) as game:
         await game.press("s")
         await game.sees("Save the program as")
         await game.press(*"abcdefghij" * 10, *"-end")
         await game.sees("efghij-end")
-
-
-async def test_a_click_at_an_entry_that_has_just_gone_chooses_nothing(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
+        await game.press("escape")
         await game.ready()
+
+        # At an entry that has just gone.
         await dialog(game, "o", Chooser)
         entries = game.app.screen.query_one("#entries", OptionList)
         await game.until(lambda: entries.option_count)
@@ -74,27 +75,15 @@ async def test_a_click_at_an_entry_that_has_just_gone_chooses_nothing(data_dir: 
         await game.press("m")
         await game.until(lambda: game.app.screen.query_one(Input).value == "m")
         assert isinstance(game.app.screen, Chooser)
+        await game.press("escape")
 
-
-async def test_a_double_click_closes_the_palette_once(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+        # A double click beside the palette, which closes it once.
         await dialog(game, "ctrl+p", Palette)
         for kind in 2 * (events.MouseDown, events.MouseUp):
             game.app.post_message(kind(None, 1, 1, 0, 0, 1, False, False, False, 1, 1))
         await game.until(lambda: game.app.screen is game.main)
         await game.press("n")
         await game.until(lambda: game.tick == 1)
-
-
-async def test_a_list_without_room_has_no_pages(data_dir: Path) -> None:
-    async with opened(data_dir, size=(20, 5)) as game:
-        await game.ready()
-        choice = game.inspector.query_one(Listing)
-        choice.highlighted = 2
-        choice.action_page_up()
-        choice.action_page_down()
-        assert choice.highlighted == 2
 
 
 async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, short: Path) -> None:

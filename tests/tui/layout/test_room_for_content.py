@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.tui.inspector.pane import PredicateList
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ Robot(robot_name:, desire: {left_engine: 1.0, right_engine: 1.0}, memory: 1) :-
   Sensor(robot_name:, sensor:);
 Many(n) :- n in Range(20);
 """
+BORDER = 2
 
 
 def heights(game: Opened) -> list[int]:
@@ -28,16 +30,46 @@ async def settled(game: Opened) -> list[int]:
     return heights(game)
 
 
-async def test_the_inspector_is_as_high_as_its_list_at_first(data_dir: Path) -> None:
+def listed(game: Opened) -> int:
+    """How many rows the list of the inspector has."""
+    return game.inspector.query_one(PredicateList).virtual_size.height
+
+
+async def test_the_inspector_is_as_high_as_its_list_until_a_page_needs_more(data_dir: Path) -> None:
     async with opened(data_dir, size=LARGE) as game:
         await game.ready()
-        labyrinth, program, inspector = await settled(game)
-        assert inspector == 6 + 2 + 2 + 2, "pages, inputs, predicates, border"
-        assert labyrinth == program == 60 - 3 - inspector
+        before = labyrinth, program, inspector = await settled(game)
+        assert labyrinth == program == LARGE[1] - 3 - inspector
+        await game.press("n", "n")
+        await game.until(lambda: game.tick == 2)
+        assert await settled(game) == before, "nothing moves while robots step"
+        await game.press("space")
+        await game.until(lambda: game.tick > 20)
+        assert heights(game) == before, "or run"
+        await game.press("space", "3")
+        await game.until(lambda: game.inspector.inspected == "robots")
+        assert await settled(game) == before
+        assert inspector == listed(game) + BORDER
+        await game.press("w")
+        await game.until(lambda: heights(game)[2] >= 18)
+        await game.press("3", "home")
+        await game.until(lambda: game.inspector.inspected == "robots")
+        x = round(game.session.frame.after.robots[0].x)
+        assert not game.shows(f"x {x}   y "), "the table has room for it"
+        await game.pilot.resize_terminal(80, 24)
+        await game.sees(f"x {x}   y ")
 
 
-async def test_a_page_that_needs_more_gets_it_and_keeps_it(data_dir: Path) -> None:
+async def test_a_page_keeps_its_room_and_a_level_has_its_own_until_the_player_chooses(
+    data_dir: Path,
+) -> None:
     async with opened(data_dir, size=LARGE, text=MANY_ROWS) as game:
+
+        async def open_next(level: str) -> None:
+            await game.press("1", "greater_than_sign")
+            await game.until(lambda: game.session.level.name == level)
+            await game.ready()
+
         await game.ready()
         before = (await settled(game))[2]
         await game.press("n", "3", "end")
@@ -49,50 +81,20 @@ async def test_a_page_that_needs_more_gets_it_and_keeps_it(data_dir: Path) -> No
         await game.until(lambda: game.inspector.inspected == "robots")
         assert await settled(game) == large
 
+        await open_next("01-first-steps")
+        await game.until(lambda: heights(game)[2] == listed(game) + BORDER)
+        before = heights(game)[2]
+        assert game.main.labyrinth.view.size.width == LARGE[0] - 70 - BORDER
 
-async def test_nothing_moves_while_robots_run_or_step(data_dir: Path) -> None:
-    async with opened(data_dir, size=LARGE) as game:
-        await game.ready()
-        before = await settled(game)
-        await game.press("n", "n")
-        await game.until(lambda: game.tick == 2)
-        assert await settled(game) == before
-        await game.press("space")
-        await game.until(lambda: game.tick > 20)
-        assert heights(game) == before
-
-
-async def test_sizes_that_the_player_chose_stay(data_dir: Path) -> None:
-    async with opened(data_dir, size=LARGE, text=MANY_ROWS) as game:
-        await game.ready()
-        before = (await settled(game))[2]
-        await game.press("I")
+        await game.write(MANY_ROWS)
+        await game.until(lambda: game.session.state.applied == MANY_ROWS)
+        await game.press("escape", "I")
         await game.until(lambda: heights(game)[2] > before)
         chosen = await settled(game)
-        await game.press("3", "end")
+        await game.press("3")
+        await game.sees("Many :3")
+        await game.press("end")
         await game.until(lambda: game.inspector.inspected == "Many")
         assert await settled(game) == chosen
-        await game.press("1", "greater_than_sign")
-        await game.until(lambda: game.session.level.name == "01-first-steps")
-        await game.ready()
+        await open_next("02-open-space")
         assert await settled(game) == chosen
-
-
-async def test_another_level_has_its_own_sizes(data_dir: Path) -> None:
-    async with opened(data_dir, size=LARGE, text=MANY_ROWS) as game:
-        await game.ready()
-        await game.press("3", "end")
-        await game.until(lambda: heights(game)[2] > 20)
-        await game.press("1", "greater_than_sign")
-        await game.until(lambda: game.session.level.name == "01-first-steps")
-        await game.ready()
-        await game.until(lambda: heights(game)[2] == 11)
-        view = game.main.labyrinth.view
-        assert view.size.width == 200 - 70 - 2
-
-
-async def test_a_proof_gets_as_much_room_as_there_may_be(data_dir: Path) -> None:
-    async with opened(data_dir, size=LARGE) as game:
-        await game.ready()
-        await game.press("n", "w")
-        await game.until(lambda: heights(game)[2] >= 18)

@@ -20,6 +20,7 @@ SIZES = [
     *((1 if lines % 2 else 20, lines) for lines in range(1, 11)),
     *((1, 1), (2, 1), (3, 2), (120, 40), (80, 2), (2, 60), (20, 10)),
 ]
+OTHERS = [(40, 12), (41, 13), (79, 23), (110, 24), (500, 150)]
 FEW = [(1, 1), (4, 3), (20, 10), (7, 1), (3, 10), (12, 5), (80, 24)]
 
 UNANSWERED = ("quit", "external_editor")
@@ -36,11 +37,11 @@ async def through_all(game: Opened, sizes: list[tuple[int, int]]) -> None:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("size", FEW)
+@pytest.mark.parametrize("size", [*FEW, *OTHERS])
 async def test_the_game_opens_in(size: tuple[int, int], data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, size=size, welcome=True) as game:
         await game.until(lambda: game.session.state.phase == "applied")
-        await game.press("n")
+        await game.press("escape", "n", "2", "3", "1")
         await game.until(lambda: game.tick == 1)
         await through_all(game, SIZES)
 
@@ -93,12 +94,3 @@ async def test_editing_a_level_goes_on_at_any_size(part: int, data_dir: Path, sh
             if not game.main.editing.is_on:
                 await game.app.run_action("screen.command('edit_level')")
                 await game.until(lambda: game.main.editing.is_on)
-
-
-async def test_what_a_narrow_table_has_no_room_for_is_told_below_it(data_dir: Path) -> None:
-    async with opened(data_dir, size=(80, 24)) as game:
-        await game.ready()
-        await game.press("3")
-        await game.sees("x 40   y 45   head 4°   front nothing")
-        await game.pilot.resize_terminal(200, 60)
-        await game.sees_no("x 40 ")
