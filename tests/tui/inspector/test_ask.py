@@ -31,26 +31,72 @@ async def ask(game: Opened, query: str) -> None:
     await game.press("enter")
 
 
+def answered(game: Opened) -> str:
+    """The query that what is shown belongs to."""
+    about = game.main.query_one("AskPage > .about", Static)
+    return str(about.render()) if about.display else line(game).value
+
+
 async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
-        await ask(game, "Sensor(sensor:), clock == 100 + sensor.clock")
-        await game.sees("Ask · tick 0 · 1 row")
-        await game.sees("100")
-        await game.press("escape", "n")
-        await game.sees("Ask · tick 1 · 1 row")
-        await game.sees("101")
-
-
-async def test_a_query_can_be_typed_before_the_page_for_it_is_loaded(data_dir: Path) -> None:
-    async with opened(data_dir, text=AHEAD) as game:
+        # It can be typed before the page for it is loaded.
         await game.press("slash", *"Robot", "enter")
         await game.sees("Ask · tick 0 · 1 row")
+        await ask(game, "Sensor(sensor:), clock == 100 + sensor.clock")
+        await game.sees(" 100 ")
+        await game.press("escape", "n")
+        await game.sees("Ask · tick 1 · 1 row")
+        await game.sees(" 101 ")
+
+        # An answer stands with its own question while another one is typed.
+        await ask(game, "1000 + 1")
+        await game.sees("1001")
+        line(game).value = "1000 + 5"
+        await game.sees("1000 + 5")
+        assert game.shows("1001")
+        assert answered(game) == "1000 + 1"
+        await ask(game, "2 + 2")
+        await game.sees("       4")
+        for key, earlier in (("up", "2 + 2"), ("up", "1000 + 1")):
+            await game.press(key)
+            assert line(game).value == earlier
+        await game.press("down", "down")
+        assert line(game).value == ""
+
+        await ask(game, "x in Range(1001)")
+        await game.sees("first 1,000 rows, there are more: / narrows down")
+        table = game.main.query_one("#answer", ValueTable)
+        table.action_go(10_000, 0)
+        await game.sees("there are more rows than these first 1,000")
+        await ask(game, "x in Range(1001), x > 990")
+        await game.sees("Ask · tick 1 · 10 rows")
+        assert not table.missing
 
 
-async def test_a_mistake_is_shown_at_its_place_and_changes_nothing(data_dir: Path) -> None:
-    async with opened(data_dir, text=AHEAD) as game:
+@pytest.mark.parametrize(
+    "size",
+    [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)],
+    ids=["80x24", "120x40"],
+)
+async def test_the_line_helps_and_says_what_is_wrong_with_a_query(
+    data_dir: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, text="Lighthouse(1);\n" + AHEAD, size=size) as game:
         await game.ready()
+        await game.press("slash")
+        await game.sees("sensor.forward_distance < 60")
+        bar = game.main.query_one(CommandBar)
+        await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
+        assert "F5 Run" in bar.render().plain
+
+        # Names are completed.
+        await game.until(lambda: "Lighthouse" in line(game)._completion.words)
+        await game.press(*"1 < 2, Lig")
+        await game.until(lambda: line(game)._suggestion == "1 < 2, Lighthouse")
+        await game.press("right")
+        await game.until(lambda: line(game).value == "1 < 2, Lighthouse")
+
+        # A mistake is shown at its place and changes nothing.
         await ask(game, "Sensor(robot_nam:)")
         await game.sees("Sensor has no column robot_nam.")
         await game.sees("       ^^^^^^^^^")
@@ -58,59 +104,23 @@ async def test_a_mistake_is_shown_at_its_place_and_changes_nothing(data_dir: Pat
         assert game.tick == 0
         assert line(game).value == "Sensor(robot_nam:)"
         line(game).value = "Sensor(r"
-        await game.until(lambda: not game.shows("Sensor has no column"))
-
-
-async def test_a_query_that_fails_says_why(data_dir: Path) -> None:
-    async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
+        await game.sees_no("Sensor has no column")
         await ask(game, 'x in ["a"], x.field == 2')
         await game.sees("neither a record nor a list")
-
-
-async def test_no_rows_are_no_rows(data_dir: Path) -> None:
-    async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
         await ask(game, "x in [1], x > 2")
         await game.sees("No rows.")
 
-
-async def test_up_brings_earlier_queries_back(data_dir: Path) -> None:
-    async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
-        await ask(game, "1 + 1")
-        await game.sees("1 row")
-        await ask(game, "2 + 2")
-        await game.sees("       4")
-        await game.press("up")
-        await game.until(lambda: line(game).value == "2 + 2")
-        await game.press("up")
-        await game.until(lambda: line(game).value == "1 + 1")
-        await game.press("down", "down")
-        await game.until(lambda: line(game).value == "")
-
-
-async def test_names_are_completed(data_dir: Path) -> None:
-    async with opened(data_dir, text="Lighthouse(1);\n" + AHEAD) as game:
-        await game.ready()
-        await game.press("slash")
-        await game.until(lambda: "Lighthouse" in line(game)._completion.words)
-        await game.press(*"1 < 2, Lig")
-        await game.until(lambda: line(game)._suggestion == "1 < 2, Lighthouse")
-        await game.press("right")
-        await game.until(lambda: line(game).value == "1 < 2, Lighthouse")
+        # The bar is clicked while one types.
+        line(game).value = ""
+        await game.click(CommandBar, offset=(2, 0))
+        await game.press(*"1 < 2", "enter", "escape")
+        await game.until(lambda: "enter Ask" not in bar.render().plain)
 
 
 SLOW = (
     "Sensor(sensor:), a in sensor.radar, b in sensor.radar, c in sensor.radar, d in sensor.radar, "
     "e in sensor.radar, a.distance + b.distance + c.distance + d.distance + e.distance < 0"
 )
-
-
-def answered(game: Opened) -> str:
-    """The query that what is shown belongs to."""
-    about = game.main.query_one("AskPage > .about", Static)
-    return str(about.render()) if about.display else line(game).value
 
 
 async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -> None:
@@ -133,10 +143,7 @@ async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -
         await ask(game, "1000 + 2")
         await game.sees("1002")
 
-
-async def test_escape_stops_a_question_from_the_list_too(data_dir: Path) -> None:
-    async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
+        # Escape stops it from the list, too.
         with game.impatient():
             await ask(game, SLOW)
             await game.sees("esc here stops it")
@@ -147,61 +154,12 @@ async def test_escape_stops_a_question_from_the_list_too(data_dir: Path) -> None
         await game.press("escape")
         await game.until(lambda: game.main.labyrinth.has_focus)
 
-
-async def test_another_question_does_not_wait_for_the_answer_of_the_one_before(
-    data_dir: Path,
-) -> None:
-    query = "t == 700 + Max{sensor.clock :- Sensor(sensor:)}"
-    async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
+        # Another question does not wait for the answer.
         with game.impatient():
             await ask(game, SLOW)
             await game.sees("esc here stops it")
-        await ask(game, query)
+        await ask(game, "t == 700 + Max{sensor.clock :- Sensor(sensor:)}")
         await game.sees("Ask · tick 0 · 1 row")
         await game.press("escape", "n")
         await game.sees("701")
         await game.sees("Ask · tick 1 · 1 row")
-
-
-async def test_an_answer_stands_with_its_own_question_while_another_one_is_typed(
-    data_dir: Path,
-) -> None:
-    async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
-        await ask(game, "1000 + 1")
-        await game.sees("1001")
-        line(game).value = "1000 + 5"
-        await game.sees("1000 + 5")
-        await game.sees("1001")
-        assert answered(game) == "1000 + 1"
-
-
-async def test_an_answer_that_is_cut_off_says_so_and_how_to_narrow_it_down(data_dir: Path) -> None:
-    async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
-        await ask(game, "x in Range(1001)")
-        await game.sees("first 1,000 rows, there are more: / narrows down")
-        table = game.main.query_one("#answer", ValueTable)
-        table.action_go(10_000, 0)
-        await game.sees("there are more rows than these first 1,000")
-        await ask(game, "x in Range(1001), x > 990")
-        await game.sees("Ask · tick 0 · 10 rows")
-        assert not table.missing
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
-async def test_the_line_shows_an_example_and_the_bar_names_its_keys(
-    data_dir: Path, size: tuple[int, int]
-) -> None:
-    async with opened(data_dir, size=size) as game:
-        await game.ready()
-        await game.press("slash")
-        await game.sees("sensor.forward_distance < 60")
-        bar = game.main.query_one(CommandBar)
-        await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
-        assert "F5 Run" in bar.render().plain
-        await game.click(CommandBar, offset=(2, 0))
-        await game.press(*"sensor.forward_distance < 600", "enter", "escape")
-        await game.until(lambda: "enter Ask" not in bar.render().plain)
