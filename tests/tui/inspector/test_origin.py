@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
@@ -48,9 +47,8 @@ def pointed(game: Opened) -> Link:
 
 async def at_tick(game: Opened, tick: int) -> None:
     await game.ready()
-    for number in range(1, tick + 1):
-        await game.press("n")
-        await game.until(partial(lambda wanted: game.tick == wanted, number))
+    game.session.run_until(tick)
+    await game.until(lambda: game.tick == tick and not game.session.busy)
 
 
 async def followed(game: Opened, *keys: str) -> None:
@@ -61,6 +59,15 @@ async def followed(game: Opened, *keys: str) -> None:
     await game.until(
         lambda: game.app.screen is game.main and links(game).plain and links(game).pointed
     )
+
+
+async def in_table(game: Opened, name: str) -> None:
+    """Put the cursor on the second value of the first row of a predicate."""
+    game.inspector.open(name)
+    await game.sees(f"{name} · tick {game.tick}")
+    await game.press("enter")
+    await game.until(lambda: game.main.query_one("#rows").has_focus)
+    await game.press("right")
 
 
 async def pointed_at(game: Opened, text: str, kind: str = "") -> None:
@@ -80,14 +87,20 @@ TO_SEEN = ("end",)
 """Keys to the last line of the tree, which is the field `seen` of the memory afterwards."""
 
 
-async def test_a_field_is_followed_to_the_ticks_that_made_it(data_dir: Path) -> None:
+async def test_a_field_is_followed_to_the_ticks_that_made_it_and_one_comes_back(
+    data_dir: Path,
+) -> None:
     async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
         await at_tick(game, 9)
+        robot = game.inspector.robot
+        game.inspector.open("Sensor")
+        await game.press("less_than_sign")
+        await game.sees("Put the cursor on a value")
+
         game.inspector.open("decision")
         await followed(game, *TO_SEEN)
         assert game.inspector.inspected == "origin"
         plain = links(game).plain.splitlines()
-        robot = game.inspector.robot
         assert plain[:4] == [
             f"1. {robot}'s memory.seen = 2",
             "    the same since tick 6, set then by the rule in line 1",
@@ -98,38 +111,22 @@ async def test_a_field_is_followed_to_the_ticks_that_made_it(data_dir: Path) -> 
         assert f"2. {robot}'s memory.seen = 1" in plain
         await game.sees(f"{robot}'s memory.seen after tick 9 comes from")
 
-
-async def test_the_cursor_shows_the_expression_in_the_program(data_dir: Path) -> None:
-    async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
-        await at_tick(game, 9)
-        await followed(game, *TO_SEEN)
+        # The cursor shows the expression in the program, and enter goes to its tick.
         await game.press("down")
         await game.until(lambda: pointed(game).tick == 2)
         await game.until(lambda: game.editor.selected_text == "Coalesce(memory.seen, 0) + 1")
-
-
-async def test_enter_goes_to_the_tick_and_says_why_and_the_key_comes_back(data_dir: Path) -> None:
-    async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
-        await at_tick(game, 9)
-        await followed(game, *TO_SEEN)
-        await game.press("down", "enter")
+        await game.press("enter")
         await game.until(lambda: game.tick == 2 and game.inspector.inspected == "why")
         await game.sees("Why · tick 2")
         await game.press("less_than_sign")
         await game.until(lambda: game.inspector.inspected == "origin")
         assert links(game).has_focus
+
+        # Escape and backspace return to the page and the tick of the question.
         await game.press("escape")
-        await game.until(lambda: game.inspector.inspected == "robots" and game.tick == 9)
-
-
-async def test_escape_returns_to_the_page_and_the_tick_of_the_question(data_dir: Path) -> None:
-    async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
-        await at_tick(game, 9)
-        game.inspector.open("Memory")
-        await game.sees("Memory · tick 9")
-        await game.press("enter")
-        await game.until(lambda: game.main.query_one("#rows").has_focus)
-        await game.press("right", "less_than_sign")
+        await game.until(lambda: game.inspector.inspected == "decision" and game.tick == 9)
+        await in_table(game, "Memory")
+        await game.press("less_than_sign")
         await game.until(lambda: links(game).pointed)
         await game.sees("memory after tick 8 comes from")
         await game.press("p")
@@ -138,14 +135,28 @@ async def test_escape_returns_to_the_page_and_the_tick_of_the_question(data_dir:
         await game.press("backspace")
         await game.until(lambda: game.inspector.inspected == "Memory" and game.tick == 9)
 
+        # It has room in a small terminal.
+        await game.pilot.resize_terminal(80, 24)
+        game.inspector.open("decision")
+        await followed(game, *TO_SEEN)
+        await game.sees("the same since tick 6")
+        await game.press("down")
+        await game.until(lambda: pointed(game).tick == 2)
+        await game.sees("the same since tick 2")
+        links(game).show(Origin((pointed(game),), complete=False))
+        await game.sees("This is incomplete")
 
-async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Path) -> None:
+
+async def test_a_pin_and_what_a_proof_read_are_followed_until_their_branch_is_left(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with opened(data_dir, text=PHASES, size=(120, 70)) as game:
         await at_tick(game, 5)
         robot = game.inspector.robot
         pin = Pin("Robot", "memory", (("robot_name", robot),), ("plan", "phase"))
+        game.inspector.go_to("watch")
         game.main.query_one(WatchView).toggle(pin)
-        await game.press("V", "less_than_sign")
+        await game.press("less_than_sign")
         await game.until(lambda: links(game).pointed)
         await game.sees("the same since tick 4")
         assert pointed(game).value == "fetch"
@@ -153,6 +164,34 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         await pointed_at(game, "memory.plan", "read")
         await game.press("less_than_sign")
         await game.sees("memory.plan after tick 4 comes from")
+
+        # It says how far back it is, and can be stopped.
+        source, hold = Explainer.source, Hold()
+
+        def slow(explainer: Explainer, subject: Subject) -> Source:
+            hold.here()
+            return source(explainer, subject)
+
+        monkeypatch.setattr(Explainer, "source", slow)
+        game.inspector.trace(Traced(robot, memory("seen"), 5))
+        await game.until(lambda: hold.has_begun)
+        await game.sees("at tick 2, 3 ticks back")
+        await game.press("escape")
+        hold.release()
+        await game.sees("Stopped at tick 2")
+        assert links(game).pointed is None
+        game.inspector.trace(Traced(robot, memory("seen"), 4))
+        await game.until(lambda: links(game).pointed)
+        assert (pointed(game).tick, pointed(game).until) == (2, 4)
+
+        await game.press("r")
+        await game.until(lambda: game.tick == 0)
+        assert links(game).pointed is not None
+        assert game.session.game is not None
+        game.session.game.forget_future()
+        game.inspector.follow()
+        await game.sees("went on in another branch")
+        assert links(game).pointed is None
 
 
 SIGHT = """\
@@ -164,24 +203,17 @@ Robot(robot_name:, desire: {left_engine: Speed(ray.distance), right_engine: 0}, 
 """
 
 
-async def test_any_value_of_a_table_is_traced_to_its_rays(data_dir: Path) -> None:
-    async with opened(data_dir, text=SIGHT, size=(120, 40)) as game:
+async def test_any_value_of_a_table_and_of_a_proof_is_traced_to_its_rays(data_dir: Path) -> None:
+    async with opened(data_dir, text=SIGHT, size=(120, 70)) as game:
         await at_tick(game, 2)
-        game.inspector.open("Near")
-        await game.sees("Near · tick 2")
-        await game.press("enter")
-        await game.until(lambda: game.main.query_one("#rows").has_focus)
-        await game.press("right", "less_than_sign")
+        robot = game.inspector.robot
+        await in_table(game, "Near")
+        await game.press("less_than_sign")
         await game.until(lambda: links(game).plain and links(game).pointed)
         await game.sees("Near.ray in tick 2 comes from")
         assert "read from" in links(game).plain
         assert " wall, distance " in links(game).plain
 
-
-async def test_every_value_of_a_proof_is_traced(data_dir: Path) -> None:
-    async with opened(data_dir, text=SIGHT, size=(120, 70)) as game:
-        await at_tick(game, 2)
-        robot = game.inspector.robot
         wanted = {
             "desire: {left_engine: Speed(ray.distance), right_engine: 0}": "desire",
             "left_engine: Speed(ray.distance)": "Speed(ray.distance)",
@@ -192,45 +224,10 @@ async def test_every_value_of_a_proof_is_traced(data_dir: Path) -> None:
             await game.press("w")
             await pointed_at(game, text)
             await game.press("less_than_sign")
-            await game.until(lambda: links(game).plain and links(game).pointed)
-            assert name in pointed(game).name
+            await game.until(lambda name=name: links(game).pointed and name in pointed(game).name)  # type: ignore[misc]
             assert f"{robot}'s ray " in links(game).plain
             await game.press("escape")
             await game.until(lambda: game.inspector.inspected == "why")
-
-
-async def test_where_there_is_no_value_under_the_cursor_that_is_said(data_dir: Path) -> None:
-    async with opened(data_dir, text=PHASES) as game:
-        await at_tick(game, 1)
-        game.inspector.open("Sensor")
-        await game.press("less_than_sign")
-        await game.sees("Put the cursor on a value")
-
-
-async def test_a_question_of_ticks_that_were_left_says_so(data_dir: Path) -> None:
-    async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
-        await at_tick(game, 5)
-        await followed(game, *TO_SEEN)
-        await game.press("r")
-        await game.until(lambda: game.tick == 0)
-        assert links(game).pointed is not None
-        assert game.session.game is not None
-        game.session.game.forget_future()
-        game.inspector.follow()
-        await game.sees("went on in another branch")
-        assert links(game).pointed is None
-
-
-async def test_it_has_room_in_a_small_terminal(data_dir: Path) -> None:
-    async with opened(data_dir, text=PHASES, size=(80, 24)) as game:
-        await at_tick(game, 9)
-        await followed(game, *TO_SEEN)
-        await game.sees("the same since tick 6")
-        await game.press("down")
-        await game.until(lambda: pointed(game).tick == 2)
-        await game.sees("the same since tick 2")
-        links(game).show(Origin((pointed(game),), complete=False))
-        await game.sees("This is incomplete")
 
 
 OF_ADA = (("robot_name", "Ada"),)
@@ -280,35 +277,3 @@ def test_a_link_tells_the_rays_and_how_much_more_was_read() -> None:
         '    from Ada\'s ray 0 at 0°: beacon "Key", distance 0',
     ]
     assert told[-1] == "    and from 2 more"
-
-
-KEPT = """\
-Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {first:, n:}) :-
-  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
-  first = (if sensor.clock == 1 then "here" else memory.first), n = sensor.clock;
-"""
-
-
-async def test_it_says_how_far_back_it_is_and_can_be_stopped(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with opened(data_dir, text=KEPT, size=(120, 40)) as game:
-        await at_tick(game, 9)
-        source, hold = Explainer.source, Hold()
-
-        def slow(explainer: Explainer, subject: Subject) -> Source:
-            hold.here()
-            return source(explainer, subject)
-
-        monkeypatch.setattr(Explainer, "source", slow)
-        robot = game.inspector.robot
-        game.inspector.trace(Traced(robot, memory("first"), 9))
-        await game.until(lambda: hold.has_begun)
-        await game.sees("at tick 1, 8 ticks back")
-        await game.press("escape")
-        hold.release()
-        await game.sees("Stopped at tick 1")
-        assert links(game).pointed is None
-        game.inspector.trace(Traced(robot, memory("first"), 7))
-        await game.until(lambda: links(game).pointed)
-        assert (pointed(game).tick, pointed(game).until) == (1, 7)
