@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
 from tests.tui.conftest import opened
 
@@ -24,43 +26,36 @@ def page(game: Opened) -> DiagnosisPage:
     return game.main.query_one(DiagnosisPage)
 
 
-async def scanned(game: Opened) -> None:
-    await game.ready()
-    for tick in range(1, 5):
-        await game.press("n")
-        await game.until(lambda: game.tick == tick)  # noqa: B023 - waited for here
-    game.main.action_command("diagnose")
-    await game.until(lambda: page(game).view.has_focus)
-    await game.sees("Scan the run up to tick 4")
-    await game.sees("enter Scan")
-    await game.press("enter")
-    await game.until(lambda: page(game).found is not None)
-
-
-async def test_the_run_is_scanned_and_a_finding_leads_to_its_tick(data_dir: Path) -> None:
-    async with opened(data_dir, text=LATE) as game:
-        await scanned(game)
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
+async def test_the_run_is_scanned_and_a_finding_leads_to_its_tick(
+    data_dir: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, text=LATE, size=size) as game:
+        await game.ready()
+        game.session.run_until(4)
+        await game.until(lambda: game.tick == 4 and not game.session.busy)
+        game.main.action_command("diagnose")
+        await game.until(lambda: page(game).view.has_focus)
+        await game.sees("Scan the run up to tick 4")
+        await game.sees("enter Scan")
+        await game.press("enter")
+        await game.until(lambda: page(game).found is not None)
         assert game.inspector.inspected == "diagnosis"
-        await game.sees("Ticks 1 to 4, not won.")
         await game.sees("warning, line 3, tick 3")
+        await game.sees("Ticks 1 to 4, not won.")
         await game.press("down")
         await game.until(lambda: game.editor.selected_text.startswith("Robot(robot_name:, des"))
         await game.press("enter")
         await game.until(lambda: game.tick == 3)
 
-
-async def test_it_is_offered_again_when_the_run_has_gone_on(data_dir: Path) -> None:
-    async with opened(data_dir, text=LATE) as game:
-        await scanned(game)
-        await game.press("n")
+        # It is offered again when the run has gone on.
+        await game.press("n", "n")
         await game.sees("Scan again up to tick 5")
-
-
-async def test_findings_about_an_earlier_program_or_run_say_so(data_dir: Path) -> None:
-    async with opened(data_dir, text=LATE) as game:
-        await scanned(game)
-        await game.sees("Ticks 1 to 4, not won.")
+        await game.press("p")
+        await game.until(lambda: game.tick == 4)
         assert not game.shows("This is about")
+
+        # Findings about an earlier program or run say so.
         game.session.apply(f"{LATE}\n")
         await game.sees("This is about an earlier program. Ticks 1 to 4, not won.")
         await game.press("p")
@@ -71,9 +66,3 @@ async def test_findings_about_an_earlier_program_or_run_say_so(data_dir: Path) -
         await game.sees("This is about an earlier run. Ticks 1 to 4, not won.")
         await game.press("home", "enter")
         await game.sees_no("This is about")
-
-
-async def test_all_of_it_is_usable_on_a_small_screen(data_dir: Path) -> None:
-    async with opened(data_dir, text=LATE, size=(80, 24)) as game:
-        await scanned(game)
-        await game.sees("warning, line 3, tick 3")

@@ -89,7 +89,7 @@ async def inspected(game: Opened) -> None:
     await game.until(lambda: len(table(game).shown.rows) == 3)
 
 
-async def test_keys_sort_filter_and_turn(data_dir: Path) -> None:
+async def test_keys_sort_filter_turn_and_search_rows(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", text=TEXT) as game:
         await inspected(game)
         game.inspector.choose("Q")
@@ -103,21 +103,28 @@ async def test_keys_sort_filter_and_turn(data_dir: Path) -> None:
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R", "Q", "P"])
         await game.press("J")
         await game.until(lambda: table(game).shown.rows[0] == ("robot_name", "R", "Q", "P"))
-
-
-async def test_rows_are_searched(data_dir: Path) -> None:
-    async with opened(data_dir, level="team_goal", text=TEXT) as game:
-        await inspected(game)
-        await game.press("number_sign")
+        await game.press("J", "number_sign")
         await game.until(lambda: game.app.screen.query(Input))
         await game.press("R", "enter")
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R"])
 
+        # One key stops at a predicate.
+        game.inspector.enter()
+        await game.press("asterisk")
+        await game.settled()
+        (set_now,) = game.session.breakpoints
+        assert (set_now.event, set_now.subject, set_now.column) == ("change", "Near", "")
+        await game.press("space")
+        await game.until(lambda: not game.session.running and game.tick == 1)
 
-@pytest.mark.slow
-async def test_rows_are_saved_and_copied(data_dir: Path) -> None:
+
+async def test_rows_are_saved_and_copied_or_it_is_said_why_not(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", text=TEXT) as game:
         await inspected(game)
+        (data_dir / "rows").write_text("a file in the way")
+        await game.press("S")
+        await game.sees("can't be saved")
+        (data_dir / "rows").unlink()
         await game.press("S")
         path = data_dir / "rows" / "Near-tick-0.csv"
         await game.until(path.exists)
@@ -127,24 +134,3 @@ async def test_rows_are_saved_and_copied(data_dir: Path) -> None:
         copied = data_dir / "copied.txt"
         await game.until(copied.exists)
         assert game.app.clipboard == copied.read_text() == path.read_text()
-
-
-async def test_rows_that_cannot_be_saved_say_why(data_dir: Path) -> None:
-    async with opened(data_dir, level="team_goal", text=TEXT) as game:
-        await inspected(game)
-        (data_dir / "rows").write_text("a file in the way")
-        await game.press("S")
-        await game.sees("can't be saved")
-
-
-async def test_one_key_stops_at_a_predicate(data_dir: Path) -> None:
-    async with opened(data_dir, text=TEXT) as game:
-        await game.ready()
-        game.inspector.inspect("Near")
-        await game.until(lambda: table(game).shown.rows)
-        await game.press("asterisk")
-        await game.settled()
-        (set_now,) = game.session.breakpoints
-        assert (set_now.event, set_now.subject, set_now.column) == ("change", "Near", "")
-        await game.press("space")
-        await game.until(lambda: not game.session.running and game.tick == 1)
