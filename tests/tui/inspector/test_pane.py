@@ -11,9 +11,10 @@ from textual.widgets import OptionList
 from logical_robots_tui.tui.inspector import pages, pane
 from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
+from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import PAPER, SLOW, opened
+from tests.tui.conftest import PAPER, SLOW, STILL, opened
 
 if TYPE_CHECKING:
     from tests.tui.conftest import Opened
@@ -60,90 +61,85 @@ async def test_pages_are_loaded_soon_after_the_start(
         assert game.inspector.query(PredicatePage)
 
 
-async def test_a_predicate_is_inspected_before_the_pages_are_loaded(
+async def test_the_inspector_follows_the_tick_the_program_and_a_run(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # A predicate is inspected before the pages are loaded.
     monkeypatch.setattr(pane, "_LOADING_DELAY", 3600.0)
-    async with opened(data_dir, text=MORE) as game:
+    text = f"{MORE}Idle(x) = x + 1;\nLate(x) :- Sensor(sensor:), sensor.clock > 0, x in [1, 2];\n"
+    async with opened(data_dir, text=text) as game:
         await game.ready()
         await inspect(game, "Ray")
         await game.sees("Ray · tick 0 · 31 rows")
 
+        # Inputs and predicates are listed with their kind, and with their number of rows.
+        await game.until(lambda: any(_is_counted(entry, "Late", "0 ") for entry in listed(game)))
+        entries = listed(game)
+        titles = [page.title for page in PAGES if page.is_listed]
+        assert entries[: len(titles)] == titles
+        assert entries[len(titles)].startswith("◂ Sensor")
+        assert entries[len(titles) + 1].startswith("◂ Memory")
+        assert any(entry.startswith("• Robot :4") for entry in entries)
+        assert "• FreedomMotion ƒ :1" in entries
+        assert not [entry for entry in entries if "WeightedAverage" in entry]
 
-async def test_the_robots_come_first(data_dir: Path) -> None:
-    async with opened(data_dir, level="team_goal") as game:
-        await game.ready()
-        assert game.inspector.inspected == "robots"
-        await game.sees("Robots · tick 0")
-        for words in ("radar, left to right", "● P", "● Q", "● R"):
-            await game.sees(words)
+        # Values are plain text in short form.
+        await inspect(game, "Odd")
+        await game.sees("Odd · tick 0 · 1 row")
+        await game.sees("[bold]x[/bold]")
+        assert game.shows("{a: 1, b: [1, 2]}")
+        assert game.shows("0.3 ")
+        assert "\x1b" not in game.screen()
+        await inspect(game, "Idle")
+        await game.sees("Idle · tick 0 · 0 calls of Solo")
+
+        # Rows follow step by step. Memory is empty in tick 1, and what the program made of it in
+        # tick 2.
+        await inspect(game, "Seen")
+        await game.sees("Seen · tick 0 · 1 row")
+        await game.sees('""')
         await game.press("n")
-        await game.sees("Robots · tick 1")
-
-
-async def test_each_predicate_has_its_number_of_rows_and_a_mark_if_they_changed(
-    data_dir: Path,
-) -> None:
-    text = MORE + "Late(x) :- Sensor(sensor:), sensor.clock > 0, x in [1, 2];"
-    async with opened(data_dir, text=text) as game:
-        await game.ready()
-        await game.until(lambda: any(_is_counted(each, "Late", "0 ") for each in listed(game)))
+        await game.until(lambda: any(_is_counted(entry, "Late", "2•") for entry in listed(game)))
+        assert any(_is_counted(entry, "Names", "1 ") for entry in listed(game))
         await game.press("n")
-        await game.until(lambda: any(_is_counted(each, "Late", "2•") for each in listed(game)))
-        assert any(_is_counted(each, "Names", "1 ") for each in listed(game))
+        table = game.main.query_one("#rows", ValueTable)
+        await game.until(lambda: game.tick == 2)
+        await game.until(lambda: table.shown.changed == {(0, 1)})
+        await game.sees("Seen · tick 2 · 1 row")
+        await game.sees("I am a robot")
+        await game.press("n")
+        await game.until(lambda: game.tick == 3 and not table.shown.changed)
+        await game.press("p", "p", "p")
+        await game.sees("Seen · tick 0 · 1 row")
+
+        await inspect(game, "Names")
+        await game.until(lambda: game.editor.selected_text == "Names")
+        await game.press("K")
+        await game.sees("SQLite's plan for Names")
+        await game.sees("Milliseconds")
+        await game.press("escape")
+        await game.sees_no("SQLite's plan for Names")
+
+        # It follows a run without holding it up.
+        await inspect(game, "Ray")
+        await game.press("space")
+        await game.until(lambda: game.tick > 8)
+        await game.sees("Ray · 31 rows")  # the tick is at the top, which is newer
+        await game.press("space")
+        await game.sees(f"Ray · tick {game.tick} · ")
+
+        # A predicate that is gone shows again when it is back.
+        await game.write(PAPER)
+        await game.sees("no predicate Ray")
+        await game.write(text)
+        await game.sees("31 rows")
 
 
 def _is_counted(entry: str, name: str, count: str) -> bool:
     return entry.startswith(f"• {name} ") and entry.endswith(f" {count}")
 
 
-async def test_values_that_changed_are_brought_out(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await inspect(game, "Seen")
-        await game.press("n", "n")
-        table = game.main.query_one("#rows", ValueTable)
-        # Memory is empty in tick 1, and what the program made of it in tick 2.
-        await game.until(lambda: game.tick == 2)
-        await game.until(lambda: table.shown.changed == {(0, 1)})
-        await game.press("n")
-        await game.until(lambda: game.tick == 3 and not table.shown.changed)
-
-
-async def test_the_definition_of_a_predicate_is_shown_in_the_program(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await inspect(game, "Names")
-        await game.until(lambda: game.editor.selected_text == "Names")
-
-
-async def test_inputs_and_predicates_are_listed_with_their_kind(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await game.until(lambda: any(each.startswith("• Robot :4") for each in listed(game)))
-        entries = listed(game)
-        titles = [page.title for page in PAGES if page.is_listed]
-        assert entries[: len(titles)] == titles
-        assert entries[len(titles)].startswith("◂ Sensor")
-        assert entries[len(titles) + 1].startswith("◂ Memory")
-        assert "• FreedomMotion ƒ :1" in entries
-        assert not [entry for entry in entries if "WeightedAverage" in entry]
-
-
-async def test_rows_follow_step_by_step(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await inspect(game, "Seen")
-        await game.sees("Seen · tick 0 · 1 row")
-        await game.sees('""')
-        await game.press("n", "n")
-        await game.sees("Seen · tick 2 · 1 row")
-        await game.sees("I am a robot")
-        await game.press("p", "p")
-        await game.sees("Seen · tick 0 · 1 row")
-
-
-async def test_a_function_shows_the_values_that_it_had_for_the_chosen_robot(data_dir: Path) -> None:
+async def test_what_is_shown_is_about_the_robot_that_is_chosen(data_dir: Path) -> None:
     text = """
 Half(x) = x / 2;
 Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, memory: 1) :-
@@ -151,8 +147,13 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
 """
     async with opened(data_dir, level="team_goal", text=text) as game:
         await game.ready()
+        assert game.inspector.inspected == "robots", "the robots come first"
+        await game.sees("Robots · tick 0")
+        for words in ("radar, left to right", "● P", "● Q", "● R"):
+            assert game.shows(words)
         await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await game.sees("Robots · tick 1")
+
         await inspect(game, "Half")
         await game.sees("Half · tick 1 · 2 calls of P")
         table = game.main.query_one("#rows", ValueTable)
@@ -167,16 +168,18 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
         await game.press("at")
         await game.sees("Choose a predicate")
 
-
-async def test_a_function_that_was_not_called_has_no_calls(data_dir: Path) -> None:
-    async with opened(data_dir, text=f"Idle(x) = x + 1;\n{MORE}") as game:
-        await game.ready()
-        await inspect(game, "Idle")
-        await game.sees("Idle · tick 0 · 0 calls of Solo")
+        game.inspector.inspect("robots")
+        await game.press("w")
+        await game.sees("Q: Robot")
+        game.inspector.choose("P")
+        await game.sees("P: Robot")
+        proof = game.main.query_one(WhyView)
+        assert any(line.node.values == ("P",) for line in proof.lines)
+        assert not any(line.node.values == ("Q",) for line in proof.lines)
 
 
 async def test_a_predicate_with_more_rows_than_are_shown_says_so(data_dir: Path) -> None:
-    async with opened(data_dir, text=f"Big(x) :- x in Range(1500);\n{MORE}") as game:
+    async with opened(data_dir, text=f"Big(x) :- x in Range(1500);\n{STILL}") as game:
         await game.ready()
         await inspect(game, "Big")
         await game.sees("Big · tick 0 · first 1,000 rows, there are more")
@@ -189,19 +192,10 @@ async def test_a_predicate_with_more_rows_than_are_shown_says_so(data_dir: Path)
         await game.sees("side by side")
 
 
-async def test_values_are_plain_text_in_short_form(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await inspect(game, "Odd")
-        await game.sees("Odd · tick 0 · 1 row")
-        await game.sees("[bold]x[/bold]")
-        await game.sees("{a: 1, b: [1, 2]}")
-        await game.sees("0.3 ")
-        assert "\x1b" not in game.screen()
-
-
-async def test_the_value_under_the_cursor_is_shown_in_full(data_dir: Path) -> None:
-    async with opened(data_dir, size=(80, 24)) as game:
+async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, text=MORE, size=(80, 24)) as game:
         await game.ready()
         await game.press("3")
         await inspect(game, "Sensor")
@@ -210,12 +204,7 @@ async def test_the_value_under_the_cursor_is_shown_in_full(data_dir: Path) -> No
         await game.sees("sensor = {")
         await game.sees("forward_distance:")
         await game.sees('forward_object: "none"')
-
-
-async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await game.press("3")
+        game.inspector.enter()
         await inspect(game, "Ray")
         await game.sees("31 rows")
         await game.press("enter", "down", "down", "right")
@@ -232,43 +221,17 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await game.until(lambda: table.pointed and table.pointed[0] == "i")
 
 
-async def test_the_inspector_follows_a_run_without_holding_it_up(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await inspect(game, "Ray")
-        await game.press("space")
-        await game.until(lambda: game.tick > 20)
-        await game.sees("Ray · 31 rows")  # the tick is at the top, which is newer
-        await game.press("space")
-        await game.sees(f"Ray · tick {game.tick} · ")
-
-
 async def test_a_slow_predicate_does_not_hold_up_the_game(data_dir: Path) -> None:
-    text = PAPER + SLOW.split("Robot(")[0]
-    async with opened(data_dir, text=text) as game:
+    async with opened(data_dir, text=PAPER + SLOW.split("Robot(")[0]) as game:
         await game.ready()
         await inspect(game, "Many")
         await game.press("space")
-        await game.until(lambda: game.tick > 10)
+        await game.until(lambda: game.tick > 3)
         await inspect(game, "Sensor")
         await game.sees("Sensor · 1 row")
 
 
-async def test_a_predicate_that_is_gone_says_so_and_shows_again_when_it_is_back(
-    data_dir: Path,
-) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await inspect(game, "Ray")
-        await game.sees("31 rows")
-        await game.write(PAPER)
-        await game.sees("no predicate Ray")
-        await game.write(MORE)
-        await game.sees("31 rows")
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[int, int]) -> None:
     nobody = 'Robot(robot_name: "Solo", desire: {left_engine: 0.1, right_engine: null});\n'
     async with opened(data_dir, text=nobody, size=size) as game:
@@ -281,7 +244,7 @@ async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[in
 
 async def test_a_row_that_names_no_robot_says_in_whose_mind_it_holds(data_dir: Path) -> None:
     own = '@Visible(Sensor, "own");\n@Visible(Memory, "own");\n'
-    text = own + PAPER + "\nClock(t) :- Sensor(sensor:), t = sensor.clock;\n"
+    text = f"{own}{STILL}Clock(t) :- Sensor(sensor:), t = sensor.clock;\n"
     async with opened(data_dir, level="team_goal", text=text) as game:
         await game.ready()
         await inspect(game, "Clock")
@@ -289,19 +252,8 @@ async def test_a_row_that_names_no_robot_says_in_whose_mind_it_holds(data_dir: P
         await game.until(lambda: all(game.shows(name) for name in "PQR"))
 
 
-async def test_the_sql_the_plan_and_the_cost_of_predicates_are_told(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE) as game:
-        await game.ready()
-        await inspect(game, "Names")
-        await game.press("K")
-        await game.sees("SQLite's plan for Names")
-        await game.sees("Milliseconds")
-        await game.press("escape")
-        await game.until(lambda: not game.shows("SQLite's plan for Names"))
-
-
 async def test_a_decision_is_told_on_one_page(data_dir: Path) -> None:
-    async with opened(data_dir, text=MORE, size=(120, 60)) as game:
+    async with opened(data_dir, size=(120, 60)) as game:
         await game.ready()
         game.inspector.inspect("decision")
         view = game.main.query_one("#decision", LinesView)
