@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.player.recovery import Place, place_of
@@ -13,7 +14,15 @@ from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened
 from tests.tui.program.test_teams import match
 
+if TYPE_CHECKING:
+    from tests.tui.conftest import Opened
+
 OLD = Path(__file__).parents[2] / "old/place.json"
+
+
+async def run_until(game: Opened, tick: int) -> None:
+    game.session.run_until(tick)
+    await game.until(lambda: game.tick == tick and not game.session.busy)
 
 
 async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
@@ -21,12 +30,10 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
 ) -> None:
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
-        await game.press("n", "n", "n")
-        await game.until(lambda: game.tick == 3)
+        await run_until(game, 3)
         await game.write(STILL)
         await game.until(lambda: game.session.state.applied == STILL)
-        await game.press("n", "n")
-        await game.until(lambda: game.tick == 5)
+        await run_until(game, 5)
         there = game.session.frame
         game.session.pace.speed = 160.0
         game.app.save_unsaved()
@@ -62,19 +69,17 @@ async def test_a_run_cut_off_in_another_level_is_offered_when_that_level_is_open
         level = game.session.level
         game.app.save_unsaved()
 
-    for _ in range(2):  # whoever does not open it is not asked, and may be asked later
+    for is_opened in (False, True, True):
         async with opened(data_dir, text=AHEAD) as game:
             await game.ready()
             await game.until(
                 lambda: bool(Drafts(data_dir / "drafts").folder.glob("*-adopted.json"))
             )
             assert not isinstance(game.app.screen, Question)
-    for _ in range(2):  # nor is the place gone for whoever leaves without an answer
-        async with opened(data_dir, text=AHEAD) as game:
-            await game.ready()
-            await game.app.main.player.library.open_level(level)
-            await game.sees("Cut off")
-            await game.sees("Yes, continue")
+            if is_opened:  # it may have been left without being opened, or without an answer
+                await game.app.main.player.library.open_level(level)
+                await game.sees("Cut off")
+                await game.sees("Yes, continue")
 
 
 async def test_there_is_no_going_back_to_the_start_or_through_a_level_changed_by_hand(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
@@ -36,15 +37,25 @@ async def search(game: Opened, question: str) -> None:
     await game.press("enter")
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_the_ticks_in_which_a_question_holds_are_gone_through(
-    data_dir: Path, short: Path, size: tuple[int, int]
+    data_dir: Path, short: Path, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with playing(data_dir, short, size=size) as game:
         await run_to(game, 12)
-        await game.press("left_parenthesis")
-        await search(game, AT)
+        # The first repetition asks for the question.
+        await game.press("left_parenthesis", "semicolon")
+        await game.until(lambda: isinstance(game.app.screen, QuestionPrompt))
+        await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.tick == 0
+
+        # A wrong one says what is wrong and can be mended.
+        await search(game, "Sensor(sensr:)")
+        await game.sees("Sensor has no column sensr.")
+        game.app.screen.query_one(Input).value = AT
+        await game.sees_no("Sensor has no column sensr.")
+        await game.press("enter")
         await game.until(lambda: game.tick == 3)
         await game.press("semicolon")
         await game.until(lambda: game.tick == 9)
@@ -56,48 +67,15 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
         await game.sees("No other tick before 4")
         assert game.tick == 4
 
-
-async def test_the_first_repetition_asks_for_the_question(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
-        await run_to(game, 12)
-        await game.press("left_parenthesis", "semicolon")
-        await game.until(lambda: isinstance(game.app.screen, QuestionPrompt))
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
-        assert game.tick == 0
-
-
-async def test_a_wrong_question_says_what_is_wrong_and_can_be_mended(
-    data_dir: Path, short: Path
-) -> None:
-    async with playing(data_dir, short) as game:
-        await run_to(game, 12)
-        await game.press("left_parenthesis")
-        await search(game, "Sensor(sensr:)")
-        await game.sees("Sensor has no column sensr.")
-        game.app.screen.query_one(Input).value = AT
-        await game.until(lambda: not game.shows("Sensor has no column sensr."))
-        await game.press("enter")
-        await game.until(lambda: game.tick == 3)
-
-
-async def test_a_question_that_fails_says_so(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
-        await run_to(game, 12)
+        # One that fails says so.
         await game.press("left_parenthesis")
         await search(game, 'x in ["a"], x.field == 2')
-        said = "It failed in some: Tick 0: This failed:"
+        failure = "It failed in some: Tick 0: This failed:"
         # The toast wraps its text; the message does not.
-        await game.until(lambda: any(said in each.message for each in game.app._notifications))
+        await game.until(lambda: any(failure in toast.message for toast in game.app._notifications))
         assert game.tick == 0
 
-
-async def test_a_search_that_the_player_left_changes_nothing(
-    data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with playing(data_dir, short) as game:
-        await run_to(game, 12)
-        await game.press("left_parenthesis")
+        # A search that the player left changes nothing.
         ask, hold = Mind.ask, Hold()
 
         def slow(mind: Mind, *arguments: object, **options: object) -> object:
@@ -115,14 +93,7 @@ async def test_a_search_that_the_player_left_changes_nothing(
         await game.sees_no("No tick after")
 
 
-async def test_nothing_is_searched_before_there_is_a_program(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
-        await game.press("Q")
-        await game.until(lambda: isinstance(game.app.screen, QuestionPrompt))
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_a_breakpoint_can_be_any_question(
     data_dir: Path, short: Path, size: tuple[int, int]
 ) -> None:
@@ -148,8 +119,17 @@ async def test_a_breakpoint_can_be_any_question(
         await game.press("space")
         await game.until(lambda: game.tick == 9 and not game.session.busy)
 
+        # The list says why a question can't be asked.
+        game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Sensor(sensr:), 1 < 2"))
+        await game.press("n")
+        await game.until(lambda: game.tick == 10)
+        await game.press("B")
+        await game.until(lambda: isinstance(game.app.screen, BreakpointList))
+        await game.sees("! This can't be asked: Sensor has no column sensr.")
+        assert game.app.screen.query_one(OptionList).option_count == 2
 
-async def test_of_a_search_and_the_inspector_the_later_one_is_stopped_at(
+
+async def test_what_was_asked_or_searched_last_is_stopped_at_and_pinned(
     data_dir: Path, short: Path
 ) -> None:
     async with playing(data_dir, short) as game:
@@ -167,7 +147,7 @@ async def test_of_a_search_and_the_inspector_the_later_one_is_stopped_at(
             await game.until(lambda: [*game.session.breakpoints] == [Breakpoint("rows", question)])
             game.session.breakpoints.remove(Breakpoint("rows", question))
 
-        await run_to(game, 6)
+        await run_to(game, 12)
         await ask("sensor.clock > 1")
         await game.press("left_parenthesis")
         await search(game, AT)
@@ -179,22 +159,21 @@ async def test_of_a_search_and_the_inspector_the_later_one_is_stopped_at(
         await game.sees("No other tick before 3")
         await stops_at(AT)
 
-
-async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
-        await game.press("slash")
-        await game.until(lambda: isinstance(game.main.focused, QueryLine))
-        game.main.query_one(QueryLine).value = AT
-        await game.press("enter")
-        await game.sees("Ask · tick 0 · 0 rows")
-        await game.press("escape", "asterisk", "at")
+        await ask(AT)
+        await game.sees("Ask · tick 3 · 1 row")
+        await game.press("asterisk", "at")
         await game.sees("Pinned: ")
         assert list(game.session.breakpoints) == [Breakpoint("rows", AT)]
-        assert game.main.query_one(WatchView).pins == (Pin(AT),)
-        await game.press("escape")
-        await run_to_hits(game)
-        await game.press("V")
         view = game.main.query_one(WatchView)
+        assert view.pins == (Pin(AT),)
+        await game.press("escape", "left_parenthesis")
+        for tick in (3, 9):
+            await game.press("space")
+            await game.until(
+                partial(lambda tick: game.tick == tick and not game.session.busy, tick)
+            )
+        game.session.breakpoints.remove(Breakpoint("rows", AT))
+        await game.press("right_parenthesis", "V")
         await game.until(lambda: view.has_focus and AT[:20] in view.plain)
         # A line of ticks: empty, but for the third, the fourth and the ninth.
         await game.until(lambda: "  ▁▁▁██▁▁▁▁█▁▁▁" in view.plain)
@@ -203,24 +182,3 @@ async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short:
         await game.press("enter")
         await game.until(lambda: game.main.query_one(QueryLine).value == AT)
         await game.sees("Ask · tick 10")
-
-
-async def run_to_hits(game: Opened) -> None:
-    await game.press("space")
-    await game.until(lambda: game.tick == 3 and not game.session.busy)
-    await game.press("space")
-    await game.until(lambda: game.tick == 9 and not game.session.busy)
-    game.session.breakpoints.remove(Breakpoint("rows", AT))
-    await game.press("n", "n", "n")
-    await game.until(lambda: game.tick == 12)
-
-
-async def test_the_list_says_why_a_question_can_t_be_asked(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
-        game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Sensor(sensr:), 1 < 2"))
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
-        await game.press("B")
-        await game.until(lambda: isinstance(game.app.screen, BreakpointList))
-        await game.sees("! This can't be asked: Sensor has no column sensr.")
-        assert game.app.screen.query_one(OptionList).option_count == 1

@@ -38,22 +38,21 @@ async def played(replay: Replay, data_dir: Path) -> AsyncIterator[Opened]:
 
 
 async def saved(game: Opened) -> Replay:
-    await game.press("ctrl+p")
-    await game.sees("Find a command")
-    await game.press(*"savearep")
-    await game.sees("Save a replay")
-    await game.press("enter")
+    game.main.action_command("save_replay")
     folder = game.data_dir / "replays"
-    await game.until(lambda: game.shows("bytes)."))
+    await game.sees("bytes).")
     (path,) = folder.iterdir()
     return load_replay(path)
 
 
-async def test_what_the_timeline_holds_is_saved_and_opened_elsewhere(
+async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
     data_dir: Path, short: Path, tmp_path: Path
 ) -> None:
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
+        await game.main.replays.save()
+        await game.sees("Run the robots first")
+        assert not (data_dir / "replays").exists()
         await game.press("n", "n", "n")
         await game.until(lambda: game.tick == 3)
         game.session.put("Pip", (30.0, 12.0, 0.5))
@@ -65,6 +64,17 @@ async def test_what_the_timeline_holds_is_saved_and_opened_elsewhere(
         there = [game.session.game.frame_at(tick) for tick in range(6)]
         await game.press("p")
         replay = await saved(game)
+
+        await game.write(AHEAD)
+        await game.until(lambda: game.session.state.applied == AHEAD)
+        await game.press("escape", "r")
+        game.main.action_command("open_replay")
+        await game.until(lambda: isinstance(game.app.screen, Chooser))
+        await game.sees("5 ticks")
+        await game.press("enter")
+        await game.sees("Replay of 5 ticks")
+        await game.until(lambda: game.tick == replay.last and not game.session.busy)
+        assert game.session.state.applied == STILL
     async with played(replay, tmp_path / "elsewhere") as game:
         await game.until(lambda: game.tick == 5 and not game.session.busy)
         await game.sees("Replay of 5 ticks")
@@ -90,14 +100,6 @@ async def test_a_victory_in_a_replay_is_nobody_s(
         await game.sees_no("Again")
 
 
-async def test_before_the_first_tick_there_is_nothing_to_save(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        await game.main.replays.save()
-        await game.sees("Run the robots first")
-        assert not (data_dir / "replays").exists()
-
-
 def test_a_shipped_level_and_program_are_recognised(tmp_path: Path) -> None:
     path = tmp_path / "a.replay"
     ticks = ["--ticks", "5", "-o", str(path)]
@@ -116,24 +118,3 @@ def test_a_program_of_any_name_is_one_of_the_player_s_folder(tmp_path: Path, nam
     assert source.path.parent == tmp_path
     assert not source.shipped
     assert len(source.path.name) < 60
-
-
-async def test_a_saved_replay_is_opened_in_the_game(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        game.session.run_until(5)
-        await game.until(lambda: game.tick == 5 and not game.session.busy)
-        replay = await saved(game)
-        await game.write(STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
-        await game.press("escape", "r", "ctrl+p")
-        await game.sees("Find a command")
-        await game.press(*"openareplay")
-        await game.sees("Open a replay")
-        await game.press("enter")
-        await game.until(lambda: isinstance(game.app.screen, Chooser))
-        await game.sees("5 ticks")
-        await game.press("enter")
-        await game.sees("Replay of 5 ticks")
-        await game.until(lambda: game.tick == replay.last and not game.session.busy)
-        assert game.session.state.applied == AHEAD
