@@ -20,60 +20,70 @@ def test_a_change_before_the_first_look_is_noticed_once(tmp_path: Path) -> None:
     source = source_of(PAPER, tmp_path)
     source.path.write_text(STILL)
     watch = FileWatch(lambda: source, lambda _: None)
-    found = watch.newer(source)
-    assert found is not None
-    assert found.text == STILL
+    newer = watch.newer(source)
+    assert newer is not None
+    assert newer.text == STILL
     assert watch.newer(source) is None
-    assert watch.newer(found) is None
+    assert watch.newer(newer) is None
     source.path.unlink()
-    assert watch.newer(found) is None
+    assert watch.newer(newer) is None
 
 
-async def test_the_disk_is_not_waited_for(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    hold = Hold()
+async def test_a_file_that_changes_on_disk_is_applied_unless_something_else_was_typed(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        path = game.session.source.path
+        path.write_text(STILL)
+        await game.until(lambda: game.editor.text == STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+        await game.press("2", "ctrl+home", "x")
+        await game.until(lambda: game.editor.text == "x" + STILL)
+        path.write_text("x" + STILL)  # it counts as saved
+        await game.until(lambda: game.session.source.text == "x" + STILL)
+        await game.handled()
+        await game.sees_no("has changed on disk")
+        await game.press("y")
+        await game.until(lambda: game.editor.text == "xy" + STILL)
+        path.write_text(PAPER)
+        await game.sees("has changed on disk")
+        assert game.editor.text == "xy" + STILL
+
+
+async def test_the_disk_is_not_waited_for_and_what_comes_late_changes_nothing(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    holds, looked = {STILL: Hold(), f"{STILL}\n": Hold()}, threading.Event()
+    other = source_of(PAPER, data_dir / "programs", "other")
 
     def slowly(path: Path) -> Source:
-        if path.read_text() == STILL:
-            hold.here()
-        return load_program(path)
+        source = load_program(path)
+        if path == other.path:
+            looked.set()
+        elif source.text in holds:
+            holds[source.text].here()
+        return source
 
     monkeypatch.setattr("logical_robots_tui.tui.program.controller.load_program", slowly)
     async with opened(data_dir) as game:
         await game.ready()
-        game.session.source.path.write_text(STILL)
+        path = game.session.source.path
+        path.write_text(STILL)
         try:
-            await game.until(lambda: hold.has_begun)
+            await game.until(lambda: holds[STILL].has_begun)
             await game.press("n")
             await game.until(lambda: game.tick == 1)
             assert game.editor.text == PAPER
         finally:
-            hold.release()
+            holds[STILL].release()
         await game.until(lambda: game.editor.text == STILL)
-
-
-async def test_a_program_that_was_left_meanwhile_does_not_come_back(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    hold, looked = Hold(), threading.Event()
-    other = source_of(STILL, data_dir / "programs", "other")
-
-    def slowly(path: Path) -> Source:
-        found = load_program(path)
-        if path == other.path:
-            looked.set()
-        elif found.text != PAPER:
-            hold.here()
-        return found
-
-    monkeypatch.setattr("logical_robots_tui.tui.program.controller.load_program", slowly)
-    async with opened(data_dir) as game:
-        await game.ready()
-        game.session.source.path.write_text(f"{PAPER}\n")
+        path.write_text(f"{STILL}\n")
         try:
-            await game.until(lambda: hold.has_begun)
+            await game.until(lambda: holds[f"{STILL}\n"].has_begun)
             game.main.library.open_program(other)
         finally:
-            hold.release()
+            holds[f"{STILL}\n"].release()
         await game.until(looked.is_set)
-        assert game.editor.text == STILL
+        assert game.editor.text == PAPER
         assert game.session.source.path == other.path

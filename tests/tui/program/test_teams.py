@@ -60,9 +60,16 @@ async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path)
         assert game.editor.text == RED
         await game.press("n", "n")
         await game.settled()
+        (_, start, _, robot) = game.main.program.teams.places[1]
+        assert robot == "Bo"
+        await game.click(game.main.program.teams, offset=(start, 0))
+        await game.until(lambda: game.editor.text == BLUE)
+        assert game.main.labyrinth.view.selected == "Bo"
+        assert game.main.session.source.name == "bluely"
+        game.main.select("Ada")
+        assert game.editor.text == RED
         game.main.select("Bo")
         assert game.editor.text == BLUE
-        assert game.main.session.source.name == "bluely"
         game.main.inspector.open("decision")
         await game.sees("Decision of Bo · tick 2")
         await game.until(
@@ -77,31 +84,8 @@ async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path)
         await game.sees("Backward(x)")
 
 
-async def test_a_click_on_a_tab_shows_that_team(data_dir: Path) -> None:
-    async with match(data_dir) as game:
-        await game.sees(" blue ")
-        (_, start, _, robot) = game.main.program.teams.places[1]
-        assert robot == "Bo"
-        await game.click(game.main.program.teams, offset=(start, 0))
-        await game.until(lambda: game.editor.text == BLUE)
-        assert game.main.labyrinth.view.selected == "Bo"
-
-
-async def test_a_change_reaches_one_team_only(data_dir: Path) -> None:
-    async with match(data_dir) as game:
-        game.main.select("Bo")
-        await game.write(BLUE.replace("-1", "0"))
-        await game.until(lambda: game.main.session.state.phase == "applied")
-        program = game.main.session.program
-        assert program is not None
-        assert program.texts == {"red": RED, "blue": BLUE.replace("-1", "0")}
-        await game.press("escape", "n")
-        await game.until(lambda: game.tick == 1)
-        ada, bo, _ = game.session.frame.after.robots
-        assert (ada.x, bo.x) == (41, 40)
-
-
-async def test_unsaved_text_of_each_team_is_kept(data_dir: Path) -> None:
+async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Path) -> None:
+    changed = BLUE.replace("-1", "0")
     async with match(data_dir) as game:
         game.editor.put(RED + "# mine\n")
         game.main.select("Bo")
@@ -116,10 +100,38 @@ async def test_unsaved_text_of_each_team_is_kept(data_dir: Path) -> None:
         game.main.select("Ada")
         await game.press("f4")
         await game.until(lambda: game.main.session.state.phase == "applied")
+        game.main.select("Bo")
+        await game.write(changed)
+        await game.until(lambda: game.main.session.state.phase == "applied")
+        program = game.main.session.program
+        assert program is not None
+        assert program.texts == {"red": RED + "# mine\n", "blue": changed}
+        assert await game.main.recorder.newest(game.main.session.level) == RED + "# mine\n"
+        await game.press("escape", "n")
+        await game.until(lambda: game.tick == 1)
+        ada, bo, _ = game.session.frame.after.robots
+        assert (ada.x, bo.x) == (41, 40)
+        blue, _ = game.main.session.sources.of("blue")
+        draft = Draft("program", blue.name, blue.draft, BLUE + "# unsaved\n")
+        game.main.select("Ada")
+        game.main.library._continue_with(draft)
+        assert game.main.session.sources.team == "blue"
+        assert game.editor.text == BLUE + "# unsaved\n"
+        game.main.select("Ada")
+        assert game.editor.text == RED + "# mine\n"
+        assert game.main.session.source.name == "redly"
 
 
-async def test_the_other_teams_can_be_hidden(data_dir: Path) -> None:
-    async with match(data_dir) as game:
+async def test_in_a_small_terminal_the_tabs_fit_and_the_others_can_be_hidden(
+    data_dir: Path,
+) -> None:
+    async with match(data_dir, size=(80, 24)) as game:
+        await game.press("2")
+        await game.sees(" red   blue ")
+        game.main.action_command("next_team")
+        await game.sees("Backward(x) :- x == -1;")
+        await game.sees("blue: bluely")
+        game.main.action_command("next_team")
         game.main.action_command("hide_teams")
         await game.sees("What the other teams think is hidden.")
         game.main.select("Bo")
@@ -130,29 +142,6 @@ async def test_the_other_teams_can_be_hidden(data_dir: Path) -> None:
         game.main.action_command("next_team")
         assert game.editor.text == BLUE
         assert game.main.inspector.robot == "Bo"
-
-
-async def test_the_tabs_fit_a_small_terminal(data_dir: Path) -> None:
-    async with match(data_dir, size=(80, 24)) as game:
-        await game.press("2")
-        await game.sees(" red   blue ")
-        game.main.action_command("next_team")
-        await game.sees("Backward(x) :- x == -1;")
-
-
-async def test_the_points_are_counted_until_the_match_is_over(data_dir: Path) -> None:
-    score = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
-    async with match(data_dir, text="match = {ticks = 3}\n" + MATCH + score) as game:
-        await game.press("space")
-        await game.sees("MATCH OVER")
-        assert game.tick == 3
-        await game.sees("The match is over: red ")
-        await game.sees("red 8.3, blue 7.1.")
-        await game.press("n")
-        await game.until(lambda: game.tick == 4)
-        await game.sees("PAUSED")
-        await game.press("p")
-        await game.sees("MATCH OVER")
 
 
 async def test_teams_with_one_file_have_texts_of_their_own(data_dir: Path) -> None:
@@ -169,29 +158,16 @@ async def test_teams_with_one_file_have_texts_of_their_own(data_dir: Path) -> No
         assert kept["m=red"] == RED + "# mine\n"
 
 
-async def test_an_unsaved_text_goes_back_to_its_team(data_dir: Path) -> None:
-    async with match(data_dir) as game:
-        blue, _ = game.main.session.sources.of("blue")
-        draft = Draft("program", blue.name, blue.draft, BLUE + "# unsaved\n")
-        game.main.library._continue_with(draft)
-        assert game.main.session.sources.team == "blue"
-        assert game.editor.text == BLUE + "# unsaved\n"
-        game.main.select("Ada")
-        assert game.editor.text == RED
-        assert game.main.session.source.name == "redly"
-
-
-async def test_only_the_first_team_s_program_is_kept_as_the_player_s(data_dir: Path) -> None:
-    async with match(data_dir) as game:
-        game.main.select("Bo")
-        await game.write(BLUE + "# changed\n")
-        await game.until(lambda: game.main.session.state.phase == "applied")
-        recorder = game.main.recorder
-        assert await recorder.newest(game.main.session.level) == RED
-
-
-async def test_the_title_names_the_team(data_dir: Path) -> None:
-    async with match(data_dir, size=(80, 24)) as game:
-        game.main.action_command("next_team")
-        await game.press("2")
-        await game.sees("blue: bluely")
+async def test_the_points_are_counted_until_the_match_is_over(data_dir: Path) -> None:
+    score = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
+    async with match(data_dir, text="match = {ticks = 3}\n" + MATCH + score) as game:
+        await game.press("space")
+        await game.sees("MATCH OVER")
+        assert game.tick == 3
+        await game.sees("The match is over: red ")
+        await game.sees("red 8.3, blue 7.1.")
+        await game.press("n")
+        await game.until(lambda: game.tick == 4)
+        await game.sees("PAUSED")
+        await game.press("p")
+        await game.sees("MATCH OVER")

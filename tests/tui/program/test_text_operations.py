@@ -1,4 +1,4 @@
-"""Lines of a program: their indentation, where they are after a change, and what they tell."""
+"""The text of a program: indentation, lines found again, what they tell, looking and renaming."""
 
 from __future__ import annotations
 
@@ -10,7 +10,12 @@ from rich.style import Style
 from textual.strip import Strip
 
 from logical_robots_tui.mind import Diagnostic
-from logical_robots_tui.tui.program.editor import indentation_after, shift_lines
+from logical_robots_tui.tui.program.editor import (
+    find_after,
+    indentation_after,
+    rename,
+    shift_lines,
+)
 from logical_robots_tui.tui.program.mistakes import follow_rows, mark_of, sign
 from tests.mind.hostile.bounds import bounded_work
 
@@ -101,3 +106,28 @@ def test_what_is_wrong_in_a_line_is_underlined(
     mark = mark_of(Diagnostic(1, column, "wrong", excerpt=excerpt), line)
     assert line[mark.start : mark.stop] == marked
     assert mark.is_wrong
+
+
+def test_a_predicate_is_renamed_where_it_is_used_and_nowhere_else() -> None:
+    text = 'A(x) :- B(x), x == "A";\n# A\nAB(x) :- ~A(x); /* A\nA */ C := A(B: A);\n'
+    assert rename(text, "A", "New") == (
+        'New(x) :- B(x), x == "A";\n# A\nAB(x) :- ~New(x); /* A\nA */ C := New(B: New);\n',
+        4,
+    )
+
+
+@pytest.mark.parametrize(
+    ("wanted", "place", "found"),
+    [
+        ("b", (0, 0), (0, 2)),
+        ("b", (0, 2), (1, 0)),
+        ("b", (1, 0), (0, 2)),
+        ("B", (0, 0), (1, 0)),
+        ("", (0, 0), None),
+        ("z", (0, 0), None),
+    ],
+)
+def test_what_is_looked_for_is_found_again_from_the_top(
+    wanted: str, place: tuple[int, int], found: tuple[int, int] | None
+) -> None:
+    assert find_after("a b c\nB", wanted, place) == found

@@ -1,0 +1,105 @@
+"""The program pane alone on a screen, for what concerns neither robots nor other panes."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from textual import events
+
+from logical_robots_tui.tui.program.pane import ProgramPane
+from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
+from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
+from tests.tui.conftest import CHARACTERS
+from tests.virtual_time import later, until, virtual_loop
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from textual.app import ComposeResult
+    from textual.pilot import Pilot
+
+    from logical_robots_tui.tui.program.completion import Completion
+    from logical_robots_tui.tui.program.editor import Editor
+    from tests.tui.conftest import Opened
+
+
+class PaneApp(CrashSafeApp):
+    """Nothing but the pane, in the colours of the game."""
+
+    ENABLE_COMMAND_PALETTE = False
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.pane = ProgramPane()
+
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        return colours_in(NIGHT)
+
+    def on_load(self) -> None:
+        self.register_theme(NIGHT)
+        self.theme = NIGHT.name
+
+    def compose(self) -> ComposeResult:
+        yield self.pane
+
+    def on_mount(self) -> None:
+        self.pane.enter()
+
+
+@dataclass(frozen=True)
+class Desk:
+    """The pane, and somebody who writes in it."""
+
+    app: PaneApp
+    pilot: Pilot[None]
+
+    @property
+    def editor(self) -> Editor:
+        return self.app.pane.editor
+
+    @property
+    def completion(self) -> Completion:
+        return self.editor.completion
+
+    async def load(self, text: str, row: int = 0, column: int = 0) -> None:
+        """Begin with another text, without an undo history."""
+        self.editor.load_text(text)
+        self.editor.move_cursor((row, column))
+        await virtual_loop().settled()
+
+    async def press(self, *keys: str) -> None:
+        """Press keys one after the other, so slowly that nobody takes them for a paste."""
+        for key in keys:
+            await later(0.1)
+            await self.at_once(key)
+
+    async def at_once(self, *keys: str) -> None:
+        """Press keys without a pause between them."""
+        for key in keys:
+            character = CHARACTERS.get(key, key if len(key) == 1 else None)
+            self.app.post_message(events.Key(key, character))
+        await virtual_loop().handled()
+
+    async def until(self, condition: Callable[[], object]) -> None:
+        await until(condition, lambda: f"the text is\n{self.editor.text}")
+
+    def screen(self) -> str:
+        lines = self.app.screen._compositor.render_strips()
+        return "\n".join("".join(segment.text for segment in line) for line in lines)
+
+
+@asynccontextmanager
+async def writing(text: str = "", size: tuple[int, int] = (80, 24)) -> AsyncIterator[Desk]:
+    """Open the pane with a text and the cursor at its start."""
+    app = PaneApp()
+    async with app.run_test(size=size) as pilot:
+        desk = Desk(app, pilot)
+        await desk.load(text)
+        yield desk
+
+
+def title(game: Opened) -> str:
+    """What the title of the program pane says of the program."""
+    return game.main.program.label
