@@ -2,31 +2,37 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import signal
 import sqlite3
 import subprocess
 import sys
+from collections import deque
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.lab import running
+from logical_robots_tui.lab.running import Answer
 from logical_robots_tui.paths import shipped_folder
 from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from logical_robots_tui.lab.running import Answer, Task
+    from logical_robots_tui.lab.running import Task
 
 __all__ = [
     "Background",
+    "InlineEngine",
     "deadly",
     "endless",
     "exported",
+    "lane",
     "program_text",
     "recorded",
+    "rows",
     "start",
     "write_experiment",
 ]
@@ -53,6 +59,35 @@ ticks = {ticks}
 constant = "Near"
 values = {values}
 """
+
+
+LANE = """
+title = "{title}"
+starter = "first-steps-starter"
+cell = 20
+walls = '''
+############
+#..........#
+#..........#
+#..........#
+############
+'''
+[[robots]]
+name = "Ada"
+x = 30
+y = 50
+[[areas]]
+name = "Goal"
+x = 90
+y = 50
+radius = 20
+goal_for = ["Ada"]
+"""
+
+
+def lane(title: str) -> str:
+    """A level that the program of the experiment wins within 100 ticks."""
+    return LANE.format(title=title)
 
 
 def program_text(name: str) -> str:
@@ -88,6 +123,38 @@ def recorded(folder: Path) -> int:
     except sqlite3.Error:
         return 0
     return int(count)
+
+
+def rows(file: Path) -> list[dict[str, str]]:
+    """The rows of a table."""
+    with file.open(encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+class InlineEngine:
+    """An engine that executes a task in this process when its answer is waited for.
+
+    A task that would end its worker gets the answer that a dead worker's task gets.
+    """
+
+    def __init__(self, slots: int) -> None:
+        self.slots = slots
+        self._tasks: deque[tuple[object, Task]] = deque()
+
+    @property
+    def free(self) -> int:
+        return self.slots - len(self._tasks)
+
+    def submit(self, key: object, task: Task) -> None:
+        self._tasks.append((key, task))
+
+    def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
+        key, task = self._tasks.popleft()
+        died = Answer(failure="its worker process died")
+        yield key, died if is_deadly(task) else running.execute(task)
+
+    def close(self, *, at_once: bool = False) -> None:
+        """Nothing to end."""
 
 
 class Background:
@@ -146,8 +213,14 @@ def endless(task: Task) -> Answer:
     return running.execute(task)
 
 
+def is_deadly(task: Task) -> bool:
+    """Whether a program of a task says that one of its starts ends the worker."""
+    text = "".join(task.programs.values())
+    return any(f"# deadly from {start};" in text for start in task.starts)
+
+
 def deadly(task: Task) -> Answer:
     """Execute a task, but end the worker at a start of which the program says so."""
-    if any(f"# deadly from {start};" in "".join(task.programs.values()) for start in task.starts):
+    if is_deadly(task):
         os._exit(9)
     return running.execute(task)

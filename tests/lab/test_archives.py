@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 MB = 1_000_000
 
+many = settings(max_examples=settings().max_examples * 6, deadline=None)
+
 
 def unpacked(content: bytes, room: Room | None = None) -> dict[str, str]:
     """The problems of what is in an archive, by path; "" if it can be read."""
@@ -109,7 +111,7 @@ SEEDS = [
 ]
 
 
-@settings(max_examples=300, deadline=None)
+@many
 @given(
     st.sampled_from(SEEDS),
     st.lists(st.tuples(st.integers(0, 20_000), st.integers(0, 255)), max_size=12),
@@ -128,14 +130,14 @@ def test_damage_ends_in_files_or_problems(
         assert len(file.content) <= MB
 
 
-@settings(max_examples=200, deadline=None)
+@many
 @given(st.binary(max_size=2_000), st.sampled_from([b"", b"PK", b"\x1f\x8b", b"BZh", b"\xfd7zXZ\0"]))
 def test_noise_is_not_an_archive(noise: bytes, magic: bytes) -> None:
     found = [*unpack(File(("a",), magic + noise), Room(), lambda _name: MB)]
     assert all(file.problem or not file.content for file in found)
 
 
-@settings(max_examples=200, deadline=None)
+@many
 @given(st.dictionaries(st.text(min_size=1, max_size=30), st.binary(max_size=50), max_size=8))
 def test_any_name_stays_inside(files: dict[str, bytes]) -> None:
     out = io.BytesIO()

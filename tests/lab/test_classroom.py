@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import re
 from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.classroom import ALIKE, likeness
 from logical_robots_tui.lab.folder import Folder
-from tests.cli.running import Command
-from tests.lab.laboratory import FIRST_STEPS, program_text
+from tests.lab.laboratory import FIRST_STEPS, lane, program_text, rows
 from tests.lab.test_running import SENSOR, STILL
+from tests.short import AHEAD
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.cli.running import Command
 
 ASSIGNMENT = """
 [assignment]
 title = "Week 1"
 starts = 1
+ticks = 150
 roster = "roster.csv"
 [[level]]
-name = "01-first-steps"
+name = "01-first-steps.toml"
 [[level]]
-name = "02-open-space"
+name = "02-open-space.toml"
 [limits]
 steps = 1_000_000
 run_steps = 3_000_000
@@ -63,43 +66,38 @@ TWO = STILL.format("0", '""', SENSOR) + STILL.format("1", '""', SENSOR)
 
 
 @pytest.fixture(scope="module")
-def grades(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A graded class with each kind of fault, and a program that was handed in three times."""
     folder = tmp_path_factory.mktemp("class")
-    (folder / "a.toml").write_text(ASSIGNMENT)
-    rows = [f"{mine},{name},{name.split()[0].lower()}" for mine, name in ROSTER.items()]
-    (folder / "roster.csv").write_text("id,name,submission\n" + "\n".join(rows))
+    lines = [f"{mine},{name},{name.split()[0].lower()}" for mine, name in ROSTER.items()]
     files = {
-        "ada/01-first-steps": FIRST_STEPS,
-        "ada/02-open-space": program_text("open-space"),
-        "ben/01-first-steps": RENAMED,
-        "ben/02-open-space": program_text("references/open-space-shortest"),
-        "cem/01-first-steps": "Robot(robot_name:, desire: 1, memory: 2) :- Snesor(robot_name:);",
-        "dot/01-first-steps": f"# {'again ' * 9}\n{FIRST_STEPS}",
-        "eve/01-first-steps": TWO,
-        "fay/01-first-steps": SLOW,
-        "gus/01-first-steps": STILL.format("0", '""', SENSOR),
-        "hal/01-first-steps": program_text("first-steps-starter"),
+        "a.toml": ASSIGNMENT,
+        "roster.csv": "id,name,submission\n" + "\n".join(lines),
+        "01-first-steps.toml": lane("First steps"),
+        "02-open-space.toml": lane("Open space"),
+        "all/ada/01-first-steps.l": FIRST_STEPS,
+        "all/ada/02-open-space.l": FIRST_STEPS,
+        "all/ben/01-first-steps.l": RENAMED,
+        "all/ben/02-open-space.l": AHEAD.replace("0.5", "0.9"),
+        "all/cem/01-first-steps.l": "Robot(robot_name:, desire: 1) :- Snesor(robot_name:);",
+        "all/dot/01-first-steps.l": f"# {'again ' * 9}\n{FIRST_STEPS}",
+        "all/eve/01-first-steps.l": TWO,
+        "all/fay/01-first-steps.l": SLOW,
+        "all/gus/01-first-steps.l": STILL.format("0", '""', SENSOR),
+        "all/hal/01-first-steps.l": program_text("first-steps-starter"),
     }
     for name, text in files.items():
-        file = folder / f"all/{name}.l"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text)
-    return folder
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    out = folder / "grades"
+    assert main(["grade", f"{folder}/a.toml", f"{folder}/all", "-o", str(out)]) == 0
+    return out
 
 
-@pytest.fixture
-def graded(grades: Path, capsys: pytest.CaptureFixture[str]) -> tuple[Command, Path]:
-    command, out = Command(capsys), grades / "grades"
-    told = command("grade", grades / "a.toml", grades / "all", "-o", out, "--workers", 1)
-    assert told.status == 0, told.err
-    return command, out
-
-
-def test_what_went_wrong_is_told_by_kind_with_names(graded: tuple[Command, Path]) -> None:
-    command, out = graded
-    told = command("lab", "report", out).out
-    _, _, faults = told.partition("Common problems\n")
+def test_what_went_wrong_is_told_by_kind_with_names_and_short_commands(
+    out: Path, command: Command
+) -> None:
+    _, _, faults = command("lab", "report", out).out.partition("Common problems\n")
     assert max(map(len, faults.splitlines())) <= max(80, len(str(out)) + 30)
     faults = " ".join(faults.split())
     assert "does not compile: 01-first-steps: Cem <b>Demir</b> (2019): Snesor" in faults
@@ -107,11 +105,6 @@ def test_what_went_wrong_is_told_by_kind_with_names(graded: tuple[Command, Path]
     assert "errors while running: 01-first-steps: Eve Hacker (2021): Robot has 2 rows" in faults
     assert "did not win: 01-first-steps: Gus Still (2023)" in faults
     assert "02-open-space: Cem <b>Demir</b> (2019), Dot Ary (2020)," in faults
-
-
-def test_the_report_names_people_levels_and_short_commands(graded: tuple[Command, Path]) -> None:
-    command, out = graded
-    assert command("lab", "report", out).status == 0
     page = (out / "report.html").read_text("utf-8")
     assert "<h3>Does not compile</h3>" in page
     assert "Cem &lt;b&gt;Demir&lt;/b&gt; (2019)" in page
@@ -120,21 +113,14 @@ def test_the_report_names_people_levels_and_short_commands(graded: tuple[Command
     assert not re.search("[0-9a-f]{64}", page)
 
 
-def test_renamed_and_reordered_programs_are_found(graded: tuple[Command, Path]) -> None:
-    command, out = graded
+def test_renamed_and_reordered_programs_are_found(out: Path, command: Command) -> None:
     assert command("lab", "export", out).status == 0
-    with (out / "similar.csv").open(newline="") as lines:
-        (found,) = csv.DictReader(lines)
-    assert (found["level"], found["one"], found["other"]) == (
-        "01-first-steps",
-        "2017, 2020",
-        "2018",
-    )
-    assert (found["one_name"], found["other_name"]) == ("Ada Lovelace, Dot Ary", "Ben Ary")
-    assert 0.9 < float(found["score"]) <= 1
+    (pair,) = rows(out / "similar.csv")
+    assert (pair["level"], pair["one"], pair["other"]) == ("01-first-steps", "2017, 2020", "2018")
+    assert (pair["one_name"], pair["other_name"]) == ("Ada Lovelace, Dot Ary", "Ben Ary")
+    assert 0.9 < float(pair["score"]) <= 1
     command("lab", "report", out)
-    page = (out / "report.html").read_text("utf-8")
-    _, _, both = page.partition("<details>")
+    _, _, both = (out / "report.html").read_text("utf-8").partition("<details>")
     assert "Drive(distance) = (" in both
     assert "/* all mine */ Move(d) = (" in both
 
@@ -159,9 +145,8 @@ def test_programs_of_different_authors_are_not_alike() -> None:
 
 
 def test_a_program_is_played_by_name_and_number(
-    graded: tuple[Command, Path], monkeypatch: pytest.MonkeyPatch
+    out: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    command, out = graded
     for words in (("2017", "02"), ("ada", "2"), ("lovelace", "open-space", "--start", 1)):
         monkeypatch.setattr("sys.stdin", io.StringIO("quit\n"))
         told = command("lab", "play", out, *words, "--plain")
@@ -169,8 +154,7 @@ def test_a_program_is_played_by_name_and_number(
         assert told.out.startswith("Open space"), told.out
 
 
-def test_what_cannot_be_played_is_said(graded: tuple[Command, Path]) -> None:
-    command, out = graded
+def test_what_cannot_be_played_is_said(out: Path, command: Command) -> None:
     before = sorted(Folder(out).path.iterdir())
     for words, said in {
         ("Ary", "1"): "Several students match. Name one by the id: Ben Ary (2018), Dot",

@@ -19,7 +19,6 @@ from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.engines import ClusterEngine
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.sweeping import plan_sweep
-from tests.cli.running import Command
 from tests.lab.laboratory import Background, deadly, exported, recorded, start, write_experiment
 from tests.waiting import PATIENCE, until
 
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.lab.coordinating import Tally
+    from tests.cli.running import Command
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own, at every turn
 
@@ -87,7 +87,7 @@ def sweep(machines: Cluster, file: Path, out: Path) -> Background:
 
 @pytest.mark.slow
 def test_a_cluster_gives_the_same_files_whatever_is_killed(
-    tmp_path: Path, machines: Cluster, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, machines: Cluster, command: Command
 ) -> None:
     file = write_experiment(tmp_path, values=range(20, 44), starts=1, ticks=200)
     here, there = tmp_path / "here", tmp_path / "there"
@@ -105,7 +105,7 @@ def test_a_cluster_gives_the_same_files_whatever_is_killed(
     assert "the Dask scheduler is lost" in said
     assert "connected to a Dask scheduler again" in said
     assert "Traceback" not in said
-    assert Command(capsys)("sweep", file, "-o", here, "--workers", 1).status == 0
+    assert command("sweep", file, "-o", here).status == 0
     assert exported(there) == exported(here)
 
 
@@ -160,20 +160,20 @@ def test_workers_of_another_version_are_refused(
 
 
 def test_a_scheduler_that_is_not_there_gets_a_sentence(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "_CONNECT_SECONDS", 1.0)
     file = write_experiment(tmp_path)
-    told = Command(capsys)("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
+    told = command("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
     assert told.status == 2
     assert "The Dask scheduler can't be reached" in told.err
 
 
 def test_without_the_extra_a_cluster_says_what_is_missing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     file = write_experiment(tmp_path)
-    told = Command(capsys)("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
+    told = command("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
     assert told.status == 2
     assert "pip install 'logical-robots-tui[dask]'" in told.err

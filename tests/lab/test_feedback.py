@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 import re
@@ -19,12 +18,13 @@ from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.toml_files import TomlFileError
-from tests.cli.running import Command
-from tests.lab.laboratory import FIRST_STEPS
+from tests.lab.laboratory import FIRST_STEPS, rows
 from tests.lab.test_running import SENSOR, STILL
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.cli.running import Command
 
 ASSIGNMENT = """
 [assignment]
@@ -58,13 +58,12 @@ def assignment(tmp_path: Path) -> tuple[Path, Path]:
 
 
 def test_late_by_some_time_with_extensions_and_points_by_hand(
-    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+    assignment: tuple[Path, Path], command: Command
 ) -> None:
-    command, out = Command(capsys), assignment[1].parent / "out"
+    out = assignment[1].parent / "out"
     for _ in range(2):  # what was added by hand survives that
-        assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
-        with (out / "gradebook.csv").open(newline="") as lines:
-            ada, ben, cem = csv.DictReader(lines)
+        assert command("grade", *assignment, "-o", out).status == 0
+        ada, ben, cem = rows(out / "gradebook.csv")
         assert (ada["points"], ada["late"], ada["by_hand"]) == ("6.0", "true", "1.0")
         assert (ben["points"], ben["late"], cem["points"]) == ("10.0", "false", "0.0")
     feedback = (out / "feedback/ada.md").read_text()
@@ -77,14 +76,14 @@ def test_late_by_some_time_with_extensions_and_points_by_hand(
 
 
 def test_what_was_not_won_is_asked_about_and_drawn(
-    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+    assignment: tuple[Path, Path], command: Command
 ) -> None:
-    command, out = Command(capsys), assignment[1].parent / "out"
+    out = assignment[1].parent / "out"
     text = "Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 0;\n"
     driving = "{left_engine: 1, right_engine: 1}"
     text += f'Robot(robot_name:, desire: {driving}, memory: "") :- Sensor(robot_name:), ~Near();'
     (assignment[1] / "cem.l").write_text(text.replace("~Near()", "~Near(robot_name:)"))
-    assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
+    assert command("grade", *assignment, "-o", out).status == 0
     lost = (out / "feedback/cem.md").read_text()
     assert "\\`" not in lost
     assert "- Line 1: The rule of Near in line 1 never had a row: " in lost
@@ -105,7 +104,7 @@ def test_what_was_not_won_is_asked_about_and_drawn(
     ]
     text = ASSIGNMENT.replace("starts = 0", 'starts = 0\nshow = ["size"]')
     assignment[0].write_text(text)
-    assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
+    assert command("grade", *assignment, "-o", out).status == 0
     assert "blocked" not in (out / "feedback/cem.json").read_text()
     assert "<svg" not in (out / "feedback/cem.html").read_text()
 
@@ -129,12 +128,12 @@ def test_there_is_a_question_about_each_kind_of_finding() -> None:
 
 
 def test_each_part_of_the_points_is_told_with_its_number_and_the_reference(
-    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+    assignment: tuple[Path, Path], command: Command
 ) -> None:
-    command, out = Command(capsys), assignment[1].parent / "out"
+    out = assignment[1].parent / "out"
     text = ASSIGNMENT.replace("by_hand", "#") + "[points]\nwon = 5\nticks = 3\nsize = 2\n"
     assignment[0].write_text(text.replace("keep = 0.5", ""))
-    assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
+    assert command("grade", *assignment, "-o", out).status == 0
     won, lost = ((out / f"feedback/{name}.md").read_text() for name in ("ben", "cem"))
     first = reference_table()["01-first-steps"]["first-steps"]
     size = size_of(FIRST_STEPS)
@@ -148,9 +147,9 @@ def test_each_part_of_the_points_is_told_with_its_number_and_the_reference(
 
 
 def test_how_a_run_ended_is_said_in_sentences(
-    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+    assignment: tuple[Path, Path], command: Command
 ) -> None:
-    command, (file, folder) = Command(capsys), assignment
+    file, folder = assignment
     file.with_name("my-level.toml").write_bytes(
         (shipped_folder("levels") / "01-first-steps.toml").read_bytes()
     )
@@ -164,7 +163,7 @@ def test_how_a_run_ended_is_said_in_sentences(
     for name in ("1.l", "2.l"):
         (folder / "cem").mkdir(exist_ok=True)
         (folder / "cem" / name).write_text(FIRST_STEPS)
-    assert command("grade", file, folder, "-o", file.with_name("out"), "--workers", 1).status == 0
+    assert command("grade", file, folder, "-o", file.with_name("out")).status == 0
     ada, ben, cem = (
         (file.with_name("out") / f"feedback/{name}.md").read_text()
         for name in ("ada", "ben", "cem")
@@ -179,10 +178,10 @@ def test_how_a_run_ended_is_said_in_sentences(
 
 
 def test_one_student_can_be_looked_at_before_all_are_run(
-    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+    assignment: tuple[Path, Path], command: Command
 ) -> None:
-    command, out = Command(capsys), assignment[1].parent / "out"
-    run = ("grade", *assignment, "-o", out, "--workers", 1)
+    out = assignment[1].parent / "out"
+    run = ("grade", *assignment, "-o", out)
     told = command(*run, "--student", "Cem")
     assert told.status == 0
     assert "# a\n\nCem: 0 of 10 points" in told.out

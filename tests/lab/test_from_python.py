@@ -14,17 +14,12 @@ from logical_robots_tui import lab
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab import Results, coordinating, grade, sweep, tournament
 from logical_robots_tui.toml_files import TomlFileError
-from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS, exported, recorded, write_experiment
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.coordinating import Coordinator, Engine
-
-
-@pytest.fixture
-def command(capsys: pytest.CaptureFixture[str]) -> Command:
-    return Command(capsys)
+    from tests.cli.running import Command
 
 
 def experiment(**changes: Any) -> dict[str, Any]:
@@ -36,13 +31,26 @@ def experiment(**changes: Any) -> dict[str, Any]:
     }
 
 
-def test_a_file_gives_the_same_folder_as_the_command(tmp_path: Path, command: Command) -> None:
+def test_a_file_gives_the_same_folder_as_the_command_and_workers(
+    tmp_path: Path, command: Command
+) -> None:
     file = write_experiment(tmp_path)
-    assert command("sweep", file, "-o", tmp_path / "theirs", "--workers", 2).status == 0
+    assert command("sweep", file, "-o", tmp_path / "theirs").status == 0
     results = sweep(file, tmp_path / "mine", workers=1, progress=False)
     assert exported(tmp_path / "mine") == exported(tmp_path / "theirs")
     assert (results.done, results.due, results.failed, results.complete) == (4, 0, 0, True)
     assert repr(results).endswith("mine: 4 runs>")
+    # A script needs no guard against its workers.
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from logical_robots_tui.lab import sweep\n"
+        "print(sweep('experiment.toml', 'out', workers=1).done, 'runs')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert done.stdout == "4 runs\n", done.stderr
+    assert exported(tmp_path / "out") == exported(tmp_path / "mine")
 
 
 def test_a_mapping_may_have_paths_ranges_and_arrays(tmp_path: Path) -> None:
@@ -116,19 +124,6 @@ def test_progress_is_said_on_standard_error(
     *earlier, last = capsys.readouterr().err.splitlines(keepends=True)
     assert "4 of 4 runs" in last
     assert {line[-1] for line in earlier} == {"\r"}
-
-
-def test_a_script_needs_no_guard_against_its_workers(tmp_path: Path) -> None:
-    write_experiment(tmp_path)
-    script = tmp_path / "script.py"
-    script.write_text(
-        "from logical_robots_tui.lab import sweep\n"
-        "print(sweep('experiment.toml', 'out', workers=2).done, 'runs')\n"
-    )
-    done = subprocess.run(
-        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
-    )
-    assert done.stdout == "4 runs\n", done.stderr
 
 
 def test_a_class_is_graded_to_a_gradebook(tmp_path: Path) -> None:

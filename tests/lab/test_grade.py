@@ -2,38 +2,37 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import msgspec
 import pytest
 
-from logical_robots_tui.lab.coordinating import Coordinator
-from logical_robots_tui.lab.engines import LocalEngine
+from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.exporting import Table, csv_of
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.grading import grades_of
-from logical_robots_tui.lab.submissions import plan_grading
-from tests.cli.running import Command
-from tests.lab.laboratory import program_text
+from tests.lab.laboratory import FIRST_STEPS, lane, rows
+from tests.lab.test_running import SENSOR, STILL
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from tests.cli.running import Command
 
 ASSIGNMENT = """
 [assignment]
 title = "Week <1>"
 starts = 2
+ticks = 150
 roster = "roster.csv"
 show = ["won", "starts"]
 [[level]]
-name = "01-first-steps"
+name = "01-first-steps.toml"
 points = 10
 [[level]]
-name = "02-open-space"
+name = "02-open-space.toml"
 points = 5
 [points]
 won = 3
@@ -42,7 +41,7 @@ starts = 1
 students = "late.csv"
 keep = 0.5
 [limits]
-steps = 1_000_000
+steps = 100_000
 """
 
 ENDLESS = """
@@ -56,53 +55,34 @@ HOSTILE = b'=cmd|"\xff\x1b[31m\n<b>'
 
 
 @pytest.fixture(scope="module")
-def grades(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A graded class."""
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The exported grades of a class."""
     folder = tmp_path_factory.mktemp("class")
-    (folder / "assignment.toml").write_text(ASSIGNMENT)
-    (folder / "roster.csv").write_text(
-        'id,name,submission\n1,Ada,ada\n2,"=Ben()",ben\n3,Cem,cem\n4,Dot,dot\n'
-    )
-    (folder / "late.csv").write_text("id\n2\n")
-    right = program_text("references/first-steps-fastest")
     files = {
-        b"ada/01-first-steps.l": right,
-        b"ada/open-space.l": program_text("references/open-space-fastest"),
-        b"ben/01-first-steps.l": "# mine!\n\n" + right.replace("  ", "    "),
+        b"../assignment.toml": ASSIGNMENT,
+        b"../01-first-steps.toml": lane("First steps"),
+        b"../02-open-space.toml": lane("Open space"),
+        b"../roster.csv": 'id,name,submission\n1,Ada,ada\n2,"=Ben()",ben\n3,Cem,cem\n4,Dot,dot\n',
+        b"../late.csv": "id\n2\n",
+        b"ada/01-first-steps.l": FIRST_STEPS,
+        b"ada/open-space.l": FIRST_STEPS.replace("40", "41"),
+        b"ben/01-first-steps.l": "# mine!\n\n" + FIRST_STEPS.replace("  ", "    "),
         b"cem/01-first-steps.l": MISTAKE,
         b"eve.l": ENDLESS,
         HOSTILE + b"/01-first-steps.l": "\n\n# mine\n" + MISTAKE,
         HOSTILE + b"/readme.txt": "not a program",
-        b"yan/first-steps.txt": right,
-        b"zoe/01-first-steps.l": "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, "
-        'memory: "") :- Sensor(robot_name:);',
+        b"yan/first-steps.txt": FIRST_STEPS,
+        b"zoe/01-first-steps.l": STILL.format("0", '""', SENSOR),
     }
     for name, text in files.items():
         path = folder / "submissions" / os.fsdecode(name)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, "utf-8")
     (folder / "submissions/zoe/02-open-space.l").symlink_to("/etc/passwd")
-    manifest, inputs = plan_grading(folder / "assignment.toml", folder / "submissions")
-    out = Folder(folder / "out")
-    engine = LocalEngine(1)
-    with out.locked(), out.ledger() as ledger:
-        manifest = out.write(manifest, inputs)
-        coordinator = Coordinator(out, manifest, ledger)
-        coordinator.work(engine, lambda: False, lambda: None)
-        assert coordinator.tally().is_complete
-    engine.close()
-    return out.path
-
-
-@pytest.fixture
-def exported(grades: Path, capsys: pytest.CaptureFixture[str]) -> Path:
-    assert Command(capsys)("lab", "export", grades).status == 0
-    return grades
-
-
-def rows(file: Path) -> list[dict[str, str]]:
-    with file.open(encoding="utf-8", newline="") as lines:
-        return list(csv.DictReader(lines))
+    places = (f"{folder}/{name}" for name in ("assignment.toml", "submissions", "out"))
+    assignment, submissions, out = places
+    assert main(["grade", assignment, submissions, "-o", out]) == 0
+    return Path(out)
 
 
 def test_the_gradebook_has_the_points_of_everybody(exported: Path) -> None:
@@ -130,18 +110,8 @@ def test_no_cell_is_a_formula_and_no_control_character_passes(exported: Path) ->
         assert "\x1b" not in file.read_text("utf-8")
     cells = ["=1+1", " @x", "+a", "-a", "\t=x", "a\x1b[0m\nb", -3, 2.5, None, True]
     written = csv_of(Table(("x",), [(cell,) for cell in cells])).splitlines()[1:]
-    assert written == [
-        "'=1+1",
-        "' @x",
-        "'+a",
-        "'-a",
-        "'  =x".replace("  ", " "),
-        "a\N{REPLACEMENT CHARACTER}[0m b",
-        "-3",
-        "2.5",
-        '""',
-        "true",
-    ]
+    replaced = "a\N{REPLACEMENT CHARACTER}[0m b"
+    assert written == ["'=1+1", "' @x", "'+a", "'-a", "' =x", replaced, "-3", "2.5", '""', "true"]
 
 
 def test_the_same_program_runs_once_and_mistakes_have_their_own_lines(exported: Path) -> None:
@@ -173,7 +143,7 @@ def test_students_read_what_they_may_see(exported: Path) -> None:
     ben = (exported / "feedback/2.md").read_text("utf-8")
     assert "5 of 15 points (late; 50% counts)" in ben
     eve = (exported / "feedback/eve.md").read_text("utf-8")
-    assert "thinking took more than 1,000,000 steps" in eve
+    assert "thinking took more than 100,000 steps" in eve
 
 
 def test_other_programs_read_the_grades(exported: Path) -> None:
@@ -190,8 +160,8 @@ def test_other_programs_read_the_grades(exported: Path) -> None:
     )
 
 
-def test_a_run_that_could_not_be_done_is_not_graded_as_a_failure(grades: Path) -> None:
-    folder = Folder(grades)
+def test_a_run_that_could_not_be_done_is_not_graded_as_a_failure(exported: Path) -> None:
+    folder = Folder(exported)
     manifest = folder.manifest()
     more = msgspec.structs.replace(manifest, starts=3)  # a start that has not been run
     with folder.ledger() as ledger:
@@ -200,8 +170,8 @@ def test_a_run_that_could_not_be_done_is_not_graded_as_a_failure(grades: Path) -
     assert ada.ungraded == 2
 
 
-def test_who_was_not_matched_in_an_old_folder_stays_ungraded(grades: Path) -> None:
-    folder = Folder(grades)
+def test_who_was_not_matched_in_an_old_folder_stays_ungraded(exported: Path) -> None:
+    folder = Folder(exported)
     manifest = folder.manifest()
     remarks = ("nothing that was submitted was found to be theirs",)
     students = [
@@ -213,13 +183,11 @@ def test_who_was_not_matched_in_an_old_folder_stays_ungraded(grades: Path) -> No
     assert {each.student.id for each in found if each.points is None} == {"4"}
 
 
-def test_the_report_is_one_page_without_scripts_and_links(
-    grades: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    told = Command(capsys)("lab", "report", grades)
+def test_the_report_is_one_page_without_scripts_and_links(exported: Path, command: Command) -> None:
+    told = command("lab", "report", exported)
     assert told.status == 0
     assert "Students who win from the given start" in told.out
-    page = (grades / "report.html").read_text("utf-8")
+    page = (exported / "report.html").read_text("utf-8")
     assert "<svg" in page
     assert "Week &lt;1&gt;" in page
     for outside in ("<script", "href=", "src=", "@import", "url("):
@@ -227,9 +195,9 @@ def test_the_report_is_one_page_without_scripts_and_links(
 
 
 def test_without_the_extra_a_report_says_what_is_missing(
-    grades: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    exported: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("logical_robots_tui.lab.exporting.has_extra", lambda _module: False)
-    told = Command(capsys)("lab", "report", grades)
+    told = command("lab", "report", exported)
     assert told.status == 2
     assert "pip install 'logical-robots-tui[lab]'" in told.err

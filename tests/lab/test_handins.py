@@ -13,7 +13,6 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.handins import entries_of, stems_of
 from logical_robots_tui.lab.submissions import account_of, plan_grading
 from logical_robots_tui.toml_files import TomlFileError
-from tests.cli.running import Command
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,6 +22,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.handins import Submission
 
     Files = Mapping[str, str | bytes]
+
+    from tests.cli.running import Command
 
 FIRST, SECOND = "01-first-steps", "02-open-space"
 STEMS = stems_of([FIRST, SECOND])
@@ -218,10 +219,7 @@ def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     assert [each.submission for each in manifest.students] == ["", "", "ada_22", "x_11"]
 
 
-def test_before_it_runs_it_says_who_was_matched(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    command = Command(capsys)
+def test_before_it_runs_it_says_who_was_matched(tmp_path: Path, command: Command) -> None:
     right = "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}) :- Sensor(robot_name:);"
     files: Files = {
         "1001.zip": zipped({"first-steps.l": right}),
@@ -237,7 +235,7 @@ def test_before_it_runs_it_says_who_was_matched(
     )
     assert remarks == ["Zoë Müller (1002): there is no program (*.l) in it, only first-steps.txt"]
     paths = tmp_path / "a.toml", tmp_path / "submissions"
-    told = command("grade", *paths, "-o", tmp_path / "out", "--workers", 1)
+    told = command("grade", *paths, "-o", tmp_path / "out")
     assert told.out.startswith(account)
     why = "Ungraded:\n  Cem Aydin (1003): no submission could be matched to this student\n"
     assert why in told.out

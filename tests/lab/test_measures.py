@@ -7,7 +7,7 @@ from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.lab import Results, sweep
@@ -88,7 +88,6 @@ def test_what_is_sampled_is_sampled_together_and_crossed_with_the_rest() -> None
     st.text("abc é€#'", max_size=9),
     st.booleans(),
 )
-@settings(max_examples=20, deadline=None)
 def test_a_mapping_means_what_a_file_would(
     tmp_path_factory: pytest.TempPathFactory,
     values: list[float],
@@ -108,15 +107,9 @@ def test_a_mapping_means_what_a_file_would(
 
 
 def test_a_range_includes_its_end() -> None:
-    assert [each["Near"] for each in varied({"constant": "Near", "range": [0, 0.3, 0.1]})] == [
-        *(0.0, 0.1, 0.2, 0.3)
-    ]
-    assert [each["Near"] for each in varied({"constant": "Near", "range": [1, 4]})] == [
-        1,
-        2,
-        3,
-        4,
-    ]
+    for bounds, values in (([0, 0.3, 0.1], [0.0, 0.1, 0.2, 0.3]), ([1, 4], [1, 2, 3, 4])):
+        settings = varied({"constant": "Near", "range": bounds})
+        assert [setting["Near"] for setting in settings] == values
 
 
 def test_the_number_of_robots_can_be_varied() -> None:

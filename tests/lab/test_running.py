@@ -12,19 +12,20 @@ from logical_robots_tui.lab.running import Asked, Result, Task, _reason, execute
 from logical_robots_tui.mind import Program, Stopped
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level
-from tests.lab.laboratory import FIRST_STEPS, program_text
+from logical_robots_tui.world.levels.load import read_level
+from tests.lab.laboratory import FIRST_STEPS, lane, program_text
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.running import Answer
 
-LEVEL = "01-first-steps"
 STILL = "Robot(robot_name:, desire: {{left_engine: {}, right_engine: 0}}, memory: {}) :- {};"
 SENSOR = "Sensor(robot_name:, sensor:)"
 
 
 def task(program: str, **changes: Any) -> Task:
-    level = (shipped_folder("levels") / f"{LEVEL}.toml").read_text("utf-8")
-    plain = Task(level, {"": program}, 300, (0,), (), 100_000_000, 60.0, False, fingerprint())
+    plain = Task(
+        lane("A lane"), {"": program}, 300, (0,), (), 100_000_000, 60.0, False, fingerprint()
+    )
     return msgspec.structs.replace(plain, **changes)
 
 
@@ -34,10 +35,10 @@ def only(answer: Answer) -> Result:
 
 
 def test_a_run_is_the_game_played_through() -> None:
-    answer = execute(task(FIRST_STEPS, ticks=2000, starts=(0, 2)))
-    program = Program.compile(FIRST_STEPS)
+    answer = execute(task(FIRST_STEPS, starts=(0, 2)))
+    level, program = read_level(lane("A lane"), "level"), Program.compile(FIRST_STEPS)
     for start, text, _ in answer.results:
-        played = play_through(start_of(load_level(LEVEL), start), program, 2000)
+        played = play_through(start_of(level, start), program, 300)
         result = msgspec.json.decode(text, type=Result)
         assert (result.outcome, result.ticks) == ("won", played.won_at)
         assert result.distance == played.distance
@@ -70,13 +71,14 @@ def test_a_program_that_reads_the_clock_is_run_to_the_end(program: str) -> None:
 
 def test_stopping_early_says_nothing_else_than_the_whole_run() -> None:
     text = program_text("open-space-starter")
-    early = only(execute(task(text, ticks=900)))
+    level = (shipped_folder("levels") / "01-first-steps.toml").read_text("utf-8")
+    early = only(execute(task(text, ticks=900, level=level)))
     assert early.outcome == "nothing changes"
-    played = play_through(load_level(LEVEL), Program.compile(text), 900)
+    played = play_through(load_level("01-first-steps"), Program.compile(text), 900)
     assert played.won_at is None
     # From there on the world is what it was.
     at_end, later = (
-        play_through(load_level(LEVEL), Program.compile(text), ticks)
+        play_through(load_level("01-first-steps"), Program.compile(text), ticks)
         for ticks in (early.ticks, 900)
     )
     assert later.distance == at_end.distance
@@ -131,7 +133,7 @@ def test_the_last_tick_is_asked_once() -> None:
     asked = (Asked("often", "1", 10),)
     result = only(execute(task(STILL.format("0", '""', SENSOR), asked=asked, ticks=20)))
     assert result.series["often"].numbers == ((1, 1), (10, 1), (20, 1))
-    result = only(execute(task(FIRST_STEPS, asked=asked, ticks=2000)))
+    result = only(execute(task(FIRST_STEPS, asked=asked)))
     assert result.series["often"].numbers[-1] == (result.ticks, 1)
 
 
@@ -143,8 +145,8 @@ def test_a_run_stops_when_its_question_holds() -> None:
     assert result.outcome == "stopped"
     assert [number for _, number in result.series["last"].numbers] == [50]
     assert [tick for tick, _ in result.series["last"].numbers] == [result.ticks]
-    won = only(execute(task(FIRST_STEPS, ticks=2000, until="1 == 2")))
-    assert won == only(execute(task(FIRST_STEPS, ticks=2000)))
+    won = only(execute(task(FIRST_STEPS, until="1 == 2")))
+    assert won == only(execute(task(FIRST_STEPS)))
 
 
 def test_varied_starts_are_for_programs_that_win_if_the_task_says_so() -> None:
@@ -175,5 +177,5 @@ def test_a_run_that_is_explained_is_the_same_run_and_always_explained_alike() ->
     assert 100 < len(paths["Ada"]) <= 201
     end = plain.ends[0]
     assert paths["Ada"][-1] == (round(end.x), round(end.y))
-    won = only(execute(task(FIRST_STEPS, ticks=2000, is_explained=True)))
+    won = only(execute(task(FIRST_STEPS, is_explained=True)))
     assert (won.outcome, won.paths, won.findings) == ("won", {}, ())

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import csv
+import io
 import multiprocessing
 import os
 import re
+import shutil
 import signal
 import sqlite3
 from contextlib import closing
@@ -21,28 +22,68 @@ from logical_robots_tui.lab.exporting import done_runs, export_runs
 from logical_robots_tui.lab.folder import Entry, Folder
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.cli.running import Command, in_terminal
-from tests.lab.laboratory import deadly, exported, recorded, start, write_experiment
+from tests.lab.laboratory import (
+    InlineEngine,
+    deadly,
+    exported,
+    recorded,
+    rows,
+    start,
+    write_experiment,
+)
+from tests.lab.test_running import task
 from tests.short import AHEAD, LEVEL
 from tests.waiting import until
 
 if TYPE_CHECKING:
+    from logical_robots_tui.lab.coordinating import Engine, Tally
     from logical_robots_tui.lab.running import Answer
+
+SHORT = f"Near() = 40;\n{AHEAD}"
+
+
+def work(engine: Engine, folder: Folder, file: Path, show: object = None) -> Tally:
+    """The tally after a coordinator's work with an engine, which is closed."""
+    with folder.locked(), folder.ledger() as ledger:
+        coordinator = Coordinator(folder, folder.write(*plan_sweep(file)), ledger)
+        coordinator.work(engine, lambda: False, show if callable(show) else lambda: None)
+        engine.close()
+        return coordinator.tally()
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of an experiment with its results, to be copied by those who change it."""
+    path = tmp_path_factory.mktemp("swept")
+    folder = Folder(path / "out")
+    assert work(InlineEngine(1), folder, write_experiment(path)).is_complete
+    with folder.ledger() as ledger:
+        export_runs(folder, folder.manifest(), ledger)
+    return path
 
 
 @pytest.fixture
-def command(capsys: pytest.CaptureFixture[str]) -> Command:
-    return Command(capsys)
+def copied(swept: Path, tmp_path: Path) -> Path:
+    """The results of an experiment for one test alone."""
+    shutil.copytree(swept, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "out"
 
 
-def test_a_coordinator_killed_at_any_moment_loses_nothing(tmp_path: Path, command: Command) -> None:
+@pytest.mark.parametrize(
+    "kills", [pytest.param((2, 1), marks=pytest.mark.slow), (2,)], ids=["often", "once"]
+)
+def test_a_coordinator_killed_at_any_moment_loses_nothing(
+    tmp_path: Path, command: Command, kills: tuple[int, ...]
+) -> None:
     # Many small cells, so that there is a moment between any two results.
-    file = write_experiment(tmp_path, values=range(20, 44), starts=1, ticks=60)
+    file = write_experiment(tmp_path, values=[40], starts=1, ticks=60)
+    file.write_text(file.read_text() + '[[vary]]\nlevel = "robots.*.heading"\nrange = [1, 24]\n')
     once, often = tmp_path / "once", tmp_path / "often"
-    assert command("sweep", file, "-o", once, "--workers", 1).status == 0
+    assert command("sweep", file, "-o", once).status == 0
     assert recorded(once) == 48
     arguments: tuple[object, ...] = ("sweep", file, "-o", often)
     counts = []
-    for workers in (2, 1):
+    for workers in kills:
         before = recorded(often)
         running = start(*arguments, "--workers", workers)
         until(lambda before=before: recorded(often) > before)  # type: ignore[misc] # bound at once
@@ -54,20 +95,33 @@ def test_a_coordinator_killed_at_any_moment_loses_nothing(tmp_path: Path, comman
     told = command("lab", "status", often)
     assert told.status == 1
     assert f"{48 - counts[-1]} runs are left" in told.out
-    assert command("lab", "resume", often, "--workers", 2).status == 0
+    assert command("lab", "resume", often).status == 0
     assert exported(often) == exported(once)
     assert len(exported(once)["runs.csv"].splitlines()) == 49
 
 
-def test_what_was_computed_is_not_computed_again(tmp_path: Path, command: Command) -> None:
-    out = tmp_path / "out"
-    assert command("sweep", write_experiment(tmp_path), "-o", out, "--workers", 1).status == 0
-    ledger = (out / "ledger.db").read_bytes()
-    assert command("sweep", write_experiment(tmp_path), "-o", out, "--workers", 1).status == 0
-    assert (out / "ledger.db").read_bytes() == ledger
-    more = write_experiment(tmp_path, values=(20, 40, 60))
-    assert command("sweep", more, "-o", out, "--workers", 1).status == 0
-    assert recorded(out) == 6
+def test_what_was_computed_is_not_computed_again(copied: Path, command: Command) -> None:
+    ledger = (copied / "ledger.db").read_bytes()
+    file = write_experiment(copied.parent)
+    assert command("sweep", file, "-o", copied).status == 0
+    assert (copied / "ledger.db").read_bytes() == ledger
+    more = write_experiment(copied.parent, values=(20, 40, 60))
+    assert command("sweep", more, "-o", copied).status == 0
+    assert recorded(copied) == 6
+
+
+def test_a_worker_that_dies_is_told_of_and_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engines, "execute", deadly)
+    engine = LocalEngine(1)
+    answers: list[tuple[object, Answer]] = []
+    for text in (SHORT + "# deadly from 0;\n", SHORT):
+        engine.submit(text, task(text, ticks=3))
+        while not engine.free:
+            answers += engine.wait(1.0)
+    engine.close()
+    (_, died), (_, lived) = answers
+    assert (died.results, died.failure) == ((), "its worker process died")
+    assert [begun for begun, _, _ in lived.results] == [0]
 
 
 @pytest.mark.slow
@@ -82,28 +136,21 @@ def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
     assert recorded(tmp_path / "out") == 32
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("kind", [InlineEngine, pytest.param(LocalEngine, marks=pytest.mark.slow)])
 def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: type[Engine]
 ) -> None:
     monkeypatch.setattr(engines, "execute", deadly)
     file = write_experiment(tmp_path, values=(20, 40), starts=3, ticks=20)
     program = tmp_path / "first.l"
     program.write_text(program.read_text() + "# deadly from 2;\n")
-    manifest, inputs = plan_sweep(file)
     folder = Folder(tmp_path / "out")
-    engine = LocalEngine(1)
-    with folder.locked(), folder.ledger() as ledger:
-        manifest = folder.write(manifest, inputs)
-        coordinator = Coordinator(folder, manifest, ledger)
-        coordinator.work(engine, lambda: False, lambda: None)
-        engine.close()
-        tally = coordinator.tally()
-        assert (tally.done, tally.due, tally.failed) == (6, 0, 2)
+    tally = work(kind(1), folder, file)  # type: ignore[call-arg] # slots, which no protocol names
+    assert (tally.done, tally.due, tally.failed) == (6, 0, 2)
+    with folder.ledger() as ledger:
         assert list(ledger.failures().values()) == [["its worker process died"] * 3] * 2
-        again = Coordinator(folder, manifest, ledger)
-        assert again.tally() == tally
-        export_runs(folder, manifest, ledger)
+        assert Coordinator(folder, folder.manifest(), ledger).tally() == tally
+        export_runs(folder, folder.manifest(), ledger)
     table = (folder.path / "runs.csv").read_text("utf-8")
     assert table.count(",infrastructure,") == 2
     assert table.count("its worker process died") == 2
@@ -134,59 +181,65 @@ def test_a_worker_that_says_nothing_is_replaced(
             for pid in stopped:
                 os.kill(pid, signal.SIGSTOP)
 
-    engine = LocalEngine(1)
-    with folder.locked(), folder.ledger() as ledger:
-        coordinator = Coordinator(folder, folder.write(*plan_sweep(file)), ledger)
-        coordinator.work(engine, lambda: False, stop_the_worker)
-        assert stopped
-        assert coordinator.tally().is_complete
+    assert work(LocalEngine(1), folder, file, stop_the_worker).is_complete
+    assert stopped
     assert "it took more than 2 seconds and could not be stopped" in said
-    engine.close()
 
 
-def test_the_command_of_a_row_replays_that_very_run(tmp_path: Path, command: Command) -> None:
-    out = tmp_path / "out"
-    file = write_experiment(tmp_path, values=(40,), starts=1, ticks=100)
-    (tmp_path / "short.toml").write_text(LEVEL)
-    (tmp_path / "first.l").write_text(f"Near() = 40;\n{AHEAD}")
+def replayed(folder: Path, command: Command) -> list[str]:
+    """Sweep a short level into a folder; return the arguments that play its last run again."""
+    file = write_experiment(folder, values=(40,), starts=1, ticks=100)
+    (folder / "short.toml").write_text(LEVEL)
+    (folder / "first.l").write_text(SHORT)
     file.write_text(file.read_text().replace("01-first-steps", "short.toml"))
-    assert command("sweep", file, "-o", out, "--workers", 1).status == 0
-    *_, row = csv.DictReader((out / "runs.csv").read_text("utf-8").splitlines())
+    assert command("sweep", file, "-o", folder / "out").status == 0
+    *_, row = rows(folder / "out" / "runs.csv")
     assert (row["start"], row["outcome"]) == ("1", "won")
     _, play, *arguments = row["replay"].split()
     assert play == "play"
-    arguments[:2] = [str(out / name) for name in arguments[:2]]
-    data = command("run", *arguments, "--json").data
-    assert data["ticks"] == int(row["ticks"])
-    with in_terminal("play", *arguments) as terminal:
+    arguments[:2] = [str(folder / "out" / name) for name in arguments[:2]]
+    assert command("run", *arguments, "--json").data["ticks"] == int(row["ticks"])
+    return [*arguments, row["ticks"]]
+
+
+def test_the_command_of_a_row_replays_that_very_run(
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    *arguments, ticks = replayed(tmp_path, command)
+    monkeypatch.setattr("sys.stdin", io.StringIO("run\n"))
+    told = command("play", *arguments, "--plain", "--data-dir", tmp_path / "data")
+    assert f"Won after {ticks} ticks." in told.out
+
+
+@pytest.mark.slow
+def test_the_command_of_a_row_opens_the_game_at_that_start(
+    tmp_path: Path, command: Command
+) -> None:
+    *arguments, _ = replayed(tmp_path, command)
+    with in_terminal("play", *arguments, "--data-dir", tmp_path / "data") as terminal:
         terminal.wait_for("start 1")
         terminal.send("q")
         terminal.finish()
 
 
-def test_results_of_another_version_count_only_if_asked(tmp_path: Path, command: Command) -> None:
-    out = tmp_path / "out"
-    file = write_experiment(tmp_path)
-    assert command("sweep", file, "-o", out, "--workers", 1).status == 0
-    with closing(sqlite3.connect(out / "ledger.db", isolation_level=None)) as ledger:
+def test_results_of_another_version_count_only_if_asked(copied: Path, command: Command) -> None:
+    with closing(sqlite3.connect(copied / "ledger.db", isolation_level=None)) as ledger:
         ledger.execute("UPDATE results SET engine = 'another', run = 'of another ' || run")
-    told = command("lab", "resume", out)
+    told = command("lab", "resume", copied)
     assert told.status == 2
     assert "--mixed" in told.err
-    assert command("lab", "resume", out, "--mixed").status == 0
-    assert recorded(out) == 4
-    assert (out / "runs.csv").read_text("utf-8").count(",another,") == 4
+    assert command("lab", "resume", copied, "--mixed").status == 0
+    assert recorded(copied) == 4
+    assert (copied / "runs.csv").read_text("utf-8").count(",another,") == 4
 
 
-def test_two_results_of_a_run_that_differ_are_said_loudly(tmp_path: Path, command: Command) -> None:
-    folder = Folder(tmp_path / "out")
-    file = write_experiment(tmp_path)
-    assert command("sweep", file, "-o", folder.path, "--workers", 1).status == 0
+def test_two_results_of_a_run_that_differ_are_said_loudly(copied: Path, command: Command) -> None:
+    folder = Folder(copied)
     with folder.ledger() as ledger:
         (run, *_), manifest = done_runs(folder.manifest(), ledger), folder.manifest()
         result = '{"outcome":"won","ticks":1}'
         ledger.record([Entry(run.job, manifest.run(run.job), result, 0.1, "elsewhere/1")])
-    told = command("lab", "status", folder.path)
+    told = command("lab", "status", copied)
     assert told.status == 1
     assert "DEFECT" in told.out
     assert manifest.run(run.job) in told.out
@@ -225,17 +278,13 @@ def test_the_second_interrupt_ends_at_once(tmp_path: Path) -> None:
     until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in workers))
 
 
-def test_a_second_coordinator_is_refused(tmp_path: Path, command: Command) -> None:
-    out = tmp_path / "out"
-    running = start("sweep", write_experiment(tmp_path, ticks=40_000), "-o", out, "--workers", 1)
-    try:
-        until(running.workers)
+def test_a_second_coordinator_is_refused(swept: Path, command: Command) -> None:
+    out = swept / "out"
+    with Folder(out).locked():
         told = command("lab", "resume", out)
         assert told.status == 2
         assert "Another process is at work in this folder" in told.err
-        assert command("lab", "status", out).status == 1
-    finally:
-        running.kill()
+        assert command("lab", "status", out).status == 0
 
 
 @pytest.mark.slow
@@ -252,9 +301,6 @@ def test_a_wrong_specification_is_exit_status_2(tmp_path: Path, command: Command
     file.write_text("[experiment]\nlevel = 3\nstarts = true\n")
     told = command("sweep", file, "-o", tmp_path / "out")
     assert told.status == 2
-    assert [line.split(": ")[0] for line in told.err.splitlines()] == [
-        f"{file}:1",
-        f"{file}:2",
-        f"{file}:3",
-    ]
+    lines = [line.split(": ")[0] for line in told.err.splitlines()]
+    assert lines == [f"{file}:{number}" for number in (1, 2, 3)]
     assert not (tmp_path / "out").exists()

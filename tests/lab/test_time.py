@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from typing import TYPE_CHECKING
 
@@ -12,8 +11,7 @@ from logical_robots_tui.lab import engines
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Manifest, Student, digest
 from logical_robots_tui.lab.running import Answer, execute
-from tests.cli.running import Command
-from tests.lab.laboratory import FIRST_STEPS, deadly, endless
+from tests.lab.laboratory import FIRST_STEPS, endless, lane, rows
 from tests.lab.test_running import SENSOR, STILL, only, task
 from tests.waiting import PATIENCE
 
@@ -22,6 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.lab.running import Task
+    from tests.cli.running import Command
 
 HEAVY = "N(x) :- x in Range(100);\n" + STILL.format(
     "Sum{x * y :- N(x), N(y)} + sensor.clock", '""', SENSOR
@@ -29,21 +28,22 @@ HEAVY = "N(x) :- x in Range(100);\n" + STILL.format(
 ASSIGNMENT = """
 [assignment]
 starts = 0
+ticks = 150
 roster = "roster.csv"
 [[level]]
-name = "01-first-steps"
+name = "01-first-steps.toml"
 [[level]]
 name = "02-open-space"
 """
 
 
 def test_a_program_that_thinks_too_much_is_too_slow_at_a_tick_that_is_always_the_same() -> None:
-    first = only(execute(task(HEAVY, run_steps=5_000_000)))
+    first = only(execute(task(HEAVY, run_steps=3_000_000)))
     assert first.outcome == "too slow"
     assert 10 < first.ticks < 300
     execute(task(FIRST_STEPS))
-    assert only(execute(task(HEAVY, run_steps=5_000_000, seconds=30.0))) == first
-    more = only(execute(task(HEAVY, run_steps=6_000_000)))
+    assert only(execute(task(HEAVY, run_steps=3_000_000, seconds=30.0))) == first
+    more = only(execute(task(HEAVY, run_steps=4_000_000)))
     assert more.ticks > first.ticks
     assert only(execute(task(HEAVY, ticks=first.ticks))).outcome == "out of ticks"
 
@@ -113,6 +113,7 @@ def test_students_whose_programs_take_long_come_last(tmp_path: Path) -> None:
 def graded(tmp_path: Path) -> Path:
     """An assignment with a student whose program for one level has no end."""
     (tmp_path / "a.toml").write_text(ASSIGNMENT + "[limits]\nseconds = 3\n")
+    (tmp_path / "01-first-steps.toml").write_text(lane("First steps"))
     (tmp_path / "roster.csv").write_text("id,name,submission\n1,Ada,ada\n2,Ben,ben\n")
     for student, mark in (("ada", ""), ("ben", "# endless\n# deadly from 0;\n")):
         for level, more in (("first-steps", mark), ("open-space", "")):
@@ -122,17 +123,13 @@ def graded(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_grading_ends_with_a_gradebook_of_what_there_is(
-    graded: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(engines, "execute", deadly)
+def test_grading_ends_with_a_gradebook_of_what_there_is(graded: Path, command: Command) -> None:
     out = graded / "out"
-    told = Command(capsys)("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1)
+    told = command("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1)
     assert told.status == 1
     assert "1 run could not be done (infrastructure).\nUngraded:\n" in told.out
     assert "\n  Ben (2): 01-first-steps: its worker" in told.out
-    with (out / "gradebook.csv").open(newline="") as lines:
-        ada, ben = csv.DictReader(lines)
+    ada, ben = rows(out / "gradebook.csv")
     assert (ada["points"], ada["ungraded"]) == ("10.0", "0")
     assert (ben["points"], ben["ungraded"], ben["01-first-steps"]) == ("", "1", "")
     assert ben["02-open-space"] == "0.0"
@@ -146,7 +143,7 @@ def test_grading_ends_with_a_gradebook_of_what_there_is(
     assert "- Not graded yet, because a run could not be finished: its worker" in feedback
     assert "not run yet" not in feedback
     assert '<error message="its worker' in (out / "junit.xml").read_text()
-    report = Command(capsys)("lab", "report", out)
+    report = command("lab", "report", out)
     assert f"Ben (2): {said}" in report.out
     page = (out / "report.html").read_text("utf-8")
     assert page.count(said) == 1
@@ -154,13 +151,14 @@ def test_grading_ends_with_a_gradebook_of_what_there_is(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("workers")
 def test_a_worker_that_computes_for_ever_is_killed_and_only_its_program_blamed(
-    graded: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    graded: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(engines, "execute", endless)
     monkeypatch.setattr(engines, "_GRACE", 0.0)
     out = graded / "out"
-    told = Command(capsys)("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1)
+    told = command("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1)
     assert told.status == 1
     assert "  Ben (2): 01-first-steps: it took more than 3 seconds and could" in told.out
     assert "1 run could not be done" in told.out

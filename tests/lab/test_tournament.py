@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-import csv
+import io
 import shlex
+from contextlib import redirect_stdout
 from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.lab import engines
+from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.competing import plan_tournament
 from logical_robots_tui.lab.folder import Folder
-from tests.cli.running import Command
-from tests.lab.laboratory import deadly, exported, recorded, start
+from tests.lab.laboratory import exported, recorded, rows, start
 from tests.waiting import until
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
+
+    from tests.cli.running import Command
 
 HILL = """
 title = "A hill"
@@ -82,11 +84,6 @@ def drives(speed: float) -> str:
     return DRIVE.format(speed=speed)
 
 
-@pytest.fixture
-def command(capsys: pytest.CaptureFixture[str]) -> Command:
-    return Command(capsys)
-
-
 def write_arena(
     folder: Path,
     players: Mapping[str, str] | None = None,
@@ -111,62 +108,105 @@ def write_arena(
     return folder / "arena.toml", folder / "players"
 
 
-def rows(file: Path) -> list[dict[str, str]]:
-    with file.open(encoding="utf-8", newline="") as lines:
-        return list(csv.DictReader(lines))
-
-
-def tables(folder: Path) -> dict[str, bytes]:
-    """All that a tournament says about its players."""
-    return {name: (folder / f"{name}.csv").read_bytes() for name in ("ranking", "pairs", "cycles")}
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The folder of a tournament, in which two play the same, and what was told of it."""
+    folder = tmp_path_factory.mktemp("played")
+    names = {"fast": 1, "=1+1": 0.8, "slow": 0.6, "still": 0, "<b>still": 0}
+    texts = {name: drives(speed) for name, speed in names.items()}
+    arena, players = write_arena(folder, texts)
+    (players / "broken").mkdir()
+    (players / "broken/hill.l").write_text(BROKEN)
+    said = io.TextIOWrapper(bytes_ := io.BytesIO(), "utf-8")
+    with redirect_stdout(said):
+        assert main(["tournament", str(arena), str(players), "-o", str(folder / "out")]) == 0
+    said.flush()
+    return folder / "out", bytes_.getvalue().decode()
 
 
 def test_everybody_plays_everybody_from_both_seats_and_the_best_is_first(
-    tmp_path: Path, command: Command
+    played: tuple[Path, str],
 ) -> None:
-    arena, players = write_arena(tmp_path)
-    (players / "broken").mkdir()
-    (players / "broken/hill.l").write_text(BROKEN)
-    out = tmp_path / "out"
-    told = command("tournament", arena, players, "-o", out, "--workers", 1)
-    assert told.status == 0, told.err
+    out, told = played
     ranking = rows(out / "ranking.csv")
-    assert [row["player"] for row in ranking] == ["fast", "quick", "slow", "still", "broken"]
-    assert [row["best_rank"] for row in ranking] == ["1", "2", "3", "4", "5"]
-    assert [row["opponents"] for row in ranking] == ["4"] * 5
+    names = [row["player"] for row in ranking]
+    assert (names[:3], names[5:]) == (["fast", "'=1+1", "slow"], ["broken"])
+    assert [row["best_rank"] for row in ranking] == ["1", "2", "3", "4", "4", "6"]
+    assert [row["opponents"] for row in ranking] == ["5"] * 6
     assert ranking[-1]["share"] == "0.0"
     assert ranking[-1]["remark"].startswith("line 3: ")
     strengths = [float(row["strength"].strip("'")) for row in ranking]
     assert strengths == sorted(strengths, reverse=True)
     runs = rows(out / "runs.csv")
-    assert len(runs) == recorded(out) == 6 * 2 * 2, "who is broken does not play"
+    assert len(runs) == 10 * 2 * 2, "who is broken does not play"
+    assert recorded(out) == (6 * 2 + 1) * 2, "what is the same runs once"
     seats = {(row["red"], row["blue"], row["start"]) for row in runs}
-    assert len(seats) == 24
+    assert len(seats) == 40
     assert {(blue, red, start) for red, blue, start in seats} == seats
     fast = [row for row in runs if (row["red"], row["blue"]) == ("fast", "still")]
     assert [(row["points_blue"], row["outcome"]) for row in fast] == [("0.0", "played")] * 2
-    assert "The row's share of the points" in told.out
-    assert "fast" in told.out.split("rank  player")[1].splitlines()[1]
+    assert "The row's share of the points" in told
+    assert "fast" in told.split("rank  player")[1].splitlines()[1]
+
+
+def test_the_same_program_under_two_names_is_as_good_as_itself(played: tuple[Path, str]) -> None:
+    shares = {
+        (row["player"], row["opponent"]): row["share"] for row in rows(played[0] / "pairs.csv")
+    }
+    assert shares["still", "<b>still"] == "0.5"
+    assert shares["still", "slow"] == shares["<b>still", "slow"]
+
+
+def test_a_match_can_be_seen_again(
+    played: tuple[Path, str], tmp_path: Path, command: Command
+) -> None:
+    out, _ = played
+    seats = ("fast", "slow", "1")
+    (row,) = (r for r in rows(out / "runs.csv") if (r["red"], r["blue"], r["start"]) == seats)
+    _, play, *match = shlex.split(row["replay"])
+    assert play == "play"
+    match[:3] = [str(out / name) for name in match[:3]]
+    scores = command("run", *match, "--json").data["scores"]
+    assert {team: str(sum(parts)) for team, parts in scores.items()} == {
+        team: row[f"points_{team}"] for team in ("red", "blue")
+    }
+    assert match[-2:] == ["--start", "1"]
+    file = tmp_path / "match.replay"
+    assert command("replay", "record", *match, "-o", file).status == 0
+    assert command("replay", "verify", file).status == 0
+    called = [name.rpartition("/")[2].removesuffix(".l") for name in match[1:3]]
+    shown = command("replay", "show", file, "--json").data["programs"]
+    assert [program["name"] for program in shown] == ["-".join(called)] * 2
+    assert row["program"] == " against ".join(called)
+
+
+def test_the_report_is_one_page_without_scripts_and_links(
+    played: tuple[Path, str], command: Command
+) -> None:
+    out, _ = played
+    assert command("lab", "report", out).status == 0
+    page = (out / "report.html").read_text("utf-8")
+    assert "<h1>The hill</h1>" in page
+    assert "&lt;b&gt;still" in page
+    assert "logical-robots play inputs/" in page
+    for outside in ("<script", "href=", "src=", "@import", "url(", "<b>"):
+        assert outside not in page
 
 
 @pytest.mark.slow
 def test_a_new_player_plays_only_its_own_matches(tmp_path: Path, command: Command) -> None:
     arena, players = write_arena(tmp_path)
     out = tmp_path / "out"
-    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    assert command("tournament", arena, players, "-o", out).status == 0
     assert recorded(out) == 24
     (players / "late.l").write_text(drives(0.7))
-    assert "24 runs" not in command("tournament", arena, players, "-o", out, "--workers", 1).out
+    assert "24 runs" not in command("tournament", arena, players, "-o", out).out
     assert recorded(out) == 24 + 4 * 2 * 2
     (players / "slow.l").unlink()
-    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    assert command("tournament", arena, players, "-o", out).status == 0
     assert recorded(out) == 40
-    assert [row["player"] for row in rows(out / "ranking.csv")] == [
-        "fast",
-        "quick",
-        "late",
-        "still",
-    ]
+    names = [row["player"] for row in rows(out / "ranking.csv")]
+    assert names == ["fast", "quick", "late", "still"]
 
 
 @pytest.mark.slow
@@ -177,7 +217,7 @@ def test_a_tournament_that_is_killed_again_and_again_has_the_same_tables(
     names = {f"player {n}": drives(0.3 + n / 10) for n in range(7)}
     arena, players = write_arena(tmp_path, names, starts=0, more=f'format = "{form}"')
     once, often = tmp_path / "once", tmp_path / "often"
-    assert command("tournament", arena, players, "-o", once, "--workers", 1).status == 0
+    assert command("tournament", arena, players, "-o", once).status == 0
     total = recorded(once)
     assert total == {"all": 21, "swiss": 5 * 3}[form] * 2
     arguments: tuple[object, ...] = ("tournament", arena, players, "-o", often)
@@ -205,7 +245,7 @@ def test_names_change_nothing_but_names(tmp_path: Path, command: Command) -> Non
         speeds = dict(zip(names, PLAYERS.values(), strict=True))
         arena, players = write_arena(folder, {n: drives(v) for n, v in speeds.items()})
         out = tmp_path / "out"  # the same ledger: not a match is played again
-        assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+        assert command("tournament", arena, players, "-o", out).status == 0
         assert recorded(out) == 24
         back = dict(zip(names, PLAYERS, strict=True))
         ranking = [{**row, "player": back[row["player"]]} for row in rows(out / "ranking.csv")]
@@ -222,7 +262,7 @@ def test_a_program_that_thinks_too_long_has_lost_and_costs_the_other_nothing(
 ) -> None:
     arena, players = write_arena(tmp_path, {"endless": ENDLESS, "still": drives(0)}, starts=0)
     out = tmp_path / "out"
-    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    assert command("tournament", arena, players, "-o", out).status == 0
     runs = rows(out / "runs.csv")
     assert [(row["outcome"], row["last_tick"]) for row in runs] == [("too many steps", "10")] * 2
     assert {row["forfeit"] for row in runs} == {"red", "blue"}
@@ -248,23 +288,19 @@ def test_hostile_players_get_nothing_from_it(tmp_path: Path, command: Command) -
     }
     arena, players = write_arena(tmp_path, texts, starts=0, ticks=40)
     out = tmp_path / "out"
-    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    assert command("tournament", arena, players, "-o", out).status == 0
     ranking = rows(out / "ranking.csv")
     assert [row["player"] for row in ranking[:2]] == ["plain", "looks like a match"]
     assert {row["remark"] for row in ranking} == {""}
     assert {row["forfeit"] for row in rows(out / "runs.csv")} == {""}
 
 
-@pytest.mark.slow
-def test_a_match_that_ends_every_worker_is_left_out(
-    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(engines, "execute", deadly)
+def test_a_match_that_ends_every_worker_is_left_out(tmp_path: Path, command: Command) -> None:
     programs = {name: drives(speed) for name, speed in PLAYERS.items()}
     programs["still"] += "# deadly from 1;\n"
     arena, players = write_arena(tmp_path, programs)
     out = tmp_path / "out"
-    told = command("tournament", arena, players, "-o", out, "--workers", 1)
+    told = command("tournament", arena, players, "-o", out)
     assert told.status == 1
     assert "6 runs could not be done (infrastructure)" in told.out
     assert "  fast against still in hill, start 1: its worker process died\n" in told.out
@@ -287,26 +323,12 @@ def test_from_forty_players_on_it_is_swiss(tmp_path: Path) -> None:
     assert len(inputs) == 2, "the level and the program"
 
 
-def test_the_same_program_under_two_names_is_as_good_as_itself(
-    tmp_path: Path, command: Command
-) -> None:
-    names = ("one", "two", "other")
-    texts = dict(zip(names, (drives(1), drives(1), drives(0.5)), strict=True))
-    arena, players = write_arena(tmp_path, texts)
-    out = tmp_path / "out"
-    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
-    shares = {(row["player"], row["opponent"]): row["share"] for row in rows(out / "pairs.csv")}
-    assert shares["one", "two"] == "0.5"
-    assert shares["one", "other"] == shares["two", "other"]
-    assert recorded(out) == 2 * 3, "what is the same runs once"
-
-
 @pytest.mark.slow
 def test_with_four_teams_each_player_has_each_seat_once(tmp_path: Path, command: Command) -> None:
     teams = ("red", "blue", "gold", "green")
     arena, players = write_arena(tmp_path, teams=teams, starts=0)
     out = tmp_path / "out"
-    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    assert command("tournament", arena, players, "-o", out).status == 0
     manifest = Folder(out).manifest()
     for pair in manifest.rounds[0]:
         names = {manifest.players[index].name for index in pair}
@@ -315,49 +337,6 @@ def test_with_four_teams_each_player_has_each_seat_once(tmp_path: Path, command:
         for team in teams:
             assert {each[team] for each in seats} == names
     assert rows(out / "ranking.csv")[0]["player"] == "fast"
-
-
-def test_a_match_can_be_seen_again(tmp_path: Path, command: Command) -> None:
-    arena, players = write_arena(tmp_path, {"ada": drives(1), "ben": drives(0.5)})
-    out = tmp_path / "out"
-    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
-    *_, row = rows(out / "runs.csv")
-    _, play, *match = shlex.split(row["replay"])
-    assert play == "play"
-    match[:3] = [str(out / name) for name in match[:3]]
-    scores = command("run", *match, "--json").data["scores"]
-    assert {team: str(sum(parts)) for team, parts in scores.items()} == {
-        team: row[f"points_{team}"] for team in ("red", "blue")
-    }
-    assert match[-2:] == ["--start", "1"]
-    file = tmp_path / "match.replay"
-    assert command("replay", "record", *match, "-o", file).status == 0
-    assert command("replay", "verify", file).status == 0
-    called = [name.rpartition("/")[2].removesuffix(".l") for name in match[1:3]]
-    shown = command("replay", "show", file, "--json").data["programs"]
-    assert [each["name"] for each in shown] == ["-".join(called)] * 2
-    assert row["program"] == " against ".join(called)
-
-
-def test_the_report_is_one_page_without_scripts_and_links(tmp_path: Path, command: Command) -> None:
-    names = {"<b>ada": drives(1), "=1+1": drives(0.5)}
-    arena, players = write_arena(tmp_path, names)
-    out = tmp_path / "out"
-    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
-    told = command("lab", "report", out)
-    assert told.status == 0
-    page = (out / "report.html").read_text("utf-8")
-    assert "<h1>The hill</h1>" in page
-    assert "&lt;b&gt;ada" in page
-    assert "logical-robots play inputs/" in page
-    for outside in ("<script", "href=", "src=", "@import", "url(", "<b>"):
-        assert outside not in page
-    assert "'=1+1" in (out / "ranking.csv").read_text("utf-8")
-
-
-@pytest.fixture
-def wrong(tmp_path: Path) -> Path:
-    return write_arena(tmp_path)[0]
 
 
 @pytest.mark.parametrize(
@@ -369,14 +348,15 @@ def wrong(tmp_path: Path) -> Path:
     ],
 )
 def test_all_that_is_wrong_is_said_with_its_line(
-    wrong: Path, command: Command, text: str, lines: list[int]
+    tmp_path: Path, command: Command, text: str, lines: list[int]
 ) -> None:
+    wrong, players = write_arena(tmp_path)
     wrong.write_text(text)
-    told = command("tournament", wrong, wrong.parent / "players", "-o", wrong.parent / "out")
+    told = command("tournament", wrong, players, "-o", tmp_path / "out")
     assert told.status == 2
     said = [line.split(": ")[0] for line in told.err.splitlines()]
     assert said == [f"{wrong}:{line}" for line in lines]
-    assert not (wrong.parent / "out").exists()
+    assert not (tmp_path / "out").exists()
 
 
 def test_one_player_is_not_enough(tmp_path: Path, command: Command) -> None:
