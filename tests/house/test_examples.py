@@ -25,7 +25,7 @@ from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
 QUICKER = {
     "diagnose 01-first-steps first-steps": ["--ticks", "100"],
@@ -138,6 +138,23 @@ OF_MANY_RUNS = {
 }
 
 
+def programs_in(page: Path) -> list[str]:
+    """The programs in a page; those of the course are shipped ones, which tests/levels compiles."""
+    if page.name in ("learn.md", "solutions.md"):
+        return []
+    texts = [block.text for block in blocks(page) if block.language == "prolog"]
+    return [text for text in texts if "Robot(" in text]
+
+
+def python_in(name: str) -> list[str]:
+    """The blocks of Python in a page of docs."""
+    return [block.text for block in blocks(PLACES[name]) if block.language == "python"]
+
+
+PLACES = {page.name: page for page in PAGES}
+WITH_PROGRAMS = [page for page in PAGES if programs_in(page)]
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where the reader is: a home of one's own, a level, a program, and the docs."""
@@ -243,22 +260,43 @@ def test_every_command_has_an_example() -> None:
         assert re.search(rf"^(.*\| )?{PROGRAM} {name}\b".strip(), every, re.MULTILINE), name
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.sampled
+@pytest.mark.parametrize("page", WITH_PROGRAMS, ids=lambda page: page.name)
 def test_programs_in_a_page_compile(page: Path) -> None:
-    for block in blocks(page):
-        # The programs of the course are shipped ones, which tests/levels compiles.
-        if (
-            page.name not in ("learn.md", "solutions.md")
-            and block.language == "prolog"
-            and "Robot(" in block.text
-        ):
-            assert Program.compile(block.text).predicate("Robot")
+    for text in programs_in(page):
+        assert Program.compile(text).predicate("Robot")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_python_in_a_page_runs(page: Path, folder: Path) -> None:
+def run_python(texts: Iterable[str]) -> str:
+    """What blocks of a page print, one after the other."""
     names: dict[str, object] = {}
-    for block in blocks(page):
-        if block.language == "python":
-            with contextlib.redirect_stdout(io.StringIO()):
-                exec(compile(block.text, page.name, "exec"), names)
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        for text in texts:
+            exec(compile(text, "page", "exec"), names)
+    return out.getvalue()
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize("name", ["security.md", "why-logica.md"])
+def test_python_in_a_page_runs(name: str) -> None:
+    run_python(python_in(name))
+
+
+@pytest.mark.slow
+def test_the_page_on_python_runs(folder: Path) -> None:
+    told = run_python(python_in("python.md"))
+    assert re.match(r"10 [\d.]+ \{'Ada': 10\} False\n", told)
+    assert (folder / "crow.replay").exists()
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_the_page_on_python_does_with_its_own_program_runs() -> None:
+    others = re.compile(r"breadcrumbs|everybody-home|saved|crow|sweep|results")
+    own = [text for text in python_in("python.md") if not others.search(text)]
+    assert len(own) == 3
+    assert re.fullmatch(r"10 [\d.]+ \{'Ada': 10\} False\n\d+ .*\n", run_python(own))
+
+
+def test_no_other_page_has_python() -> None:
+    pages = {page.name for page in PAGES if python_in(page.name)}
+    assert pages == {"python.md", "security.md", "why-logica.md"}

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import json
 import re
 import shlex
+from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,14 +13,14 @@ import pytest
 from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.game import reference_for
-from logical_robots_tui.game.measuring import patience_for, play_through
-from logical_robots_tui.mind import Program
+from logical_robots_tui.game.measuring import patience_for
 from logical_robots_tui.player.settings import read_settings
 from logical_robots_tui.tui.commands.command import Command, Scope, key_name
 from logical_robots_tui.tui.commands.keymap import KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
 from tests.house.examples import PAGES, blocks
 from tests.installed import CHECKOUT
+from tests.levels.playing import ticks_to_win
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,7 +33,7 @@ LEVELS = ("<!-- levels: made from the files of the levels -->\n", "<!-- end of l
 
 
 def keys_table(scope: Scope) -> str:
-    """The commands that have a key, as a table for each heading of the help."""
+    """The commands that have a key, as a table for each heading of the help, and the others."""
     lines = [""]
     groups: dict[str, list[Command]] = {}
     for entry in COMMANDS:
@@ -47,6 +46,8 @@ def keys_table(scope: Scope) -> str:
             keys = " ".join(f"`{key_name(key)}`" for key in entry.keys)
             lines.append(f"| {keys} | {entry.help} |")
         lines.append("")
+    titles = [entry.title for entry in COMMANDS if not entry.keys and entry.scope == scope]
+    lines += [f"In the palette only: {', '.join(titles)}.", ""] if titles else []
     return "\n".join([*lines, ""])
 
 
@@ -91,20 +92,21 @@ def test_the_readme_is_short() -> None:
     assert len(README.read_text().splitlines()) <= 90
 
 
-@pytest.mark.parametrize("page", PAGES[1:], ids=lambda page: page.stem)
-def test_a_page_that_is_written_by_hand_is_not_long(page: Path) -> None:
-    if page.stem not in {"learn", "solutions"}:
-        assert len(page.read_text().splitlines()) <= 250
+def test_a_page_that_is_written_by_hand_is_not_long() -> None:
+    lengths = {page.stem: len(page.read_text().splitlines()) for page in PAGES[1:]}
+    long = {page for page, length in lengths.items() if length > 250}
+    assert long <= {"learn", "solutions"}
 
 
-@pytest.mark.parametrize("line", [line for b in code(README, "") for line in b.splitlines()])
-def test_every_command_in_the_readme_exists(line: str) -> None:
-    name, *arguments = shlex.split(line)
-    if name == "make":
-        assert re.search(rf"^{arguments[0]}:", (CHECKOUT / "Makefile").read_text(), re.MULTILINE)
-    else:
-        assert name == "logical-robots"
-        command_parser().parse_args(arguments)
+def test_every_command_in_the_readme_exists() -> None:
+    makefile = (CHECKOUT / "Makefile").read_text()
+    for line in "".join(code(README, "")).splitlines():
+        name, *arguments = shlex.split(line)
+        if name == "make":
+            assert re.search(rf"^{arguments[0]}:", makefile, re.MULTILINE), line
+        else:
+            assert name == "logical-robots"
+            command_parser().parse_args(arguments)
 
 
 def test_the_program_that_is_shown_wins() -> None:
@@ -112,7 +114,7 @@ def test_the_program_that_is_shown_wins() -> None:
     level = load_level(list_levels()[0])
     reference = reference_for(level)
     assert reference is not None
-    assert play_through(level, Program.compile(program), patience_for(reference.ticks)).won_at
+    assert ticks_to_win(level, program, patience_for(reference.ticks))
 
 
 def test_the_settings_can_be_used(tmp_path: Path) -> None:
@@ -131,16 +133,7 @@ def test_the_level_loads(tmp_path: Path) -> None:
     assert load_level(path).areas[0].victory_robots == ("Ada",)
 
 
-def test_the_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    out = io.StringIO()
-    with contextlib.redirect_stdout(out):
-        exec(compile("\n".join(code(DOCS / "python.md", "python")), "python.md", "exec"), {})
-    first, *_ = out.getvalue().splitlines()
-    assert re.fullmatch(r"10 [\d.]+ \{'Ada': 10\} False", first)
-    assert (tmp_path / "crow.replay").exists()
-
-
+@pytest.mark.slow
 def test_the_notebook_runs() -> None:
     cells = json.loads((DOCS / "simulation.ipynb").read_text())["cells"]
     names: dict[str, object] = {}
@@ -150,22 +143,19 @@ def test_the_notebook_runs() -> None:
     assert "<svg" in names["sim"]._repr_html_()  # type: ignore[attr-defined] # a Simulation
 
 
+@cache
 def anchors(page: Path) -> set[str]:
     """What a link can name in a page: its headings, as GitHub spells them."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
     return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
-@pytest.mark.parametrize(
-    "page",
-    [*sorted(CHECKOUT.glob("*.md")), *PAGES[1:]],
-    ids=lambda page: page.relative_to(CHECKOUT).as_posix(),
-)
-def test_links_to_files_lead_somewhere(page: Path) -> None:
-    for target, anchor in re.findall(r"\]\((?!https?://)([^)#]*)#?([^)]*)\)", page.read_text()):
-        there = page.parent / target if target else page
-        assert there.exists(), target
-        assert not anchor or anchor in anchors(there), anchor
+def test_links_to_files_lead_somewhere() -> None:
+    for page in (*sorted(CHECKOUT.glob("*.md")), *PAGES[1:]):
+        for target, anchor in re.findall(r"\]\((?!https?://)([^)#]*)#?([^)]*)\)", page.read_text()):
+            there = page.parent / target if target else page
+            assert there.exists(), (page.name, target)
+            assert not anchor or anchor in anchors(there), (page.name, anchor)
 
 
 def test_the_index_lists_every_page() -> None:

@@ -117,16 +117,22 @@ class Repetition:
     MOST_TICKS = 256  # to the earlier one
 
     def __init__(self, level: Level, program: Program) -> None:
-        reads_clock = any("clock" in text for text in program.texts.values())
-        self._counts_time = reads_clock or bool(level.match_ticks)
+        tuned = program.tuned.get("Robot")
+        reads = {"clock"} if tuned is None else {*tuned.columns.get("Sensor", ())}
+        self._counts_time = not reads.isdisjoint({"clock", "sensor"}) or bool(level.match_ticks)
         self._before: Any = None
         self._earlier: Any = None
         self._next = 1
 
     def is_reached(self, frame: Frame) -> bool:
+        if self._counts_time:
+            return False
         state = frame.after.robots, frame.after.areas, frame.memories
-        if state in (self._before, self._earlier):
-            return not self._counts_time
+        # What is equal may yet be another value, as are 1 and true.
+        if any(
+            state == past and repr(state) == repr(past) for past in (self._before, self._earlier)
+        ):
+            return True
         if frame.tick >= self._next:
             self._earlier, self._next = state, frame.tick + min(frame.tick, self.MOST_TICKS)
         self._before = state
