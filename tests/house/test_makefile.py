@@ -45,27 +45,40 @@ def test_help_lists_every_target() -> None:
     assert sorted(listed) == sorted(phony.split())
 
 
-def test_a_python_that_is_missing_is_named(tmp_path: Path) -> None:
-    done = make("play", f"VENV={tmp_path}/venv", "PYTHON=python-of-nowhere")
+@pytest.mark.parametrize(
+    ("answers", "told"),
+    [
+        (None, "needs Python 3.11 or newer; '{}' is missing or older"),
+        ("exit 1", "needs Python 3.11 or newer; '{}' is missing or older"),
+        ('case "$2" in *ensurepip*) exit 1;; esac', "apt install python3-venv"),
+    ],
+    ids=["missing", "too old", "without venv"],
+)
+def test_a_python_that_does_not_do_is_told_with_what_to_do(
+    answers: str | None, told: str, tmp_path: Path
+) -> None:
+    python = pretend(tmp_path, answers=answers) if answers else "python-of-nowhere"
+    done = make("play", f"VENV={tmp_path}/venv", f"PYTHON={python}")
     assert done.returncode != 0
-    assert "needs Python 3.11 or newer; 'python-of-nowhere' is missing or older" in done.stderr
-    assert "PYTHON=" in done.stderr
-
-
-def test_a_python_that_is_too_old_is_named(tmp_path: Path) -> None:
-    old = pretend(tmp_path, answers="exit 1")
-    done = make("play", f"VENV={tmp_path}/venv", f"PYTHON={old}")
-    assert f"needs Python 3.11 or newer; '{old}' is missing or older" in done.stderr
-
-
-def test_a_python_without_venv_is_told_with_what_to_install(tmp_path: Path) -> None:
-    poor = pretend(tmp_path, answers='case "$2" in *ensurepip*) exit 1;; esac')
-    done = make("play", f"VENV={tmp_path}/venv", f"PYTHON={poor}")
-    assert done.returncode != 0
-    assert "apt install python3-venv" in done.stderr
+    assert told.format(python) in done.stderr
+    assert ("make play PYTHON=" in done.stderr) is ("needs" in told)
     assert not (tmp_path / "venv").exists()
 
 
+def test_an_environment_is_made_from_nothing_until_it_has_pip(tmp_path: Path) -> None:
+    environment, calls = tmp_path / "venv", tmp_path / "fake-python.calls"
+    (environment / "bin").mkdir(parents=True)
+    python = pretend(tmp_path, answers='[ "$2" != venv ] || echo "$@" >> "$0.calls"')
+    target = (f"{environment}/.python", f"VENV={environment}", f"PYTHON={python}")
+    assert make(*target).returncode == 0
+    assert calls.read_text() == f"-m venv --clear {environment}\n"
+    shutil.copy(python, environment / "bin" / "python")
+    (environment / ".python").unlink()
+    assert make(*target).returncode == 0
+    assert calls.read_text().count("\n") == 1
+
+
+@pytest.mark.slow
 def test_an_environment_whose_making_was_interrupted_is_made_again(tmp_path: Path) -> None:
     environment = tmp_path / "venv"
     bare = [sys.executable, "-m", "venv", "--without-pip", str(environment)]
