@@ -86,8 +86,12 @@ def _write_files_of(page: str, folder: Path) -> None:
 
 
 def _sweep(folder: Path) -> None:
+    """The files with the results of a sweep, which is made once for all tests of a process."""
     _write_files_of_lab(folder)
-    assert main(["sweep", str(folder / "experiment.toml"), "-o", str(folder / "out")]) == 0
+    ready = folder.parents[1] / "swept"
+    if not ready.exists():
+        assert main(["sweep", str(folder / "experiment.toml"), "-o", str(ready)]) == 0
+    shutil.copytree(ready, folder / "out")
 
 
 def _grade(folder: Path) -> None:
@@ -127,15 +131,16 @@ BEFORE: dict[str, Callable[[Path], None]] = {
 """What makes the files and folders that a text speaks of and that its own examples do not make."""
 
 
-OF_MANY_RUNS = {
-    *(f"{PROGRAM} {command}" for command in ("grade", "sweep", "tournament")),
-    *(f"{PROGRAM} {command}".strip() for command in commands() if command.startswith("lab")),
-    "docs/lab.md",
-    "docs/grading.md",
-    "docs/cluster.md",
-    "docs/arena.md",
-    "docs/teaching.md",
-}
+LONG = re.compile(
+    rf"{PROGRAM}( (--\S+|play|run|trace|when|diagnose|replay|doctor)\b|$)"
+    rf"|{PROGRAM} (sweep|lab|grade|tournament)\b"
+)
+"""A line that opens the game, plays for long or makes many runs, unless it asks for help."""
+
+
+def is_long(text: str) -> bool:
+    """Whether only a full run tries the examples of a text."""
+    return any(LONG.match(line) and "--help" not in line for line in EXAMPLES[text])
 
 
 def programs_in(page: Path) -> list[str]:
@@ -175,7 +180,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     "text",
-    [pytest.param(text, marks=[pytest.mark.slow] * (text in OF_MANY_RUNS)) for text in EXAMPLES],
+    [pytest.param(text, marks=[pytest.mark.slow] * is_long(text)) for text in EXAMPLES],
 )
 def test_the_examples_of_a_text_do_what_they_say(
     text: str,
