@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import gymnasium
@@ -73,21 +75,24 @@ def test_learners_act_among_robots_that_a_program_drives(mixed: RobotsEnv) -> No
     assert mixed._state == simulation.frame.after
 
 
-def won(env: RobotEnv) -> tuple[list[float], dict[str, Any]]:
-    """The rewards of driving as the solution of the first level does, and the last info."""
-    simulation, rewards = Simulation("01-first-steps", "first-steps"), []
-    info: dict[str, Any] = {}
-    env.reset()
-    is_over = False
-    while not is_over:
+@cache
+def powers_that_win() -> list[tuple[float, float]]:
+    """The engines of each tick with which the solution wins the first level."""
+    simulation, powers = Simulation("01-first-steps", "first-steps"), []
+    while not simulation.won:
         (decision,) = simulation.step().decisions
         assert decision.desire is not None
-        action = np.array([decision.desire.left_engine, decision.desire.right_engine])
-        _, each, is_over, is_late, info = env.step(action)
-        assert not is_late
-        rewards.append(each)
-    assert simulation.won
-    return rewards, info
+        powers.append((decision.desire.left_engine, decision.desire.right_engine))
+    return powers
+
+
+def won(env: RobotEnv) -> tuple[list[float], dict[str, Any]]:
+    """The rewards of driving as the solution of the first level does, and the last info."""
+    env.reset()
+    steps = [env.step(np.array(powers)) for powers in powers_that_win()]
+    assert [is_over for _, _, is_over, _, _ in steps].index(True) == len(steps) - 1
+    assert not any(is_late for _, _, _, is_late, _ in steps)
+    return [reward for _, reward, *_ in steps], steps[-1][-1]
 
 
 def test_a_victory_is_worth_1_and_the_way_to_it_what_it_shortens() -> None:
@@ -103,19 +108,19 @@ def test_a_victory_is_worth_1_and_the_way_to_it_what_it_shortens() -> None:
 
 
 def test_the_points_of_a_team_are_rewards() -> None:
-    level = "16-high-ground"
-    name = load_level(level).robots[0].name
-    env = RobotsEnv(level, [name], ticks=400)
+    level, ticks = load_level("16-high-ground"), 40
+    (holder, *others), hill = level.robots, next(a for a in level.areas if a.name == "Hill")
+    level = replace(level, robots=(replace(holder, x=hill.x, y=hill.y), *others))
+    name = holder.name
+    env, run = RobotsEnv(level, [name], ticks=ticks), Simulation(level)
     env.reset()
-    total = 0.0
-    while env.agents:
-        _, rewards, *_ = env.step({name: np.zeros(2, np.float32)})
-        total += rewards[name]
-    env.close()
-    run = Simulation(level)
-    for _ in range(400):
+    total = sum(env.step({name: np.zeros(2, np.float32)})[1][name] for _ in range(ticks))
+    for _ in range(ticks):
         run.step({name: (0, 0)})
-    assert total == pytest.approx(run.points[load_level(level).robots[0].team])
+    assert env.agents == []
+    assert total == pytest.approx(run.points[holder.team])
+    assert total > 0
+    env.close()
     run.close()
 
 

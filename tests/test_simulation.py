@@ -26,6 +26,17 @@ def test_a_level_is_won_in_the_ticks_of_the_game() -> None:
         assert sim.over
 
 
+def test_robots_see_what_their_level_lets_them_see_from_each_start() -> None:
+    level = load_level("08-formation")
+    count = AHEAD.replace("sensor.clock", "Count{other :- Memory(robot_name: other)}")
+    sim = Simulation("formation", count, start=3)
+    assert sim.level.robots == start_of(level, 3).robots != level.robots
+    sim.step()
+    assert level.visibility.memory == "seen"
+    assert [*sim.memories.values()] == [1, 3, 1, 2, 2]
+
+
+@pytest.mark.slow
 def test_formation_sees_what_its_level_lets_it_see() -> None:
     level = load_level("08-formation")
     assert level.visibility.memory != "own"
