@@ -6,13 +6,13 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
+import pytest
+
 from tests.installed import CHECKOUT
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
-
-    import pytest
 
 SOURCES = sorted(
     path
@@ -25,21 +25,27 @@ BENCHMARKS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "benchm
 TESTS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "tests")]
 
 SILENCED_WITHOUT_REASON = re.compile(r"# (?:noqa|type: ignore)(?!.*(?: # | - )\S+)[^()]*$")
-
-
 ACTS = re.compile(r"\.(press|drag|click|hover|write|post_message|resize_terminal)\(")
 CLOCKS = re.compile(r"\b(monotonic|perf_counter|process_time|thread_time)(_ns)?\(\) - ")
 SLEEPS = re.compile(r"(\w+\.)*(sleep\((?!0\))|pause\((delay=)?[\d.])")
 
 
-def sleeps(path: Path) -> Iterator[str]:
-    """Where a module sleeps for some time, as file and line number; sleeping 0 only makes room."""
+def nodes(path: Path, words: str) -> Iterator[ast.AST]:
+    """What stands in a module in which some words occur, which saves reading most of them."""
     text = path.read_text(encoding="utf-8")
-    if "sleep(" not in text and "pause(" not in text:
-        return
-    for node in ast.walk(ast.parse(text)):
+    if re.search(words, text):
+        yield from ast.walk(ast.parse(text))
+
+
+def place(path: Path, node: ast.expr | ast.stmt) -> str:
+    return f"{path.relative_to(CHECKOUT)}:{node.lineno}: {ast.unparse(node)}"
+
+
+def sleeps(path: Path) -> Iterator[str]:
+    """Where a module sleeps for some time; sleeping 0 only makes room."""
+    for node in nodes(path, r"(sleep|pause)\("):
         if isinstance(node, ast.Call) and SLEEPS.match(ast.unparse(node)):
-            yield f"{path.relative_to(CHECKOUT)}:{node.lineno}: {ast.unparse(node)}"
+            yield place(path, node)
 
 
 def statements(body: Iterable[ast.AST]) -> Iterator[ast.stmt]:
@@ -58,43 +64,51 @@ def statements(body: Iterable[ast.AST]) -> Iterator[ast.stmt]:
 
 def hasty_asserts(path: Path) -> Iterator[str]:
     """Where a test asserts what an action has led to without having waited for it."""
-    text = path.read_text(encoding="utf-8")
-    if not ACTS.search(text):
-        return
-    for function in ast.walk(ast.parse(text)):
+    for function in nodes(path, ACTS.pattern):
         if not isinstance(function, ast.AsyncFunctionDef):
             continue
         has_acted = False
         for statement in statements(function.body):
-            told = ast.unparse(statement)
-            if ACTS.search(told):
+            if ACTS.search(ast.unparse(statement)):
                 has_acted = True
             elif any(isinstance(node, ast.Await) for node in ast.walk(statement)):
                 has_acted = False
             elif has_acted and isinstance(statement, ast.Assert):
-                yield f"{path.relative_to(CHECKOUT)}:{statement.lineno}: {told}"
+                yield place(path, statement)
 
 
 def timed_asserts(path: Path) -> Iterator[str]:
     """Where a test asserts how long something took; to bound a wait is something else."""
-    text = path.read_text(encoding="utf-8")
-    if not CLOCKS.search(text):
-        return
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Assert) and CLOCKS.search(told := ast.unparse(node.test)):
-            yield f"{path.relative_to(CHECKOUT)}:{node.lineno}: {told}"
+    for node in nodes(path, CLOCKS.pattern):
+        if isinstance(node, ast.Assert) and CLOCKS.search(ast.unparse(node.test)):
+            yield place(path, node)
 
 
-def test_no_test_asserts_a_time() -> None:
-    assert [place for path in TESTS for place in timed_asserts(path)] == []
+def waits(path: Path) -> Iterator[str]:
+    """Where a test waits for a process or a thread without a bound; who awaits is bounded above."""
+    inside = list(nodes(path, r"subprocess\.run|\.(wait|join|communicate)\(\s*\)"))
+    awaited = {id(node.value) for node in inside if isinstance(node, ast.Await)}
+    calls = [node for node in inside if isinstance(node, ast.Call)]
+    awaited |= {
+        id(argument)
+        for call in calls
+        if ast.unparse(call.func) == "asyncio.wait_for"
+        for argument in call.args
+    }
+    for call in calls:
+        name = ast.unparse(call.func)
+        runs = name == "subprocess.run" and not any(k.arg == "timeout" for k in call.keywords)
+        ends = re.search(r"\.(wait|join|communicate)$", name) and not (call.args or call.keywords)
+        if (runs or ends) and id(call) not in awaited:
+            yield place(path, call)
 
 
-def test_no_test_waits_for_a_time_to_pass() -> None:
-    assert [place for path in TESTS for place in sleeps(path)] == []
-
-
-def test_no_test_asserts_what_it_has_not_waited_for() -> None:
-    assert [place for path in TESTS for place in hasty_asserts(path)] == []
+@pytest.mark.parametrize("habit", [timed_asserts, sleeps, hasty_asserts, waits])
+def test_no_test_asserts_or_passes_a_time_looks_too_soon_or_waits_for_ever(
+    habit: Callable[[Path], Iterator[str]],
+) -> None:
+    others = BENCHMARKS if habit is waits else []
+    assert [told for path in (*TESTS, *others) for told in habit(path)] == []
 
 
 def test_the_check_for_hasty_asserts_finds_them(
@@ -112,33 +126,6 @@ def test_the_check_for_hasty_asserts_finds_them(
     ):
         path.write_text("\n".join(["async def test() -> None:", *lines]))
         assert len(list(hasty_asserts(path))) == found, lines
-
-
-def waits(path: Path) -> Iterator[str]:
-    """Where a test waits for a process or a thread without a bound; who awaits is bounded above."""
-    text = path.read_text(encoding="utf-8")
-    if not re.search(r"subprocess\.run|\.(wait|join|communicate)\(\s*\)", text):
-        return
-    tree = ast.parse(text)
-    awaited = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Await)}
-    awaited |= {
-        id(argument)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and ast.unparse(node.func) == "asyncio.wait_for"
-        for argument in node.args
-    }
-    for node in ast.walk(tree):
-        if not isinstance(node, ast.Call) or id(node) in awaited:
-            continue
-        name = ast.unparse(node.func)
-        runs = name == "subprocess.run" and not any(k.arg == "timeout" for k in node.keywords)
-        ends = re.search(r"\.(wait|join|communicate)$", name) and not (node.args or node.keywords)
-        if runs or ends:
-            yield f"{path.relative_to(CHECKOUT)}:{node.lineno}: {ast.unparse(node)}"
-
-
-def test_no_test_waits_for_ever() -> None:
-    assert [place for path in (*TESTS, *BENCHMARKS) for place in waits(path)] == []
 
 
 def test_a_checker_is_silenced_only_with_a_reason_beside_it() -> None:

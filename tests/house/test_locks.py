@@ -30,36 +30,29 @@ def pins(name: str) -> dict[str, set[str]]:
 
 
 @pytest.mark.parametrize("name", LOCKS)
-def test_every_entry_is_one_version_with_hashes(name: str) -> None:
+def test_every_entry_is_one_version_with_hashes_and_names_no_host_and_no_folder(name: str) -> None:
     assert entries(name)
     for entry in entries(name):
         assert re.fullmatch(r"[\w.-]+==[\w.+]+( ; [^#]+?)?( +--hash=sha256:[0-9a-f]{64})+", entry)
-
-
-@pytest.mark.parametrize("name", LOCKS)
-def test_a_lock_names_no_host_and_no_folder(name: str) -> None:
     assert not re.search(r"://|--(index|extra|find)|^[^#]*/", LOCKS[name].read_text(), re.MULTILINE)
 
 
-def test_what_is_needed_to_play_is_locked_within_its_bounds() -> None:
-    wanted = [*PROJECT["project"]["dependencies"], *PROJECT["build-system"]["requires"]]
-    assert_within_bounds("play", wanted)
-
-
-def test_what_is_needed_to_develop_is_locked_within_its_bounds() -> None:
-    assert_within_bounds("dev", PROJECT["dependency-groups"]["dev"])
-
-
-def test_developing_uses_the_versions_that_players_have() -> None:
-    dev = pins("dev")
-    assert {name: dev.get(name) for name in pins("play")} == pins("play")
-
-
-def assert_within_bounds(lock: str, wanted: list[str]) -> None:
-    """Every requirement is locked, and each locked version fits it."""
+@pytest.mark.parametrize(
+    ("lock", "wanted"),
+    [
+        ("play", [*PROJECT["project"]["dependencies"], *PROJECT["build-system"]["requires"]]),
+        ("dev", PROJECT["dependency-groups"]["dev"]),
+    ],
+)
+def test_what_is_needed_is_locked_within_its_bounds(lock: str, wanted: list[str]) -> None:
     locked = pins(lock)
     for line in wanted:
         requirement = Requirement(line)
         assert requirement.name in locked, f"{requirement.name} is missing; run `make lock`"
         for version in locked[requirement.name]:
             assert requirement.specifier.contains(version.removeprefix("=="))
+
+
+def test_developing_uses_the_versions_that_players_have() -> None:
+    dev = pins("dev")
+    assert {name: dev.get(name) for name in pins("play")} == pins("play")

@@ -44,7 +44,9 @@ def classified_pythons(wheel: Path) -> list[str]:
     return re.findall(r"^Programming Language :: Python :: (\d\.\d+)$", classifiers, re.MULTILINE)
 
 
-def test_the_wheel_carries_every_level_and_program_and_the_licence(wheel: Path) -> None:
+def test_the_wheel_carries_the_package_with_levels_programs_and_licence_and_nothing_else(
+    wheel: Path,
+) -> None:
     carried = set(zipfile.ZipFile(wheel).namelist())
     shipped = {
         f"logical_robots_tui/{path.relative_to(CHECKOUT)}"
@@ -55,12 +57,8 @@ def test_the_wheel_carries_every_level_and_program_and_the_licence(wheel: Path) 
     assert shipped <= carried
     assert "logical_robots_tui/py.typed" in carried
     assert any(name.endswith("licenses/LICENSE") for name in carried)
-
-
-def test_the_wheel_carries_nothing_but_the_package(wheel: Path) -> None:
-    tops = {name.partition("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
-    version = logical_robots_tui.__version__
-    assert tops == {"logical_robots_tui", f"logical_robots_tui-{version}.dist-info"}
+    about = f"logical_robots_tui-{logical_robots_tui.__version__}.dist-info"
+    assert {name.partition("/")[0] for name in carried} == {"logical_robots_tui", about}
 
 
 def test_the_sdist_carries_what_pyproject_names_and_nothing_else(sdist: Path) -> None:
@@ -102,27 +100,26 @@ def test_the_changelog_begins_with_this_version() -> None:
     assert newest[1] == logical_robots_tui.__version__
 
 
-def test_an_installed_copy_uses_its_own_code_and_levels(installed: Installed) -> None:
+def test_an_installed_copy_uses_its_own_code_and_levels_and_wins_one(installed: Installed) -> None:
     done = installed.run(
         "python",
         "-c",
         "import logical_robots_tui as package; from logical_robots_tui import paths;"
-        "print(package.__file__, paths.shipped_folder('levels'))",
+        "print(package.__file__, package.__version__, paths.shipped_folder('levels'))",
     )
-    code, levels = done.stdout.split()
+    code, version, levels = done.stdout.split()
     assert Path(code).is_relative_to(installed.root)
     assert Path(levels).is_relative_to(installed.root)
-
-
-def test_an_installed_copy_knows_its_version(installed: Installed) -> None:
-    done = installed.run("python", "-m", "logical_robots_tui", "--version")
-    assert done.stdout == f"logical-robots {logical_robots_tui.__version__}\n"
-
-
-def test_an_installed_copy_wins_a_level(installed: Installed) -> None:
+    assert version == logical_robots_tui.__version__
     done = installed.run("logical-robots", "run", *WON_BY, "--json")
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout)["won"] is True
+
+
+@pytest.mark.slow
+def test_an_installed_copy_tells_its_version(installed: Installed) -> None:
+    done = installed.run("python", "-m", "logical_robots_tui", "--version")
+    assert done.stdout == f"logical-robots {logical_robots_tui.__version__}\n"
 
 
 @pytest.mark.proof

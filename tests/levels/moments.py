@@ -56,7 +56,7 @@ def moments(name: str, text: str, ticks: int) -> Iterator[Moment]:
     mind = Mind(Program.compile(text), memory=sees.memory, sensor=sees.sensor)
     memories: dict[str, Any] = {robot.name: "" for robot in level.robots}
     try:
-        while world.tick < ticks:
+        while world.tick < ticks and world.won_at is None:
             rows = world.sense()
             yield Moment(level, world.tick, world.save(), rows, memories, mind)
             decisions = mind.think(rows, memories)

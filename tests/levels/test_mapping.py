@@ -3,42 +3,34 @@
 from __future__ import annotations
 
 import heapq
+from functools import cache
 from itertools import combinations, pairwise
 from math import dist
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
-from logical_robots_tui import Mind, Program, World, load_level
+from logical_robots_tui import load_level
+from tests.levels.moments import moments
 from tests.levels.playing import program_text
 
-if TYPE_CHECKING:
-    from logical_robots_tui import Level
-
+LEVEL = "10-distributed-mapping"
 PATIENCE = 6000
 LONGEST_ROAD = 103  # the program takes those that seem shorter than 100
 FARTHEST = 250  # from a robot to both ends of a road that it believes to see
 LEADER, BASE = "Atlas", "Base"
 
 
-def play(level: Level) -> tuple[list[Any], set[tuple[str, str]]]:
+@cache
+def play() -> tuple[list[Any], set[tuple[str, str]]]:
     """Return what the leader remembers after each tick, and the pairs seen at once till then."""
-    world, mind = (
-        World(level),
-        Mind(Program.compile(program_text("distributed-mapping")), "all", "own"),
-    )
-    memories: dict[str, Any] = {robot.name: "" for robot in level.robots}
     pairs: set[tuple[str, str]] = set()
     told = []
-    while world.won_at is None and world.tick < PATIENCE:
-        rows = world.sense()
-        decisions = mind.think(rows, memories)
-        world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-        memories = {d.robot_name: d.memory for d in decisions}
-        for row in rows:
-            radar = row["sensor"]["radar"]
+    for moment in moments(LEVEL, program_text("distributed-mapping"), PATIENCE):
+        told.append(moment.memories[LEADER])
+        for row in moment.rows:
             nearest: dict[str, float] = {}
-            for ray in sorted(radar, key=lambda ray: -float(ray["distance"])):
+            for ray in sorted(row["sensor"]["radar"], key=lambda ray: -float(ray["distance"])):
                 if ray["object"] == "beacon":
                     nearest[ray["label"]] = ray["distance"]
             pairs |= {
@@ -46,10 +38,8 @@ def play(level: Level) -> tuple[list[Any], set[tuple[str, str]]]:
                 for one, other in combinations(sorted(nearest), 2)
                 if nearest[one] + nearest[other] < FARTHEST
             }
-        told.append(memories[LEADER])
-    mind.close()
-    assert world.won_at is not None
-    return told, pairs
+    assert len(told) < PATIENCE
+    return told[1:], pairs
 
 
 def dijkstra(
@@ -71,25 +61,13 @@ def dijkstra(
     return found
 
 
-@pytest.fixture(scope="module")
-def level() -> Level:
-    return load_level("10-distributed-mapping")
-
-
-@pytest.fixture(scope="module")
-def played(level: Level) -> tuple[list[Any], set[tuple[str, str]]]:
-    return play(level)
-
-
 def distances(memory: Any) -> dict[str, float]:
     return {place["label"]: place["far"] for place in memory["places"] or []}
 
 
 @pytest.mark.slow
-def test_the_map_agrees_with_dijkstra_over_the_pairs_that_robots_have_seen(
-    level: Level, played: tuple[list[Any], set[tuple[str, str]]]
-) -> None:
-    told, pairs = played
+def test_the_map_agrees_with_dijkstra_over_the_pairs_that_robots_have_seen() -> None:
+    level, (told, pairs) = load_level(LEVEL), play()
     places = {beacon.name: (beacon.x, beacon.y) for beacon in level.beacons}
     roads = {(a, b) for a, b in pairs if dist(places[a], places[b]) < LONGEST_ROAD}
     right, computed = dijkstra(places, roads), distances(told[-1])
@@ -99,8 +77,8 @@ def test_the_map_agrees_with_dijkstra_over_the_pairs_that_robots_have_seen(
 
 
 @pytest.mark.slow
-def test_the_map_grows_by_one_round_a_tick(played: tuple[list[Any], set[tuple[str, str]]]) -> None:
-    told, _ = played
+def test_the_map_grows_by_one_round_a_tick() -> None:
+    told, _ = play()
     before: set[str] = {BASE}
     for memory in told:
         roads = memory["roads"] or []
@@ -110,11 +88,9 @@ def test_the_map_grows_by_one_round_a_tick(played: tuple[list[Any], set[tuple[st
 
 
 @pytest.mark.slow
-def test_a_distance_rises_when_a_road_turns_out_longer_as_the_lesson_says(
-    level: Level, played: tuple[list[Any], set[tuple[str, str]]]
-) -> None:
-    assert "must **rise**" in level.lesson
-    told, _ = played
+def test_a_distance_rises_when_a_road_turns_out_longer_as_the_lesson_says() -> None:
+    assert "must **rise**" in load_level(LEVEL).lesson
+    told, _ = play()
     maps = [distances(memory) for memory in told]
     assert any(
         far > before.get(label, far) + 2

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.editing.checks import check
-from logical_robots_tui.world import Level, LevelError, Score, Team, load_level
+from logical_robots_tui.world import LevelError, Score, Team, load_level
 from tests.levels.playing import ticks_to_win
 
 PAGE = Path(__file__).parents[2] / "docs" / "levels.md"
@@ -35,19 +35,17 @@ def file(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.fixture
-def level(file: Path) -> Level:
-    return load_level(file)
-
-
-def test_the_example_is_a_level(level: Level) -> None:
+def test_the_example_is_a_level_without_likely_mistakes_that_can_be_played(file: Path) -> None:
+    level = load_level(file)
     assert (level.name, level.title) == ("gate", "Two at the gate")
     assert (level.width, level.height) == (300, 90)
     assert [robot.name for robot in level.robots] == ["Ann", "Bob"]
-
-
-def test_the_example_has_no_likely_mistake(level: Level) -> None:
     assert check(level) == []
+    text = """
+    Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
+      Sensor(robot_name:);
+    """
+    assert ticks_to_win(level, text, 20) is None
 
 
 def test_the_example_with_teams_is_a_level(file: Path) -> None:
@@ -61,35 +59,19 @@ def test_the_example_with_teams_is_a_level(file: Path) -> None:
     assert level.shuffled_names == ("R*",)
 
 
-def test_the_example_can_be_played(level: Level) -> None:
-    text = """
-    Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
-      Sensor(robot_name:);
-    """
-    assert ticks_to_win(level, text, 20) is None
-
-
 EVERY_TABLE = [
-    # text of the example, and the same with a key that means nothing
-    ("cell = 10", "cell = 10\nzzz = 1"),
-    ("visibility = {", "visibility = {zzz = 1, "),
-    ("{ask = ", "{zzz = 1, ask = "),
-    ("[[robots]]", "[[robots]]\nzzz = 1"),
-    ("battery = {", "battery = {zzz = 1, "),
-    ("[[beacons]]", "[[beacons]]\nzzz = 1"),
-    ("[[areas]]", "[[areas]]\nzzz = 1"),
-    ("[[teams]]", "[[teams]]\nzzz = 1"),
-    ("[[scores]]", "[[scores]]\nzzz = 1"),
+    # text of the example, which is followed by a key that means nothing
+    *("cell = 10\n", "visibility = {", "questions = [\n  {", "battery = {"),
+    *(f"[[{table}]]\n" for table in ("robots", "beacons", "areas", "teams", "scores")),
 ]
 TABLES = {"robots", "beacons", "areas", "teams", "scores"}
 
 
-@pytest.mark.parametrize(("before", "after"), EVERY_TABLE)
-def test_example_and_page_name_every_key_that_a_level_knows(
-    file: Path, before: str, after: str
-) -> None:
-    text = example() if before in example() else arena()
-    file.write_text(text.replace(before, after, 1), "utf-8")
+@pytest.mark.parametrize("place", EVERY_TABLE)
+def test_example_and_page_name_every_key_that_a_level_knows(file: Path, place: str) -> None:
+    text = example() if place in example() else arena()
+    unknown = "zzz = 1\n" if place.endswith("\n") else "zzz = 1, "
+    file.write_text(text.replace(place, place + unknown, 1), "utf-8")
     with pytest.raises(LevelError) as caught:
         load_level(file)
     known = caught.value.hint.removeprefix("Known keys: ").removesuffix(".").split(", ")
