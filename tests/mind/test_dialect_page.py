@@ -9,66 +9,70 @@ from typing import Any
 import pytest
 
 from logical_robots_tui import Program, ProgramError
-from tests.mind.rows import ROBOT, remembered, row, think
+from tests.mind.rows import ROBOT, all_remembered, row, think
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs/dialect.md").read_text("utf-8").split())
 NOTHING = "x in Range(0)"
 
 
-@pytest.mark.parametrize(
-    ("said", "expression", "memory", "value"),
-    [
-        ("`60 / 100` is `0.6`", "60 / 100", "", 0.6),
-        ("A number divided by zero is infinite", "1 / 0 > 10 ^ 300", "", 1),
-        ("Null goes in, null comes out", "Sqrt(null) is null", "", 1),
-        ("`Greatest` ignore nulls", "Greatest(null, 2)", "", 2),
-        ("An aggregate over nothing is null", f"Max{{x :- {NOTHING}}} is null", "", 1),
-        ("so is `List{...}` of nothing", f"List{{x :- {NOTHING}}} is null", "", 1),
-        ("`Count` of nothing is 0", f"Count{{x :- {NOTHING}}}", "", 0),
-        ("`Like` are case-sensitive", '"a" == "A" || Like("a", "A")', "", 0),
-        ("may be written with a space before the brace", "WeightedAverage {1 -> 2}", "", 2),
-        ("`memory.count` is null while the memory is still", "memory.count is null", "", 1),
-        (
-            '`{count: 0, plan: {at: ""}, seen: [""]}`',
-            'TryCast(memory, {count: 0, plan: {at: ""}, seen: [""]}).count + 1',
-            {"count": "2", "other": 1},
-            3,
-        ),
-        ("numbers become strings where a string is", 'TryCast(5, "") ++ "!"', "", "5!"),
-        ("or null", "TryCast(memory, 0) is null", "x", 1),
-        ("A type may also be written out: `Num`", "TryCast(memory, Num)", 5, 5),
-        ("`Int`", "TryCast(memory, Int)", "7", 7),
-        ("`Str`", "TryCast(memory, Str)", "a", "a"),
-        ("`Bool`", "TryCast(memory, Bool)", "true", 1),
-        (
-            "`{count: Num, plan: {at: Str}}`",
-            "TryCast(memory, {count: Num, plan: {at: Str}}).plan.at",
-            {"count": 1, "plan": {"at": "home"}},
-            "home",
-        ),
-        ("a list of a type `[Str]`", "Element(TryCast(memory, [Str]), 0)", ["a"], "a"),
-        (
-            '`"STRUCT(count DOUBLE)"`',
-            'TryCast(memory, "STRUCT(count DOUBLE)").count',
-            {"count": 3},
-            3,
-        ),
-        ("`Cast(2.5, Int)` is 3", "Cast(2.5, Int)", "", 3),
-        ("`Cast(Sqrt(6.25), Int)` is 2", "Cast(Sqrt(6.25), Int)", "", 2),
-        (
-            "`{'n': 1, 's': 'it\\'s'}`",
-            """ToString({n: 1, s: "it's"}) == "{'n': 1, 's': 'it\\'s'}\"""",
-            "",
-            True,
-        ),
-        ("Fields that the record lacks are null", "TryCast(memory, {a: Num}).a is null", {}, 1),
-    ],
-)
-def test_a_statement_of_the_page_holds(
-    said: str, expression: str, memory: Any, value: object
-) -> None:
-    assert said in PAGE
-    assert remembered(expression, memory) == value
+STATEMENTS: list[tuple[str, str, Any, object]] = [
+    ("`60 / 100` is `0.6`", "60 / 100", "", 0.6),
+    ("A number divided by zero is infinite", "1 / 0 > 10 ^ 300", "", 1),
+    ("Null goes in, null comes out", "Sqrt(null) is null", "", 1),
+    ("`Greatest` ignore nulls", "Greatest(null, 2)", "", 2),
+    ("An aggregate over nothing is null", f"Max{{x :- {NOTHING}}} is null", "", 1),
+    ("so is `List{...}` of nothing", f"List{{x :- {NOTHING}}} is null", "", 1),
+    ("`Count` of nothing is 0", f"Count{{x :- {NOTHING}}}", "", 0),
+    ("`Like` are case-sensitive", '"a" == "A" || Like("a", "A")', "", 0),
+    ("may be written with a space before the brace", "WeightedAverage {1 -> 2}", "", 2),
+    ("`memory.count` is null while the memory is still", "memory.count is null", "", 1),
+    (
+        '`{count: 0, plan: {at: ""}, seen: [""]}`',
+        'TryCast(memory, {count: 0, plan: {at: ""}, seen: [""]}).count + 1',
+        {"count": "2", "other": 1},
+        3,
+    ),
+    ("numbers become strings where a string is", 'TryCast(5, "") ++ "!"', "", "5!"),
+    ("or null", "TryCast(memory, 0) is null", "x", 1),
+    ("A type may also be written out: `Num`", "TryCast(memory, Num)", 5, 5),
+    ("`Int`", "TryCast(memory, Int)", "7", 7),
+    ("`Str`", "TryCast(memory, Str)", "a", "a"),
+    ("`Bool`", "TryCast(memory, Bool)", "true", 1),
+    (
+        "`{count: Num, plan: {at: Str}}`",
+        "TryCast(memory, {count: Num, plan: {at: Str}}).plan.at",
+        {"count": 1, "plan": {"at": "home"}},
+        "home",
+    ),
+    ("a list of a type `[Str]`", "Element(TryCast(memory, [Str]), 0)", ["a"], "a"),
+    (
+        '`"STRUCT(count DOUBLE)"`',
+        'TryCast(memory, "STRUCT(count DOUBLE)").count',
+        {"count": 3},
+        3,
+    ),
+    ("`Cast(2.5, Int)` is 3", "Cast(2.5, Int)", "", 3),
+    ("`Cast(Sqrt(6.25), Int)` is 2", "Cast(Sqrt(6.25), Int)", "", 2),
+    (
+        "`{'n': 1, 's': 'it\\'s'}`",
+        """ToString({n: 1, s: "it's"}) == "{'n': 1, 's': 'it\\'s'}\"""",
+        "",
+        True,
+    ),
+    ("Fields that the record lacks are null", "TryCast(memory, {a: Num}).a is null", {}, 1),
+]
+"""What the page says, an expression that shows it, with a memory, and its value."""
+
+
+def test_the_statements_of_the_page_hold() -> None:
+    assert [said for said, *_ in STATEMENTS if said not in PAGE] == []
+    for memory in [memory for n, (*_, memory, _) in enumerate(STATEMENTS) if is_new(n, memory)]:
+        expected = {text: value for _, text, with_, value in STATEMENTS if with_ == memory}
+        assert all_remembered(expected, memory) == expected
+
+
+def is_new(number: int, memory: object) -> bool:
+    return memory not in [earlier for *_, earlier, _ in STATEMENTS[:number]]
 
 
 @pytest.mark.parametrize(

@@ -4,57 +4,64 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from logical_robots_tui.mind import Mind, Program, ProgramError
-from tests.mind.rows import ROBOT, remembered, row, think
+from tests.mind.rows import ROBOT, cases, remembered, row, think
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 SEEN = {3: (40, "robot", "Bo"), 4: (33, "beacon", "A"), 5: (50, "beacon", "B")}
 ANGLE = row("Ada")["sensor"]["radar"][4]["angle"]
 
 
-def exactly(expression: str, rules: str = "") -> list[Any]:
-    """What a robot remembers, decided the quick way and the plain one."""
-    text = f"{rules}\n{ROBOT} Memory(robot_name:, memory:), m = ({expression});"
+def exactly(expressions: Sequence[str], rules: str = "") -> dict[str, list[Any]]:
+    """What a robot remembers of each expression, decided the quick way and the plain one."""
+    functions, calls = cases(expressions)
+    record = ", ".join(f"{name}: {call}" for name, call in calls.items())
+    text = f"{rules}{functions}{ROBOT} Memory(robot_name:, memory:), m = {{{record}}};"
     program = Program.compile(text)
-    found = []
+    memories: list[Any] = []
     for plain in (False, True):
         mind = Mind(program, plain=plain)
         (decision,) = mind.think([row("Ada", sees=SEEN)], {"Ada": {"x": ANGLE}})
         assert not decision.notices
-        found.append(decision.memory)
+        memories.append(decision.memory)
         mind.close()
-    return found
+    names = dict(zip(expressions, calls, strict=True))
+    return {text: [memory[name] for memory in memories] for text, name in names.items()}
 
 
-@pytest.mark.parametrize(
-    ("rules", "expression"),
-    [
-        ("", "{x: Element(sensor.radar, 4).angle}.x"),
-        ("V() = {x: r.angle} :- Sensor(sensor:), r in sensor.radar, r.label == 'A';", "V().x"),
-        ("@Ground(P); P(r: {x: a.angle}) :- Sensor(sensor:), a in sensor.radar, a.label == 'A';",
-         "Max{r.x :- P(r:)}"),
-        ("", "ArgMin{ {x: r.angle} -> r.distance :- r in sensor.radar}.x"),
-        ("", "Element(List{r.angle :- r in sensor.radar, r.label == 'A'}, 0)"),
-        ("", "Element([memory.x], 0)"),
-        ("", "{y: {x: memory.x}}.y.x"),
-        ("", "TryCast({x: memory.x}, {x: 0}).x"),
-    ],
-)  # fmt: skip
-def test_a_number_keeps_all_of_its_digits(rules: str, expression: str) -> None:
-    assert exactly(expression, rules) == [ANGLE, ANGLE]
-    assert exactly(f"{{a: [{{b: ({expression})}}]}}", rules) == [{"a": [{"b": ANGLE}]}] * 2
+ANGLES = """
+V() = {x: r.angle} :- Sensor(sensor:), r in sensor.radar, r.label == 'A';
+@Ground(P); P(r: {x: a.angle}) :- Sensor(sensor:), a in sensor.radar, a.label == 'A';
+"""
+
+
+def test_a_number_keeps_all_of_its_digits() -> None:
+    expressions = [
+        "{x: Element(sensor.radar, 4).angle}.x",
+        "V().x",
+        "Max{r.x :- P(r:)}",
+        "ArgMin{ {x: r.angle} -> r.distance :- r in sensor.radar}.x",
+        "Element(List{r.angle :- r in sensor.radar, r.label == 'A'}, 0)",
+        "Element([memory.x], 0)",
+        "{y: {x: memory.x}}.y.x",
+        "TryCast({x: memory.x}, {x: 0}).x",
+    ]
+    assert exactly(expressions, ANGLES) == {text: [ANGLE, ANGLE] for text in expressions}
+    nested = [f"{{a: [{{b: ({text})}}]}}" for text in expressions]
+    assert exactly(nested, ANGLES) == {text: [{"a": [{"b": ANGLE}]}] * 2 for text in nested}
 
 
 def test_a_truth_in_a_record_is_a_truth() -> None:
-    for found in exactly(
-        "{near: sensor.clock < 5, far: sensor.clock > 5, no: null is null && null}"
-    ):
-        assert found["near"] is True
-        assert found["far"] is False
-        assert found["no"] is None
+    text = "{near: sensor.clock < 5, far: sensor.clock > 5, no: null is null && null}"
+    for truths in exactly([text])[text]:
+        assert (truths["near"], truths["far"], truths["no"]) == (True, False, None)
+        assert isinstance(truths["near"], bool)
 
 
 def test_an_example_may_be_known_in_the_tick_only() -> None:
@@ -67,30 +74,34 @@ def test_an_example_may_be_known_in_the_tick_only() -> None:
     }
 
 
-def engines(left: str) -> tuple[Any, list[str]]:
-    text = (
-        f"Robot(robot_name:, desire: {{left_engine: {left}, right_engine: 1}}, memory: 0) :- "
-        "Sensor(robot_name:, sensor:);"
+def engines(expressions: Sequence[str]) -> dict[str, tuple[float, list[str]]]:
+    """By what is written for its power: that of an engine, and what is told about it."""
+    text = "".join(
+        f'Robot(robot_name: "{n}", desire: {{left_engine: {left}, right_engine: 1}}, memory: 0)'
+        f' :- Sensor(robot_name: "{n}");\n'
+        for n, left in enumerate(expressions)
     )
-    (decision,) = think(text, [row("Ada")], {})
-    assert decision.desire is not None
-    return decision.desire.left_engine, [notice.message for notice in decision.notices]
+    decisions = think(text, [row(str(number)) for number in range(len(expressions))], {})
+    return {
+        left: (decision.desire.left_engine, [notice.message for notice in decision.notices])
+        for left, decision in zip(expressions, decisions, strict=True)
+        if decision.desire is not None
+    }
 
 
-@pytest.mark.parametrize("text", ["0.5", " 0.5 ", ".5", "+5e-1"])
-def test_an_engine_may_be_a_text_that_spells_a_number(text: str) -> None:
-    assert engines(f'"{text}"') == (0.5, [])
-
-
-@pytest.mark.parametrize("text", ["", "half", "0.5x", "nan", "1_0", "٣"])
-def test_any_other_text_stands_still(text: str) -> None:
-    power, (notice,) = engines(f'"{text}"')
-    assert power == 0
-    assert "it stops" in notice
+def test_an_engine_may_be_a_text_that_spells_a_number_and_any_other_text_stands_still() -> None:
+    numbers = ['"0.5"', '" 0.5 "', '".5"', '"+5e-1"']
+    others = ['""', '"half"', '"0.5x"', '"nan"', '"1_0"', '"٣"']
+    told = engines([*numbers, *others])
+    assert [told[text] for text in numbers] == [(0.5, [])] * 4
+    for text in others:
+        power, (notice,) = told[text]
+        assert power == 0, text
+        assert "it stops" in notice, text
 
 
 def test_an_engine_without_end_is_not_called_null() -> None:
-    assert engines("1 / 0") == (0, ["left_engine is infinite: it stops."])
+    assert engines(["1 / 0"]) == {"1 / 0": (0, ["left_engine is infinite: it stops."])}
 
 
 def test_a_number_without_end_stays_one_in_a_record() -> None:

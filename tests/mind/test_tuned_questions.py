@@ -38,7 +38,8 @@ def repr_of(values: list[Any]) -> str:
 @pytest.mark.parametrize(
     ("name", "tick"),
     [
-        ("06-breadcrumbs", 60),
+        ("05-lighthouse", 40),
+        pytest.param("06-breadcrumbs", 200, marks=pytest.mark.slow),
         pytest.param("10-distributed-mapping", 120, marks=pytest.mark.slow),
         pytest.param("13-swarm", 20, marks=pytest.mark.slow),
     ],

@@ -47,9 +47,7 @@ def test_only_columns_that_are_read_are_filled() -> None:
     }
 
 
-@pytest.mark.parametrize(
-    "expression",
-    [
+EXPRESSIONS = [
         "sensor.forward_distance + sensor.clock",
         "sensor",
         "sensor.radar",
@@ -68,11 +66,19 @@ def test_only_columns_that_are_read_are_filled() -> None:
         "memory.plan",
         "{plan: memory.plan, again: memory.plan}",
         "Count{ray.label :- ray in sensor.radar}",
-    ],
-)  # fmt: skip
-def test_both_ways_give_the_same_of(expression: str) -> None:
-    rules = f"{CLOSEST}{HEADINGS}"
-    text = f"{rules}{ROBOT} Memory(robot_name:, memory:), m = ({expression});"
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "expressions",
+    [EXPRESSIONS, *(pytest.param([text], marks=pytest.mark.slow) for text in EXPRESSIONS)],
+    ids=["all in one", *EXPRESSIONS],
+)
+def test_both_ways_give_the_same_of(expressions: list[str]) -> None:
+    values = expressions[0]
+    if len(expressions) > 1:
+        values = f"{{{', '.join(f'c{n}: ({text})' for n, text in enumerate(expressions))}}}"
+    text = f"{CLOSEST}{HEADINGS}{ROBOT} Memory(robot_name:, memory:), m = ({values});"
     assert "Robot" in Program.compile(text).tuned
     memory = {"turn": 0.5, "plan": {"spot": "A", "steps": [1, {"x": 2}]}}
     (decision,) = think(text, [row("Ada", sees=SEEN)], {"Ada": memory})
@@ -116,10 +122,8 @@ def test_sensors_of_another_shape_are_thought_about_too(change: Any) -> None:
 
 @pytest.mark.parametrize("memory", ["own", "seen", "all"])
 @pytest.mark.parametrize("sensor", ["own", "all"])
-def test_a_crowd_is_thought_about_as_a_few_are(memory: str, sensor: str) -> None:
+def test_a_crowd_is_thought_about_as_a_few_are(memory: Any, sensor: Any) -> None:
     text = f"""
-    @Visible(Memory, "{memory}");
-    @Visible(Sensor, "{sensor}");
     Known(robot_name:, turn: memory.turn) :- Memory(robot_name:, memory:);
     Near(robot_name:, n? Sum= 1) distinct :-
       Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "robot";
@@ -135,9 +139,9 @@ def test_a_crowd_is_thought_about_as_a_few_are(memory: str, sensor: str) -> None
         for i, name in enumerate(names[:31])
     ] + [row(name) for name in names[31:]]
     memories = {name: {"turn": i} for i, name in enumerate(names)}
-    crowd = think(text, rows, memories)
+    crowd = think(text, rows, memories, memory=memory, sensor=sensor)
     assert len({str(decision.memory) for decision in crowd}) > 1
-    mind = Mind(Program.compile(text))
+    mind = Mind(Program.compile(text), memory, sensor)
     for some in (rows[:3], rows, rows[5:9]):
         assert len(mind.think(some, memories)) == len(some)
     mind.close()

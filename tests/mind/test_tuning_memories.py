@@ -157,8 +157,16 @@ def test_a_total_over_a_query_written_in_place_is_of_what_its_viewer_sees() -> N
     assert "T.id BETWEEN S.id AND S.id" in tuned.together
 
 
-def test_an_example_costs_what_a_type_costs() -> None:
-    text = program_text("schema")
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Schema() = {clock: 0, beacons: [{label: '', way: 0}], edges: [{u: '', v: '', d: 0}]};"
+        f"{ROBOT}Memory(robot_name:, memory:), m = {EXAMPLE};",
+        pytest.param(program_text("schema"), marks=pytest.mark.slow),
+    ],
+    ids=["short", "as measured"],
+)
+def test_an_example_costs_what_a_type_costs(text: str) -> None:
     assert EXAMPLE in text
     example, written = map(_shape, (text, text.replace(EXAMPLE, TYPE)))
     assert "TRY_CAST(" in example
