@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Diagnostic, Program, ProgramError
+from tests.mind.checking import problems
 
 ENGINES = "desire: {left_engine: 0, right_engine: 0}"
 ROBOT = f"Robot(robot_name:, {ENGINES}, memory: m) :- Sensor(robot_name:, sensor:),"
@@ -55,15 +56,44 @@ def told(found: tuple[Diagnostic, ...]) -> str:
     )
 
 
-@pytest.mark.parametrize("title", PROGRAMS)
+WHEN_COMPILED = {
+    "alternatives in an aggregate",
+    "a variable without a value",
+    "a variable without a value that looks like another",
+    "different aggregates",
+    "aggregation without distinct",
+    "a recursion without a beginning",
+    "two predicates that lean on each other only",
+    "a functor over what is not used",
+    "a visibility that does not exist",
+    "branches with different fields",
+    "a parameter in a text",
+    "an aggregate that is called in a condition",
+    "an aggregate that is called and compared later",
+}
+"""Programs whose mistakes are found after all checks."""
+
+
+def test_the_checks_explain_what_they_find() -> None:
+    for title in PROGRAMS.keys() - WHEN_COMPILED:
+        assert_explained(title, problems(PROGRAMS[title][0]))
+
+
+@pytest.mark.parametrize(
+    "title",
+    [pytest.param(t, marks=[pytest.mark.slow] * (t not in WHEN_COMPILED)) for t in PROGRAMS],
+)
 def test_a_broken_program_is_explained(title: str) -> None:
+    assert_explained(title, diagnostics(PROGRAMS[title][0]))
+
+
+def assert_explained(title: str, found: tuple[Diagnostic, ...]) -> None:
     text, expected = PROGRAMS[title]
-    found = diagnostics(text)
-    assert told(found) == expected
+    assert told(found) == expected, title
     lines = text.split("\n")
     for diagnostic in found:
         place = lines[diagnostic.line - 1][diagnostic.column - 1 :]
-        assert place.startswith(diagnostic.excerpt)
+        assert place.startswith(diagnostic.excerpt), title
 
 
 def test_the_corpus_is_large_enough() -> None:

@@ -86,10 +86,12 @@ def test_a_program_that_is_too_long_is_refused() -> None:
     assert "more than the 10 " in refusal(ROBOT + "m = 1;", Limits(program_characters=10))
 
 
+@pytest.mark.slow
 def test_a_program_that_needs_too_much_memory_to_compile_is_refused() -> None:
     limits = Limits(compile_bytes=100 * 1024**2, compile_seconds=60)
-    ones = ", ".join("1" * 10_000)
-    assert "memory" in refusal(f"{ROBOT} m = [{ones}];", limits)
+    columns = ", ".join(f"c{number}: {number}" for number in range(100))
+    facts = "".join(f"P{number}({columns});" for number in range(150))
+    assert "memory" in refusal(f"{facts} {ROBOT} m = 1;", limits)
     assert Program.compile(ROBOT + "m = 12346;").statements
 
 
@@ -218,6 +220,18 @@ def test_a_mistake_of_ours_while_compiling_is_told_plainly_and_logged(
     with pytest.raises(ProgramError, match="gave up on this program"):
         Program.compile(ROBOT + "m = 4242;")
     assert "ZeroDivisionError: ours" in caplog.text
+
+
+@pytest.mark.parametrize("error", [MemoryError, SystemError])
+def test_a_compile_process_does_not_survive_a_program_for_which_there_is_no_memory(
+    error: type[Exception], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stumble(_text: str, _report: object) -> Program:
+        raise error  # CPython may lose the exception that says so
+
+    monkeypatch.setattr(compiler, "compile_text", stumble)
+    with pytest.raises(MemoryError):
+        worker.answer({"text": "A(1);"}, {})
 
 
 def test_compiling_tells_how_far_it_is() -> None:

@@ -8,6 +8,7 @@ from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import ROBOT, row, think
 
 WAY = """
+@Recursive(Reach, 3);
 Step(from: "a", to: "b", order: 1);
 Step(from: "b", to: "c", order: 2);
 Far(to:, order? Max= order, set? List= from) distinct :- Step(from:, to:, order:);
@@ -15,20 +16,22 @@ Reach(from:, to:) distinct :- Step(from:, to:) | Step(from:, to: x), Reach(from:
 """
 
 
+TEXT = f"""{WAY}{ROBOT}
+  Far(to:, order:, set:), to == "c",
+  values == List{{x :- Reach(from: "a", to: x)}},
+  where == Sum{{n :- Step(order: n)}},
+  m = {{to:, order:, set:, values:, where:}};"""
+
+
 def test_such_columns_are_columns_like_any_other() -> None:
-    text = f"""{WAY}{ROBOT}
-      Far(to:, order:, set:), to == "c",
-      values == List{{x :- Reach(from: "a", to: x)}},
-      where == Sum{{n :- Step(order: n)}},
-      m = {{to:, order:, set:, values:, where:}};"""
-    decisions = think(text, [row("Ada"), row("Bo")], {})
+    decisions = think(TEXT, [row("Ada"), row("Bo")], {})
     expected = {"to": "c", "order": 2, "set": ["b"], "values": ["b", "c"], "where": 3}
     assert [d.memory for d in decisions] == [expected, expected]
 
 
 @pytest.mark.parametrize("plain", [True, False], ids=["plain", "quick"])
 def test_the_inspector_shows_them_under_their_names(plain: bool) -> None:
-    mind = Mind(Program.compile(f"{WAY}{ROBOT} m = 1;"), plain=plain)
+    mind = Mind(Program.compile(TEXT), plain=plain)
     table = mind.query("Reach", [row("Ada")], {})
     assert table.columns == ("from", "to")
     assert set(table.rows) == {("a", "b"), ("a", "c"), ("b", "c")}

@@ -60,8 +60,17 @@ def in_any_order(views: list[Rows] | None) -> list[list[str]] | None:
     return None if views is None else [sorted(map(repr, rows)) for rows in views]
 
 
-@pytest.mark.parametrize("memory", ["own", "seen", "all"])
-@pytest.mark.parametrize("sensor", ["own", "all"])
+@pytest.mark.parametrize(
+    ("memory", "sensor"),
+    [
+        ("own", "own"),
+        ("seen", "all"),
+        *(
+            pytest.param(memory, sensor, marks=pytest.mark.slow)
+            for memory, sensor in (("seen", "own"), ("all", "own"), ("own", "all"), ("all", "all"))
+        ),
+    ],
+)
 @settings(deadline=None)
 @given(moments=MOMENTS)
 def test_the_rows_at_several_moments_are_those_at_each(

@@ -53,7 +53,7 @@ odd = value | st.lists(record | value, max_size=4) | record
 memory = st.fixed_dictionaries({}, optional={"report": roads | odd, "roads": roads}) | value
 
 
-@pytest.mark.parametrize("visible", ["own", "seen", "all"])
+@pytest.mark.parametrize("visible", [pytest.param("own", marks=pytest.mark.slow), "seen", "all"])
 def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
     program = Program.compile(TOLD)
     tuned, plain = (Mind(program, memory=visible, plain=plain) for plain in (False, True))

@@ -252,7 +252,7 @@ def test_a_thousand_random_programs_mean_the_same(
 
 
 @settings(
-    max_examples=max(2, min(12, settings().max_examples // 3)),
+    max_examples=min(12, settings().max_examples // 3),
     deadline=None,
     derandomize=True,
     phases=[Phase.explicit, Phase.generate],

@@ -1,0 +1,20 @@
+"""What the checks say about a program, in this process: what most programs are refused for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.language import package_patches
+from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.checks import check
+from logical_robots_tui.language.source_text import prepare
+from logical_robots_tui.mind.compiling.dialect import runs
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind import Diagnostic
+
+package_patches.install()  # as in the compile process
+
+
+def problems(text: str) -> tuple[Diagnostic, ...]:
+    return tuple(check(parse(prepare(text)), text, runs).problems)
