@@ -19,27 +19,20 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-async def test_today_s_labyrinth_is_opened_in_the_chosen_size(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        today = f"daily-{date.today().isoformat()}-small"
-        game.main.recorder.progress.set_fact(f"won {today}", "900")
-        game.main.run_worker(game.main.library.open_daily())
-        await game.until(lambda: isinstance(game.app.screen, Question))
-        await game.press("s")
-        await game.until(lambda: game.session.level.name == today)
-        await game.sees("Everybody has this labyrinth today.")
-
-
-async def test_closing_the_question_changes_nothing(data_dir: Path) -> None:
+async def test_today_s_labyrinth_is_opened_in_the_chosen_size_or_not(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         before = game.session.level
-        game.main.run_worker(game.main.library.open_daily())
-        await game.until(lambda: isinstance(game.app.screen, Question))
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
-        assert game.session.level is before
+        today = f"daily-{date.today().isoformat()}-small"
+        game.main.recorder.progress.set_fact(f"won {today}", "900")
+        for key in ("escape", "s"):
+            assert game.session.level is before
+            game.main.run_worker(game.main.library.open_daily())
+            await game.until(lambda: isinstance(game.app.screen, Question))
+            await game.press(key)
+            await game.until(lambda: game.app.screen is game.main)
+        await game.until(lambda: game.session.level.name == today)
+        await game.sees("Everybody has this labyrinth today.")
 
 
 async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: Path) -> None:

@@ -77,26 +77,47 @@ async def test_every_level_has_a_card_with_its_picture_and_idea(
             assert cell_len(line) == len(line) <= size[0]
 
 
-async def test_cards_tell_the_state_and_the_bests(data_dir: Path) -> None:
+async def test_cards_tell_what_was_achieved_and_are_filtered_and_clicked(data_dir: Path) -> None:
     progress = Progress(data_dir / FILE_NAME)
     progress.win(NAMES[0], "text", Measures(1255, 1, 972.6, 19, 20))
     progress.begin(NAMES[1])
     progress.close()
     async with opened(data_dir) as game:
-        await open_levels(game)
+        cards = await open_levels(game)
         await game.until(lambda: game.shows(f"1 of {len(COURSE)} won"))
         for words in ("★ won", "◐ started", "○ new", "not won yet"):
             await game.sees(words)
         await game.sees("1,255 ticks · size 1 · 19/20")
-
-
-async def test_arenas_are_the_last_ones_and_name_the_teams(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        cards = await open_levels(game)
-        await game.press(*"arena")
-        await game.until(lambda: [card.name for card in cards._cards] == list_arenas())
+        await game.press(*"won")
+        await game.until(lambda: names_on(cards) == [NAMES[0]])
+        await game.press(*["backspace"] * 3, *"arena")
+        await game.until(lambda: names_on(cards) == list_arenas())
         await game.sees("◇ arena")
         await game.sees("teams: red, gold, blue, green")
+        await game.press(*["backspace"] * 5, *"xyzzy")
+        await game.sees("Nothing has this name.")
+        await game.press("enter", "right", "down", "escape")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.session.level.name == "open_room"
+
+        await open_levels(game)
+        await game.press(*"daily")
+        await game.sees("◇ today")
+        await game.press("enter")
+        await game.sees("which size?")
+        await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
+
+        cards = await open_levels(game)
+        await game.click(LevelCards, offset=(cards.card_width + 5, 3))
+        await game.until(lambda: game.session.level.name == NAMES[1])
+        cards = await open_levels(game)
+        assert cards.chosen == 1, "the level at hand"
+        await game.sees(f"▸ 2 {load_level(NAMES[1]).title}")
+
+
+def names_on(cards: LevelCards) -> list[str]:
+    return [card.name for card in cards._cards]
 
 
 async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:
@@ -121,29 +142,6 @@ async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:
         assert game.app.screen is game.main
 
 
-async def test_a_click_on_a_card_plays_it(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        cards = await open_levels(game)
-        await game.click(LevelCards, offset=(cards.card_width + 5, 3))
-        await game.until(lambda: game.session.level.name == NAMES[1])
-
-
-async def test_what_is_typed_filters_by_title_idea_and_state(data_dir: Path) -> None:
-    progress = Progress(data_dir / FILE_NAME)
-    progress.win(NAMES[1], "text", Measures(1, 1, 1.0))
-    progress.close()
-    async with opened(data_dir) as game:
-        cards = await open_levels(game)
-        await game.until(lambda: game.shows(f"1 of {len(COURSE)} won"))
-        await game.press(*"won")
-        await game.until(lambda: [card.name for card in cards._cards] == [NAMES[1]])
-        await game.press(*["backspace"] * 3, *"xyzzy")
-        await game.sees("Nothing has this name.")
-        await game.press("enter", "right", "down", "escape")
-        await game.until(lambda: game.app.screen is game.main)
-        assert game.session.level.name == "open_room"
-
-
 async def test_what_is_typed_while_levels_are_read_costs_no_picture(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -166,7 +164,7 @@ async def test_what_is_typed_while_levels_are_read_costs_no_picture(
             line = game.app.screen.query_one("#filter", Input)
             await game.until(lambda: len(cards._cards) == len(NAMES) + 1)
             await game.press(*NAMES[1])
-            await game.until(lambda: [card.name for card in cards._cards] == [NAMES[1]])
+            await game.until(lambda: names_on(cards) == [NAMES[1]])
         finally:
             hold.release()
         await game.until(partial(has_picture, cards, NAMES[1]))
@@ -176,43 +174,20 @@ async def test_what_is_typed_while_levels_are_read_costs_no_picture(
             await game.until(partial(has_picture, cards, name))
 
 
-async def test_the_labyrinth_of_the_day_stands_among_the_levels(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await open_levels(game)
-        await game.press(*"daily")
-        await game.sees("◇ today")
-        await game.press("enter")
-        await game.sees("which size?")
-
-
-async def test_the_level_at_hand_is_chosen_at_first(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await open_levels(game)
-        await game.press("right", "enter")
-        await game.until(lambda: game.session.level.name == NAMES[1])
-        cards = await open_levels(game)
-        assert cards.chosen == 1
-        await game.sees(f"▸ 2 {load_level(NAMES[1]).title}")
-
-
-async def test_the_screen_follows_the_size_of_the_terminal(data_dir: Path) -> None:
+async def test_the_screen_follows_the_size_of_the_terminal(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with opened(data_dir) as game:
         cards = await open_levels(game)
         for size in ((80, 24), (200, 60), (20, 8), (120, 40)):
             await game.pilot.resize_terminal(*size)
             await game.until(partial(fits, cards, NAMES[0]))
             assert game.app.screen.query_one(Input).has_focus
-
-
-async def test_a_frame_between_a_new_size_and_the_new_layout_is_drawn(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with opened(data_dir) as game:
-        cards = await open_levels(game)
         lines = range(cards.size.height)
         before = [cards.render_line(line).text for line in lines]
         monkeypatch.setattr(type(game.app), "size", Size(80, 24))
-        assert [cards.render_line(line).text for line in lines] == before
+        now = [cards.render_line(line).text for line in lines]
+        assert now == before, "until the screen is laid out anew"
 
 
 def fits(cards: LevelCards, name: str) -> bool:
