@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import load_program, measuring
-from logical_robots_tui.progress import FILE_NAME, Measures, Progress
+from logical_robots_tui.progress import FILE_NAME, Measures, Progress, Version
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.learning.reader import Hints, Reader
 from logical_robots_tui.tui.library.chooser import Chooser
@@ -27,6 +27,10 @@ FIRST = list_levels()[0]
 
 def record_of(data_dir: Path) -> Progress:
     return Progress(data_dir / FILE_NAME)
+
+
+def versions(data_dir: Path, level: Path) -> list[Version]:
+    return record_of(data_dir).versions(str(level))
 
 
 async def win(game: Opened) -> None:
@@ -51,8 +55,7 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         await game.sees("2 more")
         await game.press("h")
         await game.sees("It is straight ahead.")
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
+        await stay(game)
     async with opened(data_dir, level=short) as game:
         await game.until(lambda: game.main.recorder.record.hints == 2)
         await game.press("h")
@@ -82,49 +85,40 @@ async def test_a_level_without_texts_says_so(data_dir: Path) -> None:
             await game.until(lambda words=words: game.shows(words))  # type: ignore[misc] # bound now
 
 
-@pytest.mark.slow
-async def test_the_lesson_is_read_in_the_game_and_the_challenge_after_winning(
-    data_dir: Path, short: Path
-) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await game.press("t")
-        await game.sees("A rule with one case")
-        await game.sees_no("Further")
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
-        await win(game)
-        await game.press("t")
-        await game.sees("Be there in fewer ticks.")
-        assert isinstance(game.app.screen, Reader)
-        await game.press("space")
-        await game.until(lambda: game.app.screen is game.main)
-
-
-async def test_the_reference_program_is_shown_to_those_who_have_won_or_insist(
+async def test_the_challenge_and_the_reference_program_are_for_those_who_have_won_or_insist(
     data_dir: Path, short: Path
 ) -> None:
     solution = load_program("first-steps-starter").text.splitlines()[0]
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
-        await game.press("W")
-        await game.until(lambda: isinstance(game.app.screen, Question))
-        await game.press("n")
-        await game.until(lambda: game.app.screen is game.main)
-        await game.press("W")
-        await game.until(lambda: isinstance(game.app.screen, Question))
-        await game.press("y")
+        await game.press("t")
+        await game.sees("A rule with one case")
+        await game.sees_no("Further")
+        await stay(game)
+        for answer in "ny":
+            await game.press("W")
+            await game.until(lambda: isinstance(game.app.screen, Question))
+            assert not game.shows(solution[:40])
+            await game.press(answer)
+            await game.until(lambda: not isinstance(game.app.screen, Question))
         await game.sees(solution[:40])
-        await game.press("escape")
+        await stay(game)
         await win(game)
         await stay(game)
+        await game.press("t")
+        await game.sees("Be there in fewer ticks.")
+        assert isinstance(game.app.screen, Reader)
+        await game.press("space")
+        await game.until(lambda: game.app.screen is game.main)
         await game.press("W")
         await game.sees(solution[:40])
         assert isinstance(game.app.screen, Reader)
 
 
 @pytest.mark.usefixtures("trials")
-async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short: Path) -> None:
+async def test_a_victory_is_measured_and_compared_and_kept_and_its_buttons_can_be_clicked(
+    data_dir: Path, short: Path
+) -> None:
     progress = record_of(data_dir)
     progress.win(str(short), "another", Measures(30, 50, 1.0))
     progress.close()
@@ -141,10 +135,15 @@ async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short
         bests = game.main.recorder.record.bests
         await game.sees(f"{bests.wins} of 20")
         assert (bests.ticks, bests.size, bests.distance) == (30, 11, 1.0)
-        await game.press("escape", "m")
+        await game.sees_no("so far")
+        lines = game.screen().splitlines()
+        row = next(row for row, line in enumerate(lines) if "Again" in line and "Stay" in line)
+        await game.click(offset=(lines[row].index("Again") + 1, row))
+        await game.until(lambda: game.tick == 0 and game.app.screen is game.main)
+        await game.press("m")
         await game.sees("Results")
         await game.press("m")
-        await game.until(lambda: not game.shows("Results"))
+        await game.sees_no("Results")
     kept = record_of(data_dir)
     assert kept.measures(str(short), AHEAD) == game.main.recorder.latest
 
@@ -169,31 +168,16 @@ async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
         await game.sees_no("this run")
 
 
-@pytest.mark.usefixtures("trials")
-async def test_what_is_measured_after_the_results_are_closed_is_told(
+async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
     data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    closed, measure = asyncio.Event(), measuring.measure
+    closed = asyncio.Event()
 
-    async def measured_then(*what: Any) -> Measures | None:
+    async def measure_then(*_: object) -> Measures:
         await closed.wait()
-        return await measure(*what)
+        return Measures(49, 11, 24.5, 13, 20)
 
-    monkeypatch.setattr(measuring, "measure", measured_then)
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await win(game)
-        await stay(game)
-        closed.set()
-        await game.sees("of 20 varied starts")
-
-
-async def test_the_trials_can_be_stopped(
-    data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def measure_for_ever(*_: object) -> None:
-        await asyncio.Event().wait()
-
-    monkeypatch.setattr(measuring, "measure", measure_for_ever)
+    monkeypatch.setattr(measuring, "measure", measure_then)
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         game.main.action_command("stop_measuring")
@@ -204,21 +188,31 @@ async def test_the_trials_can_be_stopped(
         await game.until(lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"
         assert game.main.recorder.record.bests.wins is None
+        await stay(game)
+        await game.press("r")
+        await game.until(lambda: game.tick == 0)
+        await win(game)
+        await stay(game)
+        closed.set()
+        await game.sees("of 20 varied starts")
 
 
 async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short: Path) -> None:
     text = load_program("first-steps-starter").text
     async with opened(data_dir, level=short, text=text) as game:
         await game.ready()
+        await game.press("v")
+        await game.sees("No earlier versions yet")
         await game.press(*["plus"] * 6, "space")
         await game.sees("Won by a reference program")
     assert record_of(data_dir).record(str(short)).state == "started"
     assert record_of(data_dir).versions(str(short)) == []
 
 
-async def test_each_applied_program_is_kept_and_can_be_brought_back(
+async def test_each_applied_program_is_kept_and_comes_back_and_so_does_the_starter(
     data_dir: Path, short: Path
 ) -> None:
+    starter = load_program("obstacle-avoider").text
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         await game.write(STILL)
@@ -236,39 +230,25 @@ async def test_each_applied_program_is_kept_and_can_be_brought_back(
         assert game.editor.text == AHEAD
         game.editor.undo()
         assert game.editor.text == STILL
-    assert [version.text for version in record_of(data_dir).versions(str(short))] == [AHEAD, STILL]
+        assert [version.text for version in versions(data_dir, short)] == [AHEAD, STILL]
 
-
-async def test_where_nothing_was_tried_there_are_no_versions(data_dir: Path, short: Path) -> None:
-    text = load_program("obstacle-avoider").text
-    async with opened(data_dir, level=short, text=text) as game:
-        await game.ready()
-        await game.press("v")
-        await game.sees("No earlier versions yet")
-
-
-async def test_reset_asks_and_keeps_what_was_there(data_dir: Path, short: Path) -> None:
-    starter = load_program("obstacle-avoider").text
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
         await game.press("2", "x", "escape")
-        await game.until(lambda: game.editor.text == "x" + AHEAD)
-        await game.press("x")
-        await game.until(lambda: isinstance(game.app.screen, Question))
-        await game.press("n")
-        await game.until(lambda: game.app.screen is game.main)
-        assert game.editor.text == "x" + AHEAD
-        await game.press("x")
-        await game.until(lambda: isinstance(game.app.screen, Question))
-        await game.press("y")
+        typed = game.editor.text
+        assert sorted(typed) == sorted(f"x{STILL}")
+        for answer, text in (("n", typed), ("y", starter)):
+            await game.press("x")
+            await game.until(lambda: isinstance(game.app.screen, Question))
+            await game.press(answer)
+            await game.until(lambda: game.app.screen is game.main)
+            assert game.editor.text == text
         await game.until(lambda: game.session.state.applied == starter)
-        assert game.editor.text == starter
         await game.press("x")
         await game.sees("This is the starter program.")
         await game.press("v")
         await game.until(lambda: isinstance(game.app.screen, Chooser))
-    texts = [version.text for version in record_of(data_dir).versions(str(short))]
-    assert texts == [starter, "x" + AHEAD, AHEAD]
+    texts = [version.text for version in versions(data_dir, short)]
+    assert texts[:2] == [starter, typed]
+    assert {*texts[2:]} == {AHEAD, STILL}
 
 
 async def test_the_players_program_comes_back_with_its_level(data_dir: Path) -> None:

@@ -25,8 +25,6 @@ questions = [
 ]
 """
 
-sizes = pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-
 
 @pytest.fixture
 def asking(short: Path) -> Path:
@@ -56,7 +54,7 @@ async def begin(game: Opened) -> None:
     await game.sees("1 of 2  Who is there?")
 
 
-@sizes
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_the_lesson_leads_to_its_questions(
     data_dir: Path, asking: Path, size: tuple[int, int]
 ) -> None:
@@ -64,6 +62,12 @@ async def test_the_lesson_leads_to_its_questions(
         await begin(game)
         await game.sees("Questions · A short way · 0 of 2 answered")
         await game.sees("FreedomMotion, Robot.")
+        many = "1 < 2, " * 10
+        await answer(game, f"Here(robot_name:) :- Sensor(robot_name:), {many}Sensr(x:)")
+        await game.sees("Did you mean Sensor?")
+        lines = game.screen().splitlines()
+        (place,) = (n for n, line in enumerate(lines) if "^^^^^" in line)
+        assert lines[place - 1].index("Sensr") == lines[place].index("^^^^^")
         await answer(game, 'Here(name: "Ann");')
         await game.sees("At tick 0 your only row is wrong; 1 row is expected.")
         assert game.app.screen.query_one(ValueTable).all.rows == (("Ann",),)
@@ -89,39 +93,20 @@ async def test_the_lesson_leads_to_its_questions(
     progress.close()
 
 
-async def test_answers_are_there_in_the_next_session(data_dir: Path, asking: Path) -> None:
+async def test_answers_are_there_in_the_next_session_and_many_rows_are_scrolled(
+    data_dir: Path, asking: Path
+) -> None:
     progress = Progress(data_dir / FILE_NAME)
     progress.answer(str(asking), "Who is there?", "Sensor(robot_name:)")
     progress.answer(str(asking), "What was asked before?", "Robot")
     progress.close()
-    async with opened(data_dir, level=asking) as game:
+    async with opened(data_dir, level=asking, size=(80, 24)) as game:
+        await game.ready()
         recorder: ProgressRecorder = game.main.recorder
         await game.until(lambda: recorder.record.answers)
         game.main.action_command("questions")
         await game.sees("1 of 2 answered")
         await game.sees("2 of 2  How far?")
-
-
-@sizes
-async def test_a_mistake_far_to_the_right_is_shown_with_its_place(
-    data_dir: Path, asking: Path, size: tuple[int, int]
-) -> None:
-    async with opened(data_dir, level=asking, size=size) as game:
-        await begin(game)
-        await answer(
-            game, "Here(robot_name:) :- Sensor(robot_name:), " + "1 < 2, " * 10 + "Sensr(x:)"
-        )
-        await game.sees("Did you mean Sensor?")
-        lines = game.screen().splitlines()
-        (place,) = (n for n, line in enumerate(lines) if "^^^^^" in line)
-        assert lines[place - 1].index("Sensr") == lines[place].index("^^^^^")
-
-
-async def test_many_rows_are_scrolled_with_the_cursor_in_the_line(
-    data_dir: Path, asking: Path
-) -> None:
-    async with opened(data_dir, level=asking, size=(80, 24)) as game:
-        await begin(game)
         await answer(game, "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar")
         await game.sees("all its 31 rows are wrong")
         table = game.app.screen.query_one(ValueTable)

@@ -45,27 +45,16 @@ async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: tuple[in
     assert is_seen(data_dir)
 
 
-async def test_one_key_skips_it(data_dir: Path) -> None:
-    async with opened(data_dir, welcome=True) as game:
-        await game.until(lambda: is_shown(game))
-        await game.press("escape")
-        await game.until(lambda: not is_shown(game))
-        assert game.main.focused is game.main.labyrinth
-    assert is_seen(data_dir)
-
-
-async def test_one_can_go_back_and_click_on(data_dir: Path) -> None:
+async def test_one_goes_back_and_on_and_other_keys_do_what_they_always_do(data_dir: Path) -> None:
     async with opened(data_dir, welcome=True) as game:
         await game.sees("1 of 4")
         await game.click(Tour)
         await game.sees("2 of 4")
         await game.press("left", "left")
         await game.sees("1 of 4")
-
-
-async def test_other_keys_do_what_they_always_do(data_dir: Path) -> None:
-    async with opened(data_dir, welcome=True) as game:
-        await game.until(lambda: is_shown(game))
+        await game.press("enter")
+        await game.pilot.resize_terminal(80, 24)
+        await game.until(lambda: game.main.region.contains_region(game.main.query_one(Tour).region))
         await game.ready()
         await game.press("n")
         await game.until(lambda: game.tick == 1)
@@ -76,7 +65,7 @@ async def test_other_keys_do_what_they_always_do(data_dir: Path) -> None:
     assert is_seen(data_dir)
 
 
-async def test_it_is_not_shown_unasked_but_can_be_asked_for(data_dir: Path) -> None:
+async def test_it_is_not_shown_unasked_but_can_be_asked_for_and_skipped(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         assert not is_shown(game)
@@ -84,16 +73,15 @@ async def test_it_is_not_shown_unasked_but_can_be_asked_for(data_dir: Path) -> N
         await game.sees("Find a command")
         await game.press(*"guided", "enter")
         await game.sees("1 of 4")
-
-
-async def test_it_keeps_its_place_when_the_terminal_changes(data_dir: Path) -> None:
-    async with opened(data_dir, welcome=True) as game:
-        await game.until(lambda: is_shown(game))
-        await game.press("enter")
-        await game.pilot.resize_terminal(80, 24)
-        await game.until(lambda: game.main.region.contains_region(game.main.query_one(Tour).region))
+        assert not is_seen(data_dir)
+        await game.press("escape")
+        await game.until(lambda: not is_shown(game))
+        assert game.main.focused is game.main.labyrinth
+        game.main.tour.begin()
+        await game.sees("1 of 4")
         await game.pilot.resize_terminal(20, 5)
         await game.until(lambda: not is_shown(game))
+    assert is_seen(data_dir)
 
 
 async def test_one_that_is_ended_before_it_stands_is_over(data_dir: Path) -> None:
