@@ -35,40 +35,26 @@ async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
             await game.until(lambda: game.app.screen is game.main)
         await game.until(lambda: game.tick == 3)
 
-
-async def test_keys_that_come_with_the_answer_of_a_dialog_are_for_what_it_leads_to(
-    data_dir: Path,
-) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
         dialogs = (Question("Title", "Really?", [("yes", "Yes")]), LinePrompt("Title"))
-        for tick, dialog in enumerate(dialogs, start=1):
+        for tick, dialog in enumerate(dialogs, start=4):  # for what an answer leads to
             game.app.push_screen(dialog)
             await game.until(lambda: isinstance(game.app.focused, Button | Input))
             press_at_once(game, "enter", "n")
             await game.until(partial(is_at, game, tick))
 
+        before = game.editor.text
+        press_at_once(game, *"2x", "escape", *"1n")  # for a pane
+        await game.until(lambda: game.tick == 6)
+        assert len(game.editor.text) == len(before) + 1
+
+        press_at_once(game, *"Mb", "shift+right", "enter", "enter", *"uMn")  # for the level editor
+        await game.until(lambda: game.tick == 7)
+        assert not game.main.editing.is_on
+        assert game.main.editing.levels.edits.can_redo
+
 
 def is_at(game: Opened, tick: int) -> bool:
     return game.tick == tick
-
-
-async def test_keys_that_come_with_the_one_for_a_pane_are_meant_for_it(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        before = game.editor.text
-        press_at_once(game, *"2x", "escape", *"1n")
-        await game.until(lambda: game.tick == 1)
-        assert len(game.editor.text) == len(before) + 1
-
-
-async def test_keys_that_come_with_the_one_for_the_level_editor_edit(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        press_at_once(game, *"Mb", "shift+right", "enter", "enter", *"uMn")
-        await game.until(lambda: game.tick == 1)
-        assert not game.main.editing.is_on
-        assert game.main.editing.levels.edits.can_redo
 
 
 def holds(field: Input, text: str) -> bool:

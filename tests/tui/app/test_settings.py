@@ -131,7 +131,7 @@ async def change(game: Opened, name: str, *keys: str) -> None:
     await game.until(lambda: game.app.screen is game.main)
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_a_setting_is_followed_at_once_and_kept(
     data_dir: Path, settings_file: Path, size: tuple[int, int]
 ) -> None:
