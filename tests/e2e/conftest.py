@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from tests.installed import Installed
 
 
+TYPED = "# an idea worth keeping"
+
+
 @dataclass(frozen=True)
 class Player:
     """Somebody at a terminal with the game installed.
@@ -46,6 +49,23 @@ class Player:
     def wait_for_tick(self, tick: int) -> str:
         """Wait until the status line tells a tick, and return what the screen shows then."""
         return self.tmux.wait_until(lambda screen: tick_on(screen) == tick, f"tick {tick}")
+
+    def type_an_idea(self) -> None:
+        """Type something into the editor that is not applied."""
+        self.tmux.press("2")
+        self.tmux.type(TYPED)
+        self.tmux.wait_for(TYPED)
+        self.tmux.press("Enter")
+
+    def is_offered_the_idea(self, *others: str) -> None:
+        """Start the game again, and accept the text that is offered first, and other things."""
+        self.play("play", "short.toml", "ahead.l")
+        for offer in ("unsaved", *others):
+            self.tmux.wait_for(offer, "Yes, continue")
+            self.tmux.press("Enter")
+            self.tmux.wait_for_no(offer)
+        self.tmux.press("2")
+        self.tmux.wait_for(TYPED)
 
 
 def tick_on(screen: str) -> int:

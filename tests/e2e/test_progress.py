@@ -57,32 +57,28 @@ def leave_editor(player: Player) -> None:
 def skip_the_tour(player: Player) -> None:
     player.tmux.wait_for("skip the tour", "· applied")
     player.tmux.press("Escape")
-    player.tmux.wait_until(lambda screen: "skip the tour" not in screen, "no tour")
+    player.tmux.wait_for_no("skip the tour")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
-def test_the_tour_is_shown_at_the_first_start_and_never_again(
+def test_the_first_level_is_ready_and_the_tour_shown_at_the_first_start_and_never_again(
     seat: Seat, size: tuple[int, int]
 ) -> None:
     with seat(*size) as player:
         player.play()
+        screen = player.tmux.wait_for(FIRST.title, "PAUSED", "tick 0", "· applied")
+        assert len(screen.splitlines()) <= size[1]
+        assert "▄" in screen or "▀" in screen
         for number in (1, 2, 3, 4):
             player.tmux.wait_for(f"{number} of 4")
             player.tmux.press("Enter")
-        player.tmux.wait_until(lambda screen: "4 of 4" not in screen, "no tour")
+        player.tmux.wait_for_no("4 of 4")
         until(lambda: record_of(player).fact("tour"))
         kill(player)
         start_anew(player)
         player.tmux.press("n")
         assert "skip the tour" not in player.wait_for_tick(1)
-
-
-@pytest.mark.slow
-def test_who_names_a_level_is_not_shown_round(player: Player) -> None:
-    player.play_short_way()
-    player.tmux.press("n")
-    assert "skip the tour" not in player.wait_for_tick(1)
 
 
 @pytest.mark.slow
@@ -113,86 +109,70 @@ def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     won = tick_on(player.tmux.wait_for("WON", "your best", "reference"))
     until(lambda: record_of(player).record(FIRST.name).bests.ticks == won)
     kill(player)
+    until(lambda: not measuring_processes(player))
     start_anew(player)
     player.tmux.press("l")
     player.tmux.wait_for("★ won", f"{won:,} ticks")
 
 
 @pytest.mark.slow
-def test_levels_are_chosen_on_their_screen_and_the_last_one_is_where_one_goes_on(
-    player: Player,
-) -> None:
+def test_hints_what_was_applied_and_the_last_level_are_there_after_a_kill(player: Player) -> None:
+    tmux = player.tmux
     player.play()
     skip_the_tour(player)
-    player.tmux.press("l")
-    player.tmux.wait_until(
+    for number in (1, 2):
+        tmux.press("h")
+        tmux.wait_for(f"{number}. ")
+    until(lambda: record_of(player).record(FIRST.name).hints == 2)
+    tmux.press("Escape")
+    tmux.wait_for_no("2. ")
+    enter_editor(player)
+    for number in (1, 2):
+        tmux.type(f"# idea {number}")
+        tmux.press("Enter")
+        tmux.wait_for(f"# idea {number}")
+        tmux.press("C-r")
+        until(lambda number=number: record_of(player).record(FIRST.name).versions == number)  # type: ignore[misc] # bound now
+    until(lambda: any("# idea 2\\n" in f.read_text() for f in player.folder.rglob("drafts/*.json")))
+    kill(player)
+
+    start_anew(player)
+    tmux.press("h")
+    tmux.wait_for("2. ")
+    tmux.press("Escape")
+    tmux.wait_for_no("2. ")
+    enter_editor(player)
+    assert "Continue" not in tmux.wait_for("# idea 2")
+    leave_editor(player)
+    tmux.press("v")
+    tmux.wait_for("Earlier versions")
+    tmux.press("Down", "Enter")
+    tmux.wait_for_no("Earlier versions")
+    enter_editor(player)
+    assert "# idea 2" not in tmux.wait_for("# idea 1")
+    leave_editor(player)
+    tmux.press("x")
+    tmux.wait_for("Put the starter program back?")
+    tmux.press("y")
+    enter_editor(player)
+    tmux.wait_for_no("# idea")
+    leave_editor(player)
+    tmux.press("l")
+    tmux.wait_until(
         lambda screen: f"2 {SECOND.title}" in screen and ("▀" in screen or "▄" in screen),
         "a miniature",
     )
-    player.tmux.press("Right", "Enter")
-    player.tmux.wait_for(f"LOGICAL ROBOTS   {SECOND.title}")
+    tmux.press("Right", "Enter")
+    tmux.wait_for(f"LOGICAL ROBOTS   {SECOND.title}")
     until(lambda: record_of(player).fact("level") == SECOND.name)
     kill(player)
+
     start_anew(player)
-    player.tmux.wait_for(f"LOGICAL ROBOTS   {SECOND.title}")
-    player.tmux.press("l")
-    player.tmux.wait_for(f"▸ 2 {SECOND.title}")
-    player.tmux.click(f"1 {FIRST.title}")
-    player.tmux.wait_for(f"LOGICAL ROBOTS   {FIRST.title}")
-
-
-@pytest.mark.slow
-def test_hints_that_were_revealed_stay_so_after_a_kill(player: Player) -> None:
-    player.play()
-    skip_the_tour(player)
-    player.tmux.press("h")
-    player.tmux.wait_for("1. ")
-    player.tmux.press("h")
-    player.tmux.wait_for("2. ")
-    until(lambda: record_of(player).record(FIRST.name).hints == 2)
-    kill(player)
-    start_anew(player)
-    player.tmux.press("h")
-    player.tmux.wait_for("2. ")
-
-
-@pytest.mark.slow
-def test_what_was_applied_is_there_after_a_kill_and_so_is_what_was_before(player: Player) -> None:
-    player.play()
-    skip_the_tour(player)
-    enter_editor(player)
-    for number in (1, 2):
-        player.tmux.type(f"# idea {number}")
-        player.tmux.press("Enter")
-        player.tmux.wait_for(f"# idea {number}")
-        player.tmux.press("C-r")
-        until(lambda number=number: record_of(player).record(FIRST.name).versions == number)  # type: ignore[misc] # bound now
-    kill(player)
-    start_anew(player)
-    enter_editor(player)
-    assert "Continue" not in player.tmux.wait_for("# idea 2")
-    leave_editor(player)
-    player.tmux.press("v")
-    player.tmux.wait_for("Earlier versions")
-    player.tmux.press("Down", "Enter")
-    player.tmux.wait_until(lambda screen: "Earlier versions" not in screen, "the game")
-    enter_editor(player)
-    assert "# idea 2" not in player.tmux.wait_for("# idea 1")
-    leave_editor(player)
-    player.tmux.press("x")
-    player.tmux.wait_for("Put the starter program back?")
-    player.tmux.press("y")
-    player.tmux.press("2")
-    player.tmux.wait_until(lambda screen: "# idea" not in screen, "the starter")
-
-
-@pytest.mark.slow
-def test_nothing_that_measures_survives_the_game(player: Player) -> None:
-    player.play_short_way()
-    player.tmux.press("Space")
-    player.tmux.wait_for("WON")
-    kill(player)
-    until(lambda: not measuring_processes(player))
+    tmux.wait_for(f"LOGICAL ROBOTS   {SECOND.title}")
+    tmux.press("l")
+    tmux.wait_for(f"▸ 2 {SECOND.title}")
+    tmux.click(f"1 {FIRST.title}")
+    tmux.wait_for(f"LOGICAL ROBOTS   {FIRST.title}")
 
 
 def measuring_processes(player: Player) -> list[str]:

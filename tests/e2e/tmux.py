@@ -147,6 +147,10 @@ class Tmux:
             f"{' and '.join(map(repr, texts))} on the screen",
         )
 
+    def wait_for_no(self, text: str) -> str:
+        """Wait until a text no longer stands on the screen, and return what it shows then."""
+        return self.wait_until(lambda screen: text not in screen, f"no {text!r}")
+
     def wait_until(self, condition: Callable[[str], object], what: str = "that") -> str:
         """Wait until something is true of the text on the screen, and return that text."""
         screen = ""

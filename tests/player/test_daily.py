@@ -36,7 +36,7 @@ def progress() -> Progress:
     ("day", "size"),
     [
         pytest.param(
-            TODAY + timedelta(days), size, marks=[pytest.mark.slow] * (days > 0 or size == "large")
+            TODAY + timedelta(days), size, marks=[pytest.mark.slow] * (days > 0 or size != "small")
         )
         for days in range(4)
         for size in DAILY_SIZES

@@ -315,7 +315,14 @@ def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
     assert [found.text for found in Drafts(tmp_path).adopt("program")] == ["text 39"]
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGKILL,
+        pytest.param(signal.SIGTERM, marks=pytest.mark.slow),
+        pytest.param(signal.SIGHUP, marks=pytest.mark.slow),
+    ],
+)
 def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
     tmp_path: Path, number: signal.Signals
 ) -> None:

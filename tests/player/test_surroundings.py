@@ -77,6 +77,7 @@ def test_other_robots_are_told_and_oneself_is_not() -> None:
     assert told[1:] == ["ahead: robot Bo at 20."]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", list_shipped())
 def test_the_way_ahead_is_what_the_sensor_reports(name: str) -> None:
     level = load_level(name)
