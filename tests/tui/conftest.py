@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
 
     from textual.css.model import RuleSet
+    from textual.css.styles import RulesMap
+    from textual.dom import DOMNode
     from textual.pilot import Pilot
 
     from logical_robots_tui.player.session import Session
@@ -292,25 +294,48 @@ def _loading(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) ->
 def _quick_run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a quick run the screen does no more than a test asks for.
 
-    Style sheets are parsed once, and nothing is drawn until a test looks. That is most of what
-    these tests would do. It changes no order in which things happen, because the clock stands still
-    while something is parsed or drawn. With ``--all`` all of it is done, and `tests/snapshots` and
-    `tests/e2e` always look at what a terminal shows.
+    Style sheets are parsed once, a style that a widget has already is not set again, and nothing is
+    drawn until a test looks. That is most of what these tests would do. It changes no order in
+    which things happen, because the clock stands still while something is parsed or drawn. With
+    ``--all`` all of it is done, and `tests/snapshots` and `tests/e2e` always look at what a
+    terminal shows.
     """
     if not request.config.option.all:
-        monkeypatch.setattr(Stylesheet, "_parse_rules", _parsed_once)
+        monkeypatch.setattr(Stylesheet, "parse", _parsed_once)
+        monkeypatch.setattr(Stylesheet, "rules_map", property(_mapped_once))
+        monkeypatch.setattr(Stylesheet, "replace_rules", staticmethod(_replaced_by_others))
         monkeypatch.setattr(Compositor, "render_update", _drawn_later)
 
 
-_parse_rules, _render_update = Stylesheet._parse_rules, Compositor.render_update
+_parse, _map_rules = Stylesheet.parse, vars(Stylesheet)["rules_map"].fget
+_replace_rules, _render_update = Stylesheet.replace_rules, Compositor.render_update
 _parsed: dict[tuple[object, ...], list[RuleSet]] = {}
+_mapped: dict[int, dict[str, list[RuleSet]]] = {}
 
 
-def _parsed_once(self: Stylesheet, *css: Any, **options: Any) -> list[RuleSet]:
-    key = (*css, *options.items(), *self._variables.items())
+def _parsed_once(self: Stylesheet) -> None:
+    key = (*self.source.items(), *self._variables.items())
     if key not in _parsed:
-        _parsed[key] = _parse_rules(self, *css, **options)
-    return _parsed[key]
+        _parse(self)
+        _parsed[key] = self._rules
+        _mapped[id(self._rules)] = _map_rules(self)
+    self._rules, self._rules_map, self._require_parse = _parsed[key], None, False
+
+
+def _mapped_once(self: Stylesheet) -> dict[str, list[RuleSet]]:
+    return _mapped[id(self.rules)]
+
+
+def _replaced_by_others(node: DOMNode, rules: RulesMap, animate: bool = False) -> None:
+    if animate:
+        _replace_rules(node, rules, animate)
+        return
+    styles = node.styles.base
+    for name in styles._rules.keys() | rules.keys():
+        value = rules.get(name)
+        if styles._rules.get(name) is not value:
+            setattr(styles, name, value)
+    node.notify_style_update()
 
 
 def _drawn_later(self: Compositor, *_: object, **__: object) -> None:
