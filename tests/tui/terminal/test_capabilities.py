@@ -20,52 +20,39 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-@pytest.mark.parametrize(
-    ("term", "colours", "encoding", "drawing"),
-    [
+def test_the_drawing_suits_the_terminal() -> None:
+    for term, colours, encoding, drawing in (
         ("xterm-256color", "truecolor", "utf-8", Drawing.QUADRANTS),
         ("tmux-256color", "256", "UTF-8", Drawing.QUADRANTS),
         ("linux", "256", "utf-8", Drawing.HALVES),
         ("xterm", "standard", "utf-8", Drawing.ASCII),
         ("xterm-256color", "256", "iso8859-1", Drawing.ASCII),
         ("dumb", None, "utf-8", Drawing.ASCII),
-    ],
-)
-def test_the_drawing_suits_the_terminal(
-    term: str, colours: str | None, encoding: str, drawing: Drawing
-) -> None:
-    assert drawing_for({"TERM": term}, colours, encoding, colourless=False) is drawing
-    assert drawing_for({"TERM": term}, colours, encoding, colourless=True) is Drawing.ASCII
+    ):
+        assert drawing_for({"TERM": term}, colours, encoding, colourless=False) is drawing, term
+        assert drawing_for({"TERM": term}, colours, encoding, colourless=True) is Drawing.ASCII
 
 
-@pytest.mark.parametrize(
-    ("term", "known"), [("xterm-kitty", True), ("foot", True), ("xterm-256color", False)]
-)
-def test_some_terminals_are_known_for_their_colours(term: str, known: bool) -> None:
-    environ = {"TERM": term}
+def colours_of(**environ: str) -> str | None:
     assume_colours(environ)
-    assert (environ.get("COLORTERM") == "truecolor") == known
+    return environ.get("COLORTERM")
 
 
-def test_what_the_environment_says_of_colours_stands() -> None:
-    environ = {"TERM": "foot", "COLORTERM": "no"}
-    assume_colours(environ)
-    assert environ["COLORTERM"] == "no"
+def test_some_terminals_are_known_for_their_colours() -> None:
+    assert colours_of(TERM="xterm-kitty") == colours_of(TERM="foot") == "truecolor"
+    assert colours_of(TERM="xterm-256color") is None
+    assert colours_of(TERM="foot", COLORTERM="no") == "no", "what the environment says stands"
 
 
-@pytest.mark.parametrize("term", ["screen", "screen.alacritty", "screen-256color", "xterm-direct"])
-def test_in_gnu_screen_there_is_no_true_colour(term: str) -> None:
-    environ = {"TERM": term, "STY": "1.pts", "COLORTERM": "truecolor"}
-    assume_colours(environ)
-    assert "COLORTERM" not in environ
-    environ |= {"TMUX": "x", "COLORTERM": "truecolor"}
-    assume_colours(environ)
-    assert environ["COLORTERM"] == "truecolor"
+def test_in_gnu_screen_there_is_no_true_colour() -> None:
+    for term in ("screen", "screen.alacritty", "screen-256color", "xterm-direct"):
+        environ = {"TERM": term, "STY": "1.pts", "COLORTERM": "truecolor"}
+        assert colours_of(**environ) is None, term
+        assert colours_of(**environ, TMUX="x") == "truecolor", term
 
 
-@pytest.mark.parametrize(
-    ("environ", "used"),
-    [
+def test_the_mouse_is_left_alone_where_it_would_take_the_escape_key() -> None:
+    for environ, is_used in (
         ({"TERM": "xterm-256color"}, True),
         ({"TERM": "tmux-256color", "TMUX": "x"}, True),
         ({"TERM": "tmux-256color", "TMUX": "x", "STY": "y"}, True),
@@ -76,12 +63,8 @@ def test_in_gnu_screen_there_is_no_true_colour(term: str) -> None:
         ({"TERM": "screen.xterm-256color"}, False),
         ({"TERM": "screen"}, False),
         ({}, True),
-    ],
-)
-def test_the_mouse_is_left_alone_where_it_would_take_the_escape_key(
-    environ: dict[str, str], used: bool
-) -> None:
-    assert may_use_mouse(environ) == used
+    ):
+        assert may_use_mouse(environ) is is_used, environ
 
 
 @pytest.mark.skipif(
@@ -111,7 +94,7 @@ def test_all_keys_work_in_gnu_screen(tmp_path: Path) -> None:
         )
 
 
-@pytest.mark.sampled
+@pytest.mark.slow  # `tests/snapshots` look at the colours of each pane
 @pytest.mark.parametrize(
     "env",
     [

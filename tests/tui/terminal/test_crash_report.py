@@ -42,7 +42,9 @@ threading.Thread.run = run
 """
 
 
-@pytest.mark.parametrize("before", ["", BUSY], ids=["idle", "busy"])
+@pytest.mark.parametrize(
+    "before", ["", pytest.param(BUSY, marks=pytest.mark.slow)], ids=["idle", "busy"]
+)
 def test_a_main_thread_that_hears_no_signal_does_not_outlive_its_terminal(
     tmp_path: Path, before: str
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from typing import TYPE_CHECKING
 
@@ -18,10 +19,12 @@ if TYPE_CHECKING:
 
 
 @pytest.mark.usefixtures("drawn_at_once")
-async def test_what_waits_for_the_line_to_be_measured_is_sent_without_an_answer(
+async def test_what_is_sent_to_a_terminal_depends_on_its_answers(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[str] = []
+    written: list[str] = []
+    ended: list[int] = []
     async with opened(data_dir) as game:
         await game.ready()
         await game.later(1)
@@ -29,6 +32,8 @@ async def test_what_waits_for_the_line_to_be_measured_is_sent_without_an_answer(
         monkeypatch.setattr(
             driver, "ask", lambda _, question: asked.append(question), raising=False
         )
+        monkeypatch.setattr(driver, "write", lambda _, text: written.append(text))
+        monkeypatch.setattr(driver, "silence", 0.0, raising=False)
         monkeypatch.setattr(sparing, "ListeningDriver", driver)
         monkeypatch.setattr(sparing, "_PATIENCE", 0.001)
         game.app.refresh()
@@ -37,6 +42,26 @@ async def test_what_waits_for_the_line_to_be_measured_is_sent_without_an_answer(
         await game.until(lambda: len(asked) == 2)
         # What the line is measured by is not answered, and nothing else happens.
         await game.until(lambda: not game.app._line._asked)
+
+        # A restricted game asks a terminal that falls silent, draws no more, and then ends.
+        before = signal.signal(signal.SIGHUP, lambda number, _: ended.append(number))
+        try:
+            game.app.watch_terminal()
+            asked.clear()
+            await game.until(lambda: asked)
+            monkeypatch.setattr(driver, "silence", sparing._SILENT + 1)
+            written.clear()
+            game.app.redraw()
+            await game.later(sparing._ASK_EVERY)
+            assert not written
+            assert not ended
+            monkeypatch.setattr(driver, "silence", sparing._GONE + 1)
+            await game.until(lambda: ended)
+        finally:
+            signal.signal(signal.SIGHUP, before)
+        monkeypatch.setattr(driver, "silence", 0.0)
+        game.app.redraw()
+        await game.until(lambda: written)
 
 
 SOON_GONE = """if True:
@@ -48,6 +73,7 @@ SOON_GONE = """if True:
 """
 
 
+@pytest.mark.slow
 def test_a_terminal_that_falls_silent_ends_a_restricted_game_and_the_text_is_kept(
     tmp_path: Path,
 ) -> None:

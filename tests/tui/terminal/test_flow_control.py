@@ -5,7 +5,6 @@ from __future__ import annotations
 import heapq
 import re
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -44,15 +43,10 @@ def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[f
     return slowest, count / (seconds / 2)
 
 
-@pytest.mark.parametrize("rate", [20_000, 64_000])
-def test_on_a_slow_line_nothing_waits_for_long(rate: int) -> None:
-    slowest, _ = watch(rate, 0.01, 4000)
-    assert slowest < 0.12
-
-
-def test_on_a_long_line_that_is_not_slow_many_frames_are_under_way() -> None:
-    slowest, frames = watch(10_000_000, 0.1, 4000)
-    assert slowest < 0.12
+def test_nothing_waits_for_long_and_on_a_line_that_is_only_long_many_frames_are_under_way() -> None:
+    for rate, way in ((20_000, 0.01), (64_000, 0.01), (10_000_000, 0.1)):
+        slowest, frames = watch(rate, way, 4000)
+        assert slowest < 0.12, rate
     assert frames > 15
 
 
@@ -112,9 +106,8 @@ def test_the_escape_key_is_not_held_back() -> None:
 LINES = "A(x) :- B(x);\r" * 8
 
 
-@pytest.mark.parametrize(
-    ("before", "typed", "pasted"),
-    [
+def test_lines_that_come_in_at_once_are_a_paste_unless_it_is_marked() -> None:
+    for before, typed, is_pasted in (
         ("", LINES, True),
         ("2", LINES.replace("\r", "\r\n\t"), True),
         ("", "n" * 500, False),
@@ -125,12 +118,8 @@ LINES = "A(x) :- B(x);\r" * 8
         ("\x1b[200~A", LINES, False),
         ("\x1b[200~A\x1b[201~", LINES, True),
         ("\x1b", f"[200~{LINES}", False),
-    ],
-)
-def test_lines_that_come_in_at_once_are_a_paste_unless_it_is_marked(
-    before: str, typed: str, pasted: bool
-) -> None:
-    unmarked = UnbracketedPasteDetector()
-    assert not unmarked.paste_in(before)
-    lines = typed.replace("\r\n", "\n").replace("\r", "\n")
-    assert unmarked.paste_in(typed) == (lines if pasted else "")
+    ):
+        unmarked = UnbracketedPasteDetector()
+        assert not unmarked.paste_in(before)
+        lines = typed.replace("\r\n", "\n").replace("\r", "\n")
+        assert unmarked.paste_in(typed) == (lines if is_pasted else ""), (before, typed)

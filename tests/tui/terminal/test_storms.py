@@ -57,7 +57,7 @@ def goes_through(terminal: Terminal, storm: list[Event]) -> bool:
     return True
 
 
-@pytest.mark.sampled
+@pytest.mark.slow  # `test_small.py` and `test_layout.py` do it without a terminal
 @settings(max_examples=max(3, settings().max_examples // 4))
 @given(storm=storms)
 def test_no_size_and_no_place_ends_the_game(storm: list[Event]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 
-import pytest
 from textual import _ansi_sequences, _compositor
 from textual._styles_cache import StylesCache
 from textual._xterm_parser import XTermParser
@@ -37,23 +36,21 @@ ATTRIBUTES = [
 ]
 
 
-@pytest.mark.parametrize(("owner", "name", "parameters"), METHODS)
-def test_a_private_method_takes_what_the_game_gives(
-    owner: type, name: str, parameters: list[str]
-) -> None:
-    method = getattr(owner, name, None)
-    assert method is not None, f"Textual has moved {owner.__name__}.{name}"
-    assert list(inspect.signature(method).parameters) == parameters
+def test_private_methods_take_what_the_game_gives() -> None:
+    for owner, name, parameters in METHODS:
+        method = getattr(owner, name, None)
+        assert method is not None, f"Textual has moved {owner.__name__}.{name}"
+        assert list(inspect.signature(method).parameters) == parameters, name
 
 
-@pytest.mark.parametrize(("owner", "names"), ATTRIBUTES)
-async def test_a_private_attribute_is_there(owner: type, names: tuple[str, ...]) -> None:
+async def test_private_attributes_are_there() -> None:
     app: App[None] = App()
     async with app.run_test():
-        known: list[object] = [app, app.screen, OptionList(), Widget()]
-        thing = next(each for each in known if isinstance(each, owner))
-        missing = [name for name in names if not hasattr(thing, name)]
-    assert not missing, f"Textual has moved {missing} of {owner.__name__}"
+        things: list[object] = [app, app.screen, OptionList(), Widget()]
+        for owner, names in ATTRIBUTES:
+            thing = next(thing for thing in things if isinstance(thing, owner))
+            missing = [name for name in names if not hasattr(thing, name)]
+            assert not missing, f"Textual has moved {missing} of {owner.__name__}"
 
 
 async def test_private_modules_hold_what_the_terminal_needs() -> None:

@@ -6,7 +6,6 @@ import unicodedata
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -45,9 +44,8 @@ def test_clipped_text_is_never_longer(text: str, width: int) -> None:
     assert len(clip(text, width)) <= width
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
+def test_values_are_written_as_a_program_would() -> None:
+    values: list[tuple[Value, str]] = [
         (None, "null"),
         (True, "true"),
         (3, "3"),
@@ -61,20 +59,13 @@ def test_clipped_text_is_never_longer(text: str, width: int) -> None:
         ({}, "{}"),
         ([], "[]"),
         (10**400, f"{10**400:#x}"),
-    ],
-)
-def test_values_are_written_as_a_program_would(value: object, text: str) -> None:
-    assert format_value(value) == text  # type: ignore[arg-type] # any value will do
+    ]
+    assert [format_value(value) for value, _ in values] == [text for _, text in values]
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [("wall", "wall"), ("", '""'), ("1", '"1"'), ("null", '"null"'), (" a", '" a"'), ("{", '"{"')],
-)
-def test_text_in_a_table_has_quotes_only_where_it_could_be_something_else(
-    value: str, text: str
-) -> None:
-    assert cell(value)[0] == text
+def test_text_in_a_table_has_quotes_only_where_it_could_be_something_else() -> None:
+    texts = {"wall": "wall", "": '""', "1": '"1"', "null": '"null"', " a": '" a"', "{": '"{"'}
+    assert {value: cell(value)[0] for value in texts} == texts
 
 
 @given(VALUES, st.integers(1, 50))
@@ -123,9 +114,8 @@ def test_the_words_of_logica_are_told_apart() -> None:
     ]
 
 
-@pytest.mark.parametrize(
-    ("line", "before", "after"),
-    [
+def test_comments_and_strings_go_on_over_lines() -> None:
+    for line, before, after in (
         ("a /* b", "", "/*"),
         ("a =/* b", "", "/*"),
         ("b */ c", "/*", ""),
@@ -137,12 +127,10 @@ def test_the_words_of_logica_are_told_apart() -> None:
         ('"a\\"/*" a', "", "/*"),  # a backslash in double quotes is one
         ("'a\\'/*' a", "", ""),
         ("", "/*", "/*"),
-    ],
-)
-def test_comments_and_strings_go_on_over_lines(line: str, before: str, after: str) -> None:
-    assert state_after(line, before) == after
-    found = pieces(line, before)
-    assert all(one.end <= two.start for one, two in pairwise(found))
+    ):
+        assert state_after(line, before) == after, line
+        found = pieces(line, before)
+        assert all(one.end <= two.start for one, two in pairwise(found)), line
 
 
 @given(st.lists(st.text(st.sampled_from("ab\"'`/*#\\ (){}:-")), max_size=8), st.integers(0, 7))
