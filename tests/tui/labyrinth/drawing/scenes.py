@@ -82,9 +82,10 @@ class Drawn:
         columns: int = 80,
         rows: int = 20,
         view: Viewport | None = None,
+        picture: Picture | None = None,
     ) -> None:
         self.view = view or Viewport.fit(level.width, level.height, columns, rows)
-        self.picture = Picture()
+        self.picture = picture or Picture()
         self.picture.draw(level, frame or start(level), self.view, look)
         self.lines = self.picture.cells.plain()
 

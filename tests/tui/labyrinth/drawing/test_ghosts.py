@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
-import pytest
 
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing, Look, Picture, Viewport
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, PAPER, rgb_number
@@ -23,9 +24,12 @@ def poses(
     return np.array([(x, y, angle)], np.float32)
 
 
-@pytest.mark.parametrize("drawing", Drawing)
-@pytest.mark.parametrize("view", [FAR, NEAR])
-def test_a_ghost_is_one_faint_sign_where_the_robot_was(drawing: Drawing, view: Viewport) -> None:
+def test_a_ghost_is_one_faint_sign_where_the_robot_was() -> None:
+    for drawing, view in product(Drawing, (FAR, NEAR)):
+        is_one_faint_sign(drawing, view)
+
+
+def is_one_faint_sign(drawing: Drawing, view: Viewport) -> None:
     level, look = scene(), Look(drawing=drawing, rays=False, marks=False)
     frame = start(level)
     plain = Picture().draw(level, frame, view, look)
@@ -43,12 +47,13 @@ def test_a_ghost_is_one_faint_sign_where_the_robot_was(drawing: Drawing, view: V
     assert max(around) - min(around) <= (14 if view is NEAR else 0)
 
 
-@pytest.mark.parametrize("drawing", Drawing)
-def test_a_robot_covers_its_ghost(drawing: Drawing) -> None:
-    level, look = scene(), Look(drawing=drawing)
+def test_a_robot_covers_its_ghost() -> None:
+    level = scene()
     frame = start(level)
-    plain = Picture().draw(level, frame, FAR, look)
-    assert not Picture().draw(level, frame, FAR, look, ghosts=poses(83, 51)).changes(plain)
+    for drawing in Drawing:
+        plain = Picture().draw(level, frame, FAR, Look(drawing=drawing))
+        cells = Picture().draw(level, frame, FAR, Look(drawing=drawing), ghosts=poses(83, 51))
+        assert not cells.changes(plain), drawing
 
 
 def test_a_ghost_out_of_sight_or_nowhere_is_not_drawn() -> None:

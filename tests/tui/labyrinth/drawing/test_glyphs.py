@@ -1,6 +1,6 @@
 import math
+from itertools import product
 
-import pytest
 from rich.cells import cell_len
 
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, legend
@@ -12,13 +12,14 @@ def characters(glyphs: GlyphSet) -> str:
     return "".join(glyphs)
 
 
-@pytest.mark.parametrize("drawing", Drawing)
-def test_every_glyph_is_one_cell_wide(drawing: Drawing) -> None:
-    for char in characters(drawing.glyphs):
-        assert cell_len(char) == 1
-    for glyph, _, meaning in legend(drawing):
-        assert cell_len(glyph) == 1
-        assert meaning
+def test_every_glyph_is_one_cell_wide_and_has_a_row_of_its_own_in_the_legend() -> None:
+    for drawing, palette in product(Drawing, (DARK, LIGHT)):
+        assert {cell_len(char) for char in characters(drawing.glyphs)} == {1}
+        rows = legend(drawing, palette)
+        assert {cell_len(glyph) for glyph, _, _ in rows} == {1}
+        meanings = [meaning for _, _, meaning in rows]
+        assert all(meanings)
+        assert len(set(meanings)) == len(meanings)
 
 
 def test_every_block_is_one_cell_wide() -> None:
@@ -31,14 +32,6 @@ def test_every_block_is_one_cell_wide() -> None:
 def test_plain_characters_are_ascii() -> None:
     assert characters(Drawing.ASCII.glyphs).isascii()
     assert all(glyph.isascii() for glyph, _, _ in legend(Drawing.ASCII))
-
-
-@pytest.mark.parametrize("drawing", Drawing)
-@pytest.mark.parametrize("palette", [DARK, LIGHT])
-def test_the_legend_has_one_row_for_each_meaning(drawing: Drawing, palette: object) -> None:
-    rows = legend(drawing, DARK if palette is DARK else LIGHT)
-    meanings = [meaning for _, _, meaning in rows]
-    assert len(set(meanings)) == len(meanings)
 
 
 def test_what_stands_in_a_labyrinth_is_told_apart_by_its_glyph() -> None:
@@ -56,6 +49,7 @@ def test_what_stands_in_a_labyrinth_is_told_apart_by_its_glyph() -> None:
         assert len(set(signs)) == len(signs)
 
 
-@pytest.mark.parametrize("angle", [math.nan, math.inf])
-def test_a_heading_that_is_not_a_number_has_a_glyph(angle: float) -> None:
-    assert cell_len(Drawing.QUADRANTS.glyphs.heading(angle)) == 1
+def test_a_heading_that_is_not_a_number_has_a_glyph() -> None:
+    assert {
+        cell_len(Drawing.QUADRANTS.glyphs.heading(angle)) for angle in (math.nan, math.inf)
+    } == {1}

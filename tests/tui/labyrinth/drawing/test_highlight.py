@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
-import pytest
 
 from logical_robots_tui.tui.labyrinth.drawing import Cells, Drawing, Look, Picture, Viewport
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
@@ -17,12 +17,13 @@ from tests.tui.labyrinth.drawing.scenes import room, start
 LEVEL = room(robots=(Robot("Ann", 60, 100, 0.0, "red"), Robot("Bob", 300, 150, 2.0)))
 FRAME = start(LEVEL)
 VIEW = Viewport.fit(400, 200, 80, 20)
+PICTURE = Picture()
 ANGLES = [ray["angle"] for ray in FRAME.sensors[0]["sensor"]["radar"]]
 
 
 def drawn(highlight: Highlight | None, look: Look | None = None) -> Cells:
     look = replace(look or Look(), highlight=highlight)
-    return Picture().draw(LEVEL, FRAME, VIEW, look)
+    return PICTURE.draw(LEVEL, FRAME, VIEW, look).copy()
 
 
 def changed(highlight: Highlight, look: Look | None = None) -> list[tuple[int, int]]:
@@ -32,19 +33,19 @@ def changed(highlight: Highlight, look: Look | None = None) -> list[tuple[int, i
     return [(int(row), int(column)) for row, column in np.argwhere(differs)]
 
 
-@pytest.mark.parametrize("number", [0, 7, 15, 30])
-def test_a_ray_goes_from_its_robot_to_where_it_ended(number: int) -> None:
-    ray = FRAME.sensors[0]["sensor"]["radar"][number]
-    cells = changed(Highlight("Ann", ray["angle"]))
-    assert len(cells) >= 5
-    for row, column in cells:
-        x, y = VIEW.position(row, column)
-        ahead = (x - 60) * math.cos(ray["angle"]) - (y - 100) * math.sin(ray["angle"])
-        aside = (x - 60) * math.sin(ray["angle"]) + (y - 100) * math.cos(ray["angle"])
-        assert abs(aside) < 2 * VIEW.units, "every cell lies on the ray"
-        assert 0 < ahead < ray["distance"] + 2 * VIEW.units
-    end = 60 + ray["distance"] * math.cos(ray["angle"])
-    assert any(abs(VIEW.position(*cell)[0] - end) < 2 * VIEW.units for cell in cells)
+def test_a_ray_goes_from_its_robot_to_where_it_ended() -> None:
+    for number in (0, 7, 15, 30):
+        ray = FRAME.sensors[0]["sensor"]["radar"][number]
+        cells = changed(Highlight("Ann", ray["angle"]))
+        assert len(cells) >= 5
+        for row, column in cells:
+            x, y = VIEW.position(row, column)
+            ahead = (x - 60) * math.cos(ray["angle"]) - (y - 100) * math.sin(ray["angle"])
+            aside = (x - 60) * math.sin(ray["angle"]) + (y - 100) * math.cos(ray["angle"])
+            assert abs(aside) < 2 * VIEW.units, "every cell lies on the ray"
+            assert 0 < ahead < ray["distance"] + 2 * VIEW.units
+        end = 60 + ray["distance"] * math.cos(ray["angle"])
+        assert any(abs(VIEW.position(*cell)[0] - end) < 2 * VIEW.units for cell in cells)
 
 
 def test_a_ring_is_drawn_around_a_robot() -> None:
@@ -55,16 +56,12 @@ def test_a_ring_is_drawn_around_a_robot() -> None:
         assert 5 < math.hypot(x - 300, y - 150) < 50
 
 
-@pytest.mark.parametrize("drawing", Drawing)
-@pytest.mark.parametrize("is_lit", [True, False])
-@pytest.mark.parametrize("ray", [None, ANGLES[3]])
-def test_it_can_be_seen_in_every_way_of_drawing(
-    drawing: Drawing, is_lit: bool, ray: float | None
-) -> None:
-    look = Look(drawing=drawing, rays=is_lit, marks=is_lit)
-    assert len(changed(Highlight("Ann", ray), look)) > 5
-    if drawing is Drawing.ASCII:
-        assert "".join(drawn(Highlight("Ann", ray), look).plain()).isascii()
+def test_it_can_be_seen_in_every_way_of_drawing() -> None:
+    for drawing, is_lit, ray in product(Drawing, (True, False), (None, ANGLES[3])):
+        look = Look(drawing=drawing, rays=is_lit, marks=is_lit)
+        assert len(changed(Highlight("Ann", ray), look)) > 5, (drawing, is_lit, ray)
+        if drawing is Drawing.ASCII:
+            assert "".join(drawn(Highlight("Ann", ray), look).plain()).isascii()
 
 
 def test_what_is_not_there_is_not_drawn() -> None:
@@ -79,10 +76,10 @@ def test_it_leaves_the_next_picture_as_it_was() -> None:
     assert picture.draw(LEVEL, FRAME, VIEW, Look()).changes(before) == []
 
 
-@pytest.mark.parametrize("ray", [None, ANGLES[3]])
-def test_it_is_brought_out_of_what_its_robot_senses_alone(ray: float | None) -> None:
+def test_it_is_brought_out_of_what_its_robot_senses_alone() -> None:
     one = draw_senses(LEVEL, FRAME, 100, 30, Look())
-    other = draw_senses(LEVEL, FRAME, 100, 30, Look(highlight=Highlight("Ann", ray)))
-    columns = np.argwhere((one.text != other.text) | (one.style != other.style))[:, 1]
-    assert len(columns) > 5
-    assert columns.max() < 50, "Bob is on the right"
+    for ray in (None, ANGLES[3]):
+        other = draw_senses(LEVEL, FRAME, 100, 30, Look(highlight=Highlight("Ann", ray)))
+        columns = np.argwhere((one.text != other.text) | (one.style != other.style))[:, 1]
+        assert len(columns) > 5
+        assert columns.max() < 50, "Bob is on the right"

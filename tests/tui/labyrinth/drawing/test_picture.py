@@ -162,7 +162,7 @@ def test_a_run_drawn_frame_by_frame_equals_each_frame_drawn_alone(drawing: Drawi
     view, look = Viewport.fit(level.width, level.height, 60, 20), Look(drawing=drawing)
     picture = Picture()
     shown: list[list[str]] = []
-    for frame in run(level, 40):
+    for frame in run(level, 14):
         changes = changes_of(picture, level, frame, view, look)
         if not shown:
             shown = [[str(list(picture.cells.strip(row)))] for row in range(20)]
