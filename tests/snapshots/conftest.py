@@ -36,6 +36,7 @@ __all__ = ["_no_trials", "_time_of_the_loop", "pytest_asyncio_loop_factories"]
 HERE = Path(__file__).parent
 LOOKS = {
     "light": {},
+    "256-colours": {"COLORTERM": ""},
     "16-colours": {"TERM": "xterm", "COLORTERM": ""},
     "no-colours": {"NO_COLOR": "1"},
 }

@@ -94,8 +94,27 @@ def test_a_followed_robot_may_move_a_little_before_the_view_does() -> None:
     assert (moved.x, moved.y) == (400 + 0.4 * view.width, 200)
 
 
-def test_a_viewport_around_a_place_that_is_none_has_no_cell_for_it() -> None:
+def test_the_fit_is_in_the_middle_and_as_large_as_it_goes() -> None:
+    view = Viewport.fit(400, 100, 80, 30)
+    assert (view.units, view.left, view.top) == (5, 0, -100)
+    assert Viewport.fit(100, 400, 80, 30).height == 400
+
+
+def test_outside_of_the_view_there_is_no_cell() -> None:
+    view = Viewport.fit(100, 100, 40, 20)
+    for x, y in ((-0.1, 50), (50, 100.1), (math.nan, 50), (math.inf, 50)):
+        assert view.cell(x, y) is None
     assert Viewport(10, 10, 0, 0, 1).cell(math.nan, 1) is None
+
+
+def test_zooming_keeps_the_middle_and_centring_keeps_the_length() -> None:
+    view = Viewport.fit(300, 200, 90, 30)
+    near = view.zoomed(3)
+    assert near.units == pytest.approx(view.units / 3)
+    assert near.position(14.5, 44.5) == pytest.approx(view.position(14.5, 44.5))
+    moved = near.centred(10, 20)
+    assert moved.position(14.5, 44.5) == pytest.approx((10, 20))
+    assert moved.units == near.units
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -92,24 +91,3 @@ def test_all_keys_work_in_gnu_screen(tmp_path: Path) -> None:
         subprocess.run(
             ["screen", "-S", "game", "-X", "quit"], env=env, check=False, timeout=PATIENCE
         )
-
-
-@pytest.mark.slow  # `tests/snapshots` look at the colours of each pane
-@pytest.mark.parametrize(
-    "env",
-    [
-        {"NO_COLOR": "1"},
-        {"TERM": "xterm", "COLORTERM": ""},
-        {"TERM": "xterm-256color", "COLORTERM": ""},
-    ],
-    ids=["none", "16", "256"],
-)
-def test_the_game_plays_in_fewer_colours(env: dict[str, str], tmp_path: Path) -> None:
-    game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "first-steps"]
-    with Terminal([*game, "--data-dir", tmp_path], size=(80, 24), env=env) as terminal:
-        terminal.wait_for("applied")
-        terminal.send(" ")
-        terminal.wait_for("tick 1")
-        colours = re.findall(r"38;2;(\d+);(\d+);(\d+)", terminal.everything)
-        assert all(red == green == blue for red, green, blue in colours)
-        assert ("##" in terminal.text) == (env.get("TERM") != "xterm-256color")

@@ -8,12 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.tui.terminal.driver import (
-    MOST_PASTED,
-    InputFilter,
-    Pasted,
-    TolerantParser,
-)
+from logical_robots_tui.tui.terminal.driver import MOST_PASTED, InputFilter, Pasted, TolerantParser
 
 CHUNK = 4096
 

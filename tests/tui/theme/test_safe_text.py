@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.game import Goal
 from logical_robots_tui.tui.inspector.pages.robots import radar_strip
 from logical_robots_tui.tui.inspector.plots import cell, format_value
-from logical_robots_tui.tui.layout.status_line import Status, fit
 from logical_robots_tui.tui.program.lexer import LineStates, pieces, state_after
 from logical_robots_tui.wording import clip, one_line, visible
 
@@ -150,38 +148,3 @@ def test_states_found_late_are_those_found_in_order(lines: list[str], changed: i
     if lines:
         last = len(lines) - 1
         assert fresh.at(last, lines.__getitem__) == states.at(last, lines.__getitem__)
-
-
-STATUS = Status(
-    title="Everybody home",
-    activity="running",
-    tick=1204,
-    won_at=None,
-    speed=40.0,
-    achieved=17.2,
-    goals=(Goal("Home", True, ("Ada", "Bo", "Cy"), ("Ada",)),),
-    standing=(),
-    think_milliseconds=1.23,
-    thinking_for=0.0,
-)
-
-
-def test_the_status_line_tells_everything_where_there_is_room() -> None:
-    assert fit(STATUS, 120).plain.split("   ") == [
-        " LOGICAL ROBOTS",
-        "Everybody home",
-        "● RUNNING",
-        "tick 1204",
-        "17 of 40/s",
-        "Home: Ada ✓ Bo · Cy ·",
-        "1.2 ms",
-    ]
-
-
-@given(st.integers(0, 200))
-def test_the_status_line_fits_and_keeps_the_most_important(width: int) -> None:
-    line = fit(STATUS, width)
-    assert line.cell_length <= max(width, 1)
-    if width >= 40:
-        assert "● RUNNING   tick 1204" in line.plain
-        assert "Home" in line.plain

@@ -130,3 +130,17 @@ def test_beacons_glow_and_chargers_look_different() -> None:
     assert drawn.text(300, 100) == "↯"
     assert drawn.ink(100, 100) != drawn.ink(300, 100)
     assert apart(drawn.tone(104, 100), drawn.tone(200, 100)) > 40
+
+
+def test_a_square_room_is_drawn_twice_as_many_columns_wide_as_rows_high() -> None:
+    drawn = Drawn(room(200, 200, 20), columns=100, rows=30)
+    void = drawn.picture.cells.tone[15, 0]
+    on_map = drawn.picture.cells.tone != void
+    assert on_map.any(axis=0).sum() == 2 * on_map.any(axis=1).sum() == 60
+
+
+def test_the_picture_moves_with_the_view() -> None:
+    whole = Drawn(room())
+    near = Drawn(room(), view=whole.view.zoomed(4).centred(5, 100))
+    assert apart(near.tone(4, 100), whole.tone(4, 100)) < 30
+    assert near.tone(30, 85) == near.tone(45, 95)

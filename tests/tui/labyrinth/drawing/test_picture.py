@@ -13,15 +13,7 @@ from rich.cells import cell_len
 
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look, Picture, Viewport
-from logical_robots_tui.world import (
-    Area,
-    AreaState,
-    Beacon,
-    Level,
-    Robot,
-    RobotState,
-    WorldState,
-)
+from logical_robots_tui.world import Area, AreaState, Beacon, Level, Robot, RobotState, WorldState
 from tests.tui.labyrinth.drawing.scenes import room, run, seeing
 
 _numbers = st.one_of(
