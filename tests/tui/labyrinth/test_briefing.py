@@ -111,9 +111,9 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
     backwards = STILL.replace(": 0.0", ": -1.0")
     async with opened(data_dir, level=short, text=backwards) as game:
         await game.ready()
-        game.session.run_until(150)
+        game.session.run_until(115)
         await game.sees("Pip is stuck: blocked for 100 ticks.")
-        await game.until(lambda: game.tick == 150)
+        await game.until(lambda: game.tick == 115)
         history = game.session.history
         assert history is not None
         await game.press("left_curly_bracket")

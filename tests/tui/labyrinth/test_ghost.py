@@ -172,14 +172,6 @@ async def run_to(game: Opened, tick: int) -> None:
     assert game.tick == tick
 
 
-async def command(game: Opened, words: str, title: str) -> None:
-    await game.press("ctrl+p")
-    await game.sees("Find a command")
-    await game.press(*words)
-    await game.sees(title)
-    await game.press("enter")
-
-
 @pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.slow), (120, 40)])
 async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
     data_dir: Path, short: Path, size: tuple[int, int]
@@ -191,7 +183,7 @@ async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
         await game.press("escape")
         await game.settled()
         won = game.tick
-        await command(game, "savearep", "Save a replay")
+        await game.app.run_action("screen.command('save_replay')")
         await game.sees("bytes).")
         await game.write(SLOWER)
         await game.until(lambda: game.session.state.applied == SLOWER)
@@ -211,7 +203,8 @@ async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
         await game.sees("The ghost is off.")
         await game.sees_no("ghost: ")
         assert not ghosts(game)
-        await command(game, "racearep", "Race a replay")
+        await game.app.run_action("screen.command('race_replay')")
+        await game.sees("Race a replay")
         await game.sees(f"{won} ticks")
         await game.press("enter")
         await game.sees(f"ghost: {won} ticks")

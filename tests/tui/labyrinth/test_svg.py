@@ -10,14 +10,6 @@ from tests.tui.conftest import STILL, opened
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from tests.tui.conftest import Opened
-
-
-async def take_screenshot(game: Opened) -> None:
-    await game.press("ctrl+p")
-    await game.sees("Find a command")
-    await game.press(*"screens", "enter")
-
 
 async def test_a_screenshot_is_a_picture_and_a_text_without_the_palette_or_says_why_not(
     data_dir: Path,
@@ -26,10 +18,12 @@ async def test_a_screenshot_is_a_picture_and_a_text_without_the_palette_or_says_
     async with opened(data_dir, text=STILL, size=(100, 30)) as game:
         await game.ready()
         folder.write_text("in the way")
-        await take_screenshot(game)
+        await game.app.run_action("screen.command('screenshot')")
         await game.sees("The picture could not be saved: File exists.")
         folder.unlink()
-        await take_screenshot(game)
+        await game.press("ctrl+p")
+        await game.sees("Find a command")
+        await game.press(*"screens", "enter")
         await game.until(lambda: len(list(folder.glob("*"))) == 2)
         (text,) = folder.glob("*.txt")
         assert "LOGICAL ROBOTS" in text.read_text("utf-8")

@@ -58,9 +58,9 @@ async def test_a_long_line_is_seen_at_its_end_and_late_clicks_choose_nothing(
     data_dir: Path,
 ) -> None:
     async with opened(data_dir) as game:
-        await game.press("s")
-        await game.sees("Save the program as")
-        await game.press(*"abcdefghij" * 10, *"-end")
+        await dialog(game, "s", SaveAs)
+        await fill(game, "abcdefghij" * 10)
+        await game.press("end", *"-end")
         await game.sees("efghij-end")
         await game.press("escape")
         await game.ready()

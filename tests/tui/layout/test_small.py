@@ -21,7 +21,8 @@ SIZES = [
     *((1, 1), (2, 1), (3, 2), (120, 40), (80, 2), (2, 60), (20, 10)),
 ]
 OTHERS = [(40, 12), (41, 13), (79, 23), (110, 24), (500, 150)]
-FEW = [(1, 1), (4, 3), (20, 10), (7, 1), (3, 10), (12, 5), (80, 24)]
+FIRST, MORE = [(1, 1), (80, 24), (12, 5)], [(4, 3), (20, 10), (7, 1), (3, 10)]
+FEW = [*FIRST, *MORE]
 
 UNANSWERED = ("quit", "external_editor")
 NAMES = [entry.id for entry in COMMANDS if entry.scope == "screen" and entry.id not in UNANSWERED]
@@ -58,13 +59,14 @@ async def give(game: Opened, command: str, sizes: list[tuple[int, int]]) -> None
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("part", range(PARTS))
+@pytest.mark.parametrize("sizes", [FIRST, pytest.param(MORE, marks=pytest.mark.slow)])
 async def test_each_command_may_be_given_and_answered_at_any_size(
-    part: int, data_dir: Path, short: Path
+    sizes: list[tuple[int, int]], part: int, data_dir: Path, short: Path
 ) -> None:
     async with opened(data_dir, level=short) as game:
         await game.ready()
         for command in NAMES[part::PARTS]:
-            await give(game, command, FEW)
+            await give(game, command, sizes)
 
 
 @pytest.mark.proof

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import select
@@ -10,7 +11,9 @@ from pathlib import Path
 from time import monotonic
 
 import pytest
+from textual.app import App
 
+from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
 from tests.memory_use import memory_use
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
@@ -72,6 +75,28 @@ def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Pa
         assert memory_use(terminal.game) < 600 * 1024**2
 
 
+async def test_a_mistake_of_ours_in_the_thread_that_reads_ends_the_app(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def take(*_: object) -> None:
+        raise LookupError("made by a test")
+
+    async def hear(terminal: int) -> None:
+        app: App[None] = App()
+        async with app.run_test():
+            driver = ListeningDriver(app)
+            driver.fileno = terminal
+            await asyncio.to_thread(driver.run_input_thread)
+
+    monkeypatch.setattr(InputFilter, "take", take)
+    ours, theirs = os.pipe()
+    os.write(theirs, b"n")
+    with pytest.raises(LookupError, match="made by a test"):
+        await hear(ours)
+    os.close(ours)
+    os.close(theirs)
+
+
 FAILS = """if True:
     import sys
     from logical_robots_tui.cli.main import main
@@ -85,6 +110,7 @@ FAILS = """if True:
 """
 
 
+@pytest.mark.slow
 def test_a_mistake_of_ours_in_the_thread_that_reads_ends_the_game_in_order(tmp_path: Path) -> None:
     game = [sys.executable, "-c", FAILS, "play", "01-first-steps", "--data-dir", tmp_path]
     home = {"HOME": str(tmp_path), "XDG_STATE_HOME": str(tmp_path / "state")}
