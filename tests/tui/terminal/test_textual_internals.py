@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import inspect
+from pathlib import Path
 
-from textual import _ansi_sequences, _compositor
+from textual import _ansi_sequences, _compositor, events
 from textual._styles_cache import StylesCache
 from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
+from textual.geometry import Region
 from textual.screen import Screen
+from textual.strip import Strip
 from textual.widget import Widget
-from textual.widgets import OptionList
+from textual.widgets import Input, OptionList
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.tui.terminal import textual_internals
+from tests.tui.conftest import opened
 
 METHODS = [
     (App, "_handle_exception", ["self", "error"]),
@@ -60,7 +64,38 @@ async def test_private_modules_hold_what_the_terminal_needs() -> None:
     assert {"_app", "_loop", "_debug"} <= set(vars(LinuxDriver(App())))
 
 
-def test_characters_have_the_names_that_textual_gives_to_keys() -> None:
-    names = textual_internals.characters_by_key()
-    assert names["full_stop"] == "."
-    assert names["left_curly_bracket"] == "{"
+async def test_what_is_taken_from_inside_does_what_it_is_for(data_dir: Path) -> None:
+    characters = textual_internals.characters_by_key()
+    assert (characters["full_stop"], characters["left_curly_bracket"]) == (".", "{")
+    assert not textual_internals.has_active_app()
+    async with opened(data_dir, text="    " + "word " * 30) as game:
+        assert textual_internals.has_active_app()
+        await game.press("s", *"mine")
+        dialog = game.app.screen
+        await game.until(lambda: dialog.query_one(Input).value.endswith("mine"))
+        # `KeyQueue` holds back what comes at once, until what is before it has led elsewhere.
+        game.app.post_message(events.Key("escape", "\x1b"))
+        game.app.post_message(events.Key("2", "2"))
+        game.app.post_message(events.Key("x", "x"))
+        await game.until(lambda: game.editor.text.startswith("x"))
+        assert textual_internals.is_being_removed(dialog)
+        await game.press("backspace")
+        await game.settled()
+        document = game.editor.wrapped_document  # `hang_wrapped_lines` has been called
+        assert isinstance(document, textual_internals.HangingDocument)
+        assert [document.hang(0, section) for section in (0, 1)] == [0, 4]
+        lines = textual_internals.rendered_lines(game.app.screen)
+        assert lines[0].text.startswith(" LOGICAL ROBOTS")
+        view = game.main.labyrinth.view
+        before, view._strips[0] = view.render_line(0), Strip.blank(view.size.width)
+        assert view.render_lines(view.size.region)[0].text == before.text
+        textual_internals.mark_rendered_stale(view, [Region(0, 0, view.size.width, 1)])
+        assert view.render_lines(view.size.region)[0].text == " " * view.size.width
+
+
+def test_each_thing_that_is_taken_from_inside_is_tried_in_this_folder() -> None:
+    tests = "".join(path.read_text("utf-8") for path in Path(__file__).parent.glob("test_*.py"))
+    internals = vars(textual_internals).items()
+    here = textual_internals.__name__
+    names = [name for name, part in internals if getattr(part, "__module__", "") == here]
+    assert [name for name in names if name[0] != "_" and name not in tests] == []
