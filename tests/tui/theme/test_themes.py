@@ -19,6 +19,7 @@ from tests.tui.conftest import opened
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rich.segment import Segment
     from textual.strip import Strip
 
     from tests.tui.conftest import Opened
@@ -64,6 +65,14 @@ def colours_of(game: Opened, word: str) -> set[object]:
     }
 
 
+def ink_and_paper(segment: Segment) -> tuple[Color, Color]:
+    style = segment.style
+    assert style is not None
+    colours = [colour and colour.triplet for colour in (style.color, style.bgcolor)]
+    ink, paper = (Color(*triplet) for triplet in colours if triplet is not None)
+    return ink, paper
+
+
 @pytest.mark.slow
 async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> None:
     async with opened(data_dir) as game:
@@ -106,13 +115,7 @@ async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Pa
             await game.pilot.pause()
             assert choice.has_focus
             (entry,) = (s for s in choice.render_line(2) if s.text.strip() == "Why")
-            assert entry.style is not None
-            assert entry.style.color is not None
-            assert entry.style.bgcolor is not None
-            ink, paper = entry.style.color.triplet, entry.style.bgcolor.triplet
-            assert ink is not None
-            assert paper is not None
-            assert contrast(Color(*ink), Color(*paper)) >= 2.9, theme.name
+            assert contrast(*ink_and_paper(entry)) >= 2.9, theme.name
 
 
 @pytest.mark.slow
@@ -127,14 +130,9 @@ async def test_without_colours_everything_is_legible_in_greys(
             await game.sees("FreedomMotion")
             for word in ("FreedomMotion", "PAUSED", "Map"):
                 for segment in (s for strip in strips(game) for s in strip if word in s.text):
-                    assert segment.style is not None
-                    assert segment.style.color is not None
-                    assert segment.style.bgcolor is not None
-                    ink, paper = segment.style.color.triplet, segment.style.bgcolor.triplet
-                    assert ink is not None
-                    assert paper is not None
-                    assert len(set(ink)) == len(set(paper)) == 1
-                    assert contrast(Color(*ink), Color(*paper)) >= 2.5, (theme, word)
+                    ink, paper = ink_and_paper(segment)
+                    assert len({*ink.rgb}) == len({*paper.rgb}) == 1
+                    assert contrast(ink, paper) >= 2.5, (theme, word)
 
 
 async def test_all_characters_are_one_cell_wide(data_dir: Path) -> None:

@@ -125,3 +125,11 @@ def apart(one: RGB, other: RGB) -> int:
 def contrast(colour: RGB, palette: Palette = DARK) -> float:
     """Return how far a colour's brightness is from the floor's."""
     return abs(luminance(colour) - luminance(palette.floor))
+
+
+def draws_as_anew(picture: Picture, level: Level, frame: Frame, view: Viewport, look: Look) -> bool:
+    """Draw a frame, and return whether that looks as it would in a picture of its own."""
+    picture.draw(level, frame, view, look)
+    anew = Picture().draw(level, frame, view, look)
+    same = (picture.cells.text == anew.text) & (picture.cells.style == anew.style)
+    return bool(same.all())

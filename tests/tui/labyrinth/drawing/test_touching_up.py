@@ -13,7 +13,7 @@ from logical_robots_tui.tui.labyrinth.drawing import Drawing, Look, Picture, Vie
 from logical_robots_tui.tui.labyrinth.drawing.ground import WallTable
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster
 from logical_robots_tui.world import Area, Beacon, Level, Robot
-from tests.tui.labyrinth.drawing.scenes import room, start
+from tests.tui.labyrinth.drawing.scenes import draws_as_anew, room, start
 
 HALL = room(
     robots=(Robot("Ada", 60, 60), Robot("Bo", 210, 120)),
@@ -49,65 +49,37 @@ def test_strokes_show_as_if_they_had_been_there_from_the_start(
     drawing: Drawing,
     rays: list[bool],
 ) -> None:
-    frame, kept, level = start(HALL), Picture(), HALL
+    kept, level = Picture(), HALL
     looks = [Look(drawing=drawing, rays=lit, selected="Bo") for lit in rays]
-    look = looks.pop()
-    kept.draw(level, frame, view, look)
+    kept.draw(level, start(HALL), view, looks.pop())
     for stroke in strokes:
-        look = looks.pop()
         level = painted(level, stroke)
-        kept.draw(level, frame, view, look)
-    fresh = Picture()
-    fresh.draw(level, frame, view, look)
-    assert kept.cells.plain() == fresh.cells.plain()
-    assert (kept.cells.style == fresh.cells.style).all()
+        assert draws_as_anew(kept, level, start(HALL), view, looks.pop())
 
 
-def test_a_beacon_that_is_moved_is_shown_where_it_is() -> None:
-    view, look, frame = Viewport.fit(400, 200, 60, 20), Look(), start(HALL)
-    kept, fresh = Picture(), Picture()
-    kept.draw(HALL, frame, view, look)
-    moved = replace(HALL, beacons=(Beacon("lamp", 140, 60), HALL.beacons[1]))
-    changes = kept.draw(moved, frame, view, look)
-    fresh.draw(moved, frame, view, look)
-    assert changes
-    assert kept.cells.plain() == fresh.cells.plain()
+def test_what_is_moved_renamed_or_gone_is_shown_as_it_is() -> None:
+    kept, view, still = Picture(), Viewport.fit(400, 200, 60, 20), Look(rays=False, marks=False)
+    (ada, bo), (lamp, station) = HALL.robots, HALL.beacons
+    lit_elsewhere = replace(HALL, beacons=(replace(lamp, x=140, y=60), station))
+    renamed = replace(HALL, robots=(replace(ada, color="red"), bo))
+    moved = replace(HALL, robots=(replace(ada, x=100), bo))
+    kept.draw(HALL, start(HALL), view, Look())
+    before = kept.cells
+    assert kept.draw(lit_elsewhere, start(HALL), view, Look()).changes(before)
+    assert draws_as_anew(kept, lit_elsewhere, start(HALL), view, Look())
+    for level, frame in ((renamed, start(HALL)), (moved, start(moved)), (HALL, start(HALL))):
+        assert draws_as_anew(kept, level, frame, view, still)
+    other = room(300, 150)
+    assert draws_as_anew(kept, other, start(other), view, Look()), "another size"
 
 
 def test_a_stroke_that_was_drawn_while_rays_were_shown_stays() -> None:
-    view, frame, level = Viewport.fit(400, 200, 60, 20), start(HALL), HALL
-    kept, fresh = Picture(), Picture()
+    view, frame, level, kept = Viewport.fit(400, 200, 60, 20), start(HALL), HALL, Picture()
     dark = Look(rays=False, marks=False)
     for step, look in enumerate((dark, Look(), dark)):
         level = paint(level, [(60 + 90 * step, 100), (80 + 90 * step, 150)], width=12)
         kept.draw(level, frame, view, look)
-    fresh.draw(level, frame, view, dark)
-    assert kept.cells.plain() == fresh.cells.plain()
-    assert (kept.cells.style == fresh.cells.style).all()
-
-
-def test_a_robot_that_moves_or_is_called_otherwise_is_shown_as_it_is() -> None:
-    view, look, frame = Viewport.fit(400, 200, 60, 20), Look(rays=False, marks=False), start(HALL)
-    kept = Picture()
-    kept.draw(HALL, frame, view, look)
-    renamed = replace(HALL, robots=(replace(HALL.robots[0], color="red"), HALL.robots[1]))
-    moved = replace(HALL, robots=(replace(HALL.robots[0], x=100), HALL.robots[1]))
-    for level, now in ((renamed, frame), (moved, start(moved)), (HALL, frame)):
-        fresh = Picture()
-        kept.draw(level, now, view, look)
-        fresh.draw(level, now, view, look)
-        assert kept.cells.plain() == fresh.cells.plain()
-        assert (kept.cells.style == fresh.cells.style).all()
-
-
-def test_a_level_of_another_size_is_drawn_whole() -> None:
-    view, look = Viewport.fit(400, 200, 60, 20), Look()
-    other = room(300, 150)
-    kept, fresh = Picture(), Picture()
-    kept.draw(HALL, start(HALL), view, look)
-    kept.draw(other, start(other), view, look)
-    fresh.draw(other, start(other), view, look)
-    assert kept.cells.plain() == fresh.cells.plain()
+    assert draws_as_anew(kept, level, frame, view, dark)
 
 
 @settings(deadline=None)
