@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 import pytest
 from textual.widgets import Static
 
+from logical_robots_tui.game import Inquiry
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.short import AHEAD
 from tests.tui.conftest import opened
+from tests.tui.inspector.steps import pressed
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Program, Table
     from tests.tui.conftest import Opened
 
 
@@ -25,8 +30,7 @@ def line(game: Opened) -> QueryLine:
 
 async def ask(game: Opened, query: str) -> None:
     if not line(game).has_focus:
-        await game.press("slash")
-        await game.until(lambda: line(game).has_focus)
+        await pressed(game, "slash", until=lambda: line(game).has_focus)
     line(game).value = query
     await game.press("enter")
 
@@ -40,12 +44,10 @@ def answered(game: Opened) -> str:
 async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         # It can be typed before the page for it is loaded.
-        await game.press("slash", *"Robot", "enter")
-        await game.sees("Ask · tick 0 · 1 row")
+        await pressed(game, "slash", *"Robot", "enter", sees="Ask · tick 0 · 1 row")
         await ask(game, "Sensor(sensor:), clock == 100 + sensor.clock")
         await game.sees(" 100 ")
-        await game.press("escape", "n")
-        await game.sees("Ask · tick 1 · 1 row")
+        await pressed(game, "escape", "n", sees="Ask · tick 1 · 1 row")
         await game.sees(" 101 ")
 
         # An answer stands with its own question while another one is typed.
@@ -83,8 +85,7 @@ async def test_the_line_helps_and_says_what_is_wrong_with_a_query(
 ) -> None:
     async with opened(data_dir, text="Lighthouse(1);\n" + AHEAD, size=size) as game:
         await game.ready()
-        await game.press("slash")
-        await game.sees("sensor.forward_distance < 60")
+        await pressed(game, "slash", sees="sensor.forward_distance < 60")
         bar = game.main.query_one(CommandBar)
         await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
         assert "F5 Run" in bar.render().plain
@@ -93,8 +94,7 @@ async def test_the_line_helps_and_says_what_is_wrong_with_a_query(
         await game.until(lambda: "Lighthouse" in line(game)._completion.words)
         await game.press(*"1 < 2, Lig")
         await game.until(lambda: line(game)._suggestion == "1 < 2, Lighthouse")
-        await game.press("right")
-        await game.until(lambda: line(game).value == "1 < 2, Lighthouse")
+        await pressed(game, "right", until=lambda: line(game).value == "1 < 2, Lighthouse")
 
         # A mistake is shown at its place and changes nothing.
         await ask(game, "Sensor(robot_nam:)")
@@ -123,43 +123,50 @@ SLOW = (
 )
 
 
-async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -> None:
+LATE = "0 < 0"
+
+
+async def test_a_question_under_way_says_so_and_can_be_stopped(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answer = Inquiry.ask
+
+    async def late(inquiry: Inquiry, program: Program, query: str, frame: Frame) -> Table:
+        if query == LATE:
+            await asyncio.Event().wait()
+        return await answer(inquiry, program, query, frame)
+
+    monkeypatch.setattr(Inquiry, "ask", late)
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, "1000 + 1")
         await game.sees("1001")
-        with game.impatient():
-            await ask(game, SLOW)
-            await game.sees(" s  esc here stops it")
-            assert any(sign in game.screen() for sign in "▖▘▝▗")
-            assert not game.shows("1001"), "an old answer stands under a new question"
-            assert answered(game) == SLOW
-            first = game.screen()
-            await game.until(lambda: game.screen() != first)  # the time goes on
-        await game.press("escape")
-        await game.sees("Stopped after ")
+        await ask(game, LATE)
+        await game.sees(" s  esc here stops it")
+        screen = game.screen()
+        assert any(sign in screen for sign in "▖▘▝▗")
+        assert "1001" not in screen, "an old answer stands under a new question"
+        assert answered(game) == LATE
+        await game.until(lambda: game.screen() != screen)  # the time goes on
+        await pressed(game, "escape", sees="Stopped after ")
         assert line(game).has_focus
-        assert line(game).value == SLOW
+        assert line(game).value == LATE
         await ask(game, "1000 + 2")
         await game.sees("1002")
 
-        # Escape stops it from the list, too.
+        # Escape stops it from the list, too, also when the program is really at work.
         with game.impatient():
             await ask(game, SLOW)
             await game.sees("esc here stops it")
         game.inspector.enter()
-        await game.press("escape")
-        await game.sees("Stopped after ")
+        await pressed(game, "escape", sees="Stopped after ")
         assert game.inspector.has_focus_within
-        await game.press("escape")
-        await game.until(lambda: game.main.labyrinth.has_focus)
+        await pressed(game, "escape", until=lambda: game.main.labyrinth.has_focus)
 
         # Another question does not wait for the answer.
-        with game.impatient():
-            await ask(game, SLOW)
-            await game.sees("esc here stops it")
+        await ask(game, LATE)
+        await game.sees("esc here stops it")
         await ask(game, "t == 700 + Max{sensor.clock :- Sensor(sensor:)}")
         await game.sees("Ask · tick 0 · 1 row")
-        await game.press("escape", "n")
-        await game.sees("701")
+        await pressed(game, "escape", "n", sees="701")
         await game.sees("Ask · tick 1 · 1 row")

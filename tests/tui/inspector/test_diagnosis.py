@@ -8,6 +8,7 @@ import pytest
 
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
 from tests.tui.conftest import opened
+from tests.tui.inspector.steps import pressed, run_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -32,36 +33,29 @@ async def test_the_run_is_scanned_and_a_finding_leads_to_its_tick(
 ) -> None:
     async with opened(data_dir, text=LATE, size=size) as game:
         await game.ready()
-        game.session.run_until(4)
-        await game.until(lambda: game.tick == 4 and not game.session.busy)
+        await run_until(game, 4)
         game.main.action_command("diagnose")
         await game.until(lambda: page(game).view.has_focus)
         await game.sees("Scan the run up to tick 4")
         await game.sees("enter Scan")
-        await game.press("enter")
-        await game.until(lambda: page(game).found is not None)
+        await pressed(game, "enter", until=lambda: page(game).found is not None)
         assert game.inspector.inspected == "diagnosis"
         await game.sees("warning, line 3, tick 3")
         await game.sees("Ticks 1 to 4, not won.")
         await game.press("down")
         await game.until(lambda: game.editor.selected_text.startswith("Robot(robot_name:, des"))
-        await game.press("enter")
-        await game.until(lambda: game.tick == 3)
+        await pressed(game, "enter", tick=3)
 
         # It is offered again when the run has gone on.
-        await game.press("n", "n")
-        await game.sees("Scan again up to tick 5")
-        await game.press("p")
-        await game.until(lambda: game.tick == 4)
+        await pressed(game, "n", "n", sees="Scan again up to tick 5")
+        await pressed(game, "p", tick=4)
         assert not game.shows("This is about")
 
         # Findings about an earlier program or run say so.
         game.session.apply(f"{LATE}\n")
         await game.sees("This is about an earlier program. Ticks 1 to 4, not won.")
-        await game.press("p")
-        await game.until(lambda: game.tick == 3)
-        await game.press("n")
-        await game.until(lambda: game.tick == 4)
+        await pressed(game, "p", tick=3)
+        await pressed(game, "n", tick=4)
         game.session.apply(LATE)
         await game.sees("This is about an earlier run. Ticks 1 to 4, not won.")
         await game.press("home", "enter")

@@ -17,6 +17,7 @@ from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from tests.tui.conftest import opened
+from tests.tui.inspector.steps import pressed, run_until
 from tests.virtual_time import Hold
 
 if TYPE_CHECKING:
@@ -47,14 +48,12 @@ def pointed(game: Opened) -> Link:
 
 async def at_tick(game: Opened, tick: int) -> None:
     await game.ready()
-    game.session.run_until(tick)
-    await game.until(lambda: game.tick == tick and not game.session.busy)
+    await run_until(game, tick)
 
 
 async def followed(game: Opened, *keys: str) -> None:
     """Open the tree of what the decision came from, and follow the part that the keys go to."""
-    await game.press("X")
-    await game.until(lambda: isinstance(game.app.screen, ValueTree))
+    await pressed(game, "X", on=ValueTree)
     await game.press(*keys, "less_than_sign")
     await game.until(
         lambda: game.app.screen is game.main and links(game).plain and links(game).pointed
@@ -65,8 +64,7 @@ async def in_table(game: Opened, name: str) -> None:
     """Put the cursor on the second value of the first row of a predicate."""
     game.inspector.open(name)
     await game.sees(f"{name} · tick {game.tick}")
-    await game.press("enter")
-    await game.until(lambda: game.main.query_one("#rows").has_focus)
+    await pressed(game, "enter", until=lambda: game.main.query_one("#rows").has_focus)
     await game.press("right")
 
 
@@ -87,15 +85,16 @@ TO_SEEN = ("end",)
 """Keys to the last line of the tree, which is the field `seen` of the memory afterwards."""
 
 
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_a_field_is_followed_to_the_ticks_that_made_it_and_one_comes_back(
-    data_dir: Path,
+    data_dir: Path, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
+    async with opened(data_dir, text=PHASES, size=size) as game:
         await at_tick(game, 9)
+        await game.press("3")
         robot = game.inspector.robot
         game.inspector.open("Sensor")
-        await game.press("less_than_sign")
-        await game.sees("Put the cursor on a value")
+        await pressed(game, "less_than_sign", sees="Put the cursor on a value")
 
         game.inspector.open("decision")
         await followed(game, *TO_SEEN)
@@ -110,60 +109,47 @@ async def test_a_field_is_followed_to_the_ticks_that_made_it_and_one_comes_back(
         assert f"    from {robot}'s memory.seen = 1 (2.)" in plain
         assert f"2. {robot}'s memory.seen = 1" in plain
         await game.sees(f"{robot}'s memory.seen after tick 9 comes from")
+        await game.sees("the same since tick 6")
 
         # The cursor shows the expression in the program, and enter goes to its tick.
-        await game.press("down")
-        await game.until(lambda: pointed(game).tick == 2)
+        await pressed(game, "down", until=lambda: pointed(game).tick == 2)
         await game.until(lambda: game.editor.selected_text == "Coalesce(memory.seen, 0) + 1")
+        await game.sees("the same since tick 2")
         await game.press("enter")
         await game.until(lambda: game.tick == 2 and game.inspector.inspected == "why")
         await game.sees("Why · tick 2")
-        await game.press("less_than_sign")
-        await game.until(lambda: game.inspector.inspected == "origin")
+        await pressed(game, "less_than_sign", until=lambda: game.inspector.inspected == "origin")
         assert links(game).has_focus
 
         # Escape and backspace return to the page and the tick of the question.
         await game.press("escape")
         await game.until(lambda: game.inspector.inspected == "decision" and game.tick == 9)
         await in_table(game, "Memory")
-        await game.press("less_than_sign")
-        await game.until(lambda: links(game).pointed)
+        await pressed(game, "less_than_sign", until=lambda: links(game).pointed)
         await game.sees("memory after tick 8 comes from")
-        await game.press("p")
-        await game.until(lambda: game.tick == 8)
+        await pressed(game, "p", tick=8)
+        links(game).show(Origin((pointed(game),), complete=False))
+        await game.sees("This is incomplete")
         assert game.inspector.inspected == "origin"
         await game.press("backspace")
         await game.until(lambda: game.inspector.inspected == "Memory" and game.tick == 9)
-
-        # It has room in a small terminal.
-        await game.pilot.resize_terminal(80, 24)
-        game.inspector.open("decision")
-        await followed(game, *TO_SEEN)
-        await game.sees("the same since tick 6")
-        await game.press("down")
-        await game.until(lambda: pointed(game).tick == 2)
-        await game.sees("the same since tick 2")
-        links(game).show(Origin((pointed(game),), complete=False))
-        await game.sees("This is incomplete")
 
 
 async def test_a_pin_and_what_a_proof_read_are_followed_until_their_branch_is_left(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with opened(data_dir, text=PHASES, size=(120, 70)) as game:
+    async with opened(data_dir, text=PHASES, size=(100, 54)) as game:
         await at_tick(game, 5)
         robot = game.inspector.robot
         pin = Pin("Robot", "memory", (("robot_name", robot),), ("plan", "phase"))
         game.inspector.go_to("watch")
         game.main.query_one(WatchView).toggle(pin)
-        await game.press("less_than_sign")
-        await game.until(lambda: links(game).pointed)
+        await pressed(game, "less_than_sign", until=lambda: links(game).pointed)
         await game.sees("the same since tick 4")
         assert pointed(game).value == "fetch"
         await game.press("w")
         await pointed_at(game, "memory.plan", "read")
-        await game.press("less_than_sign")
-        await game.sees("memory.plan after tick 4 comes from")
+        await pressed(game, "less_than_sign", sees="memory.plan after tick 4 comes from")
 
         # It says how far back it is, and can be stopped.
         source, hold = Explainer.source, Hold()
@@ -184,8 +170,7 @@ async def test_a_pin_and_what_a_proof_read_are_followed_until_their_branch_is_le
         await game.until(lambda: links(game).pointed)
         assert (pointed(game).tick, pointed(game).until) == (2, 4)
 
-        await game.press("r")
-        await game.until(lambda: game.tick == 0)
+        await pressed(game, "r", tick=0)
         assert links(game).pointed is not None
         assert game.session.game is not None
         game.session.game.forget_future()
@@ -204,7 +189,7 @@ Robot(robot_name:, desire: {left_engine: Speed(ray.distance), right_engine: 0}, 
 
 
 async def test_any_value_of_a_table_and_of_a_proof_is_traced_to_its_rays(data_dir: Path) -> None:
-    async with opened(data_dir, text=SIGHT, size=(120, 70)) as game:
+    async with opened(data_dir, text=SIGHT, size=(100, 54)) as game:
         await at_tick(game, 2)
         robot = game.inspector.robot
         await in_table(game, "Near")
@@ -226,8 +211,7 @@ async def test_any_value_of_a_table_and_of_a_proof_is_traced_to_its_rays(data_di
             await game.press("less_than_sign")
             await game.until(lambda name=name: links(game).pointed and name in pointed(game).name)  # type: ignore[misc]
             assert f"{robot}'s ray " in links(game).plain
-            await game.press("escape")
-            await game.until(lambda: game.inspector.inspected == "why")
+            await pressed(game, "escape", until=lambda: game.inspector.inspected == "why")
 
 
 OF_ADA = (("robot_name", "Ada"),)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,11 +13,15 @@ from logical_robots_tui.tui.inspector import pages, pane
 from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.proof import WhyView
+from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, STILL, opened
+from tests.tui.inspector.steps import pressed
 
 if TYPE_CHECKING:
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Table
     from tests.tui.conftest import Opened
 
 MORE = (
@@ -93,6 +98,17 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
         await inspect(game, "Idle")
         await game.sees("Idle · tick 0 · 0 calls of Solo")
 
+        # A decision is told on one page.
+        game.inspector.inspect("decision")
+        decision = game.main.query_one("#decision", LinesView)
+        await game.until(lambda: "No decision yet: press space." in decision.plain)
+        await pressed(game, "n", sees="Decision of Solo · tick 1")
+        await game.until(lambda: "on the way" in decision.plain and "as given" in decision.plain)
+        for words in ("sensor in", "memory before", "as driven", "memory after"):
+            assert words in decision.plain
+        assert '• memory  "I am a robot"' in decision.plain, "it has just changed"
+        await game.press("p")
+
         # Rows follow step by step. Memory is empty in tick 1, and what the program made of it in
         # tick 2.
         await inspect(game, "Seen")
@@ -107,23 +123,19 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
         await game.until(lambda: table.shown.changed == {(0, 1)})
         await game.sees("Seen · tick 2 · 1 row")
         await game.sees("I am a robot")
-        await game.press("n")
-        await game.until(lambda: game.tick == 3 and not table.shown.changed)
-        await game.press("p", "p", "p")
-        await game.sees("Seen · tick 0 · 1 row")
+        await pressed(game, "n", until=lambda: game.tick == 3 and not table.shown.changed)
+        await pressed(game, "p", "p", "p", sees="Seen · tick 0 · 1 row")
 
         await inspect(game, "Names")
         await game.until(lambda: game.editor.selected_text == "Names")
-        await game.press("K")
-        await game.sees("SQLite's plan for Names")
+        await pressed(game, "K", sees="SQLite's plan for Names")
         await game.sees("Milliseconds")
         await game.press("escape")
         await game.sees_no("SQLite's plan for Names")
 
         # It follows a run without holding it up.
         await inspect(game, "Ray")
-        await game.press("space")
-        await game.until(lambda: game.tick > 8)
+        await pressed(game, "space", until=lambda: game.tick > 4)
         await game.sees("Ray · 31 rows")  # the tick is at the top, which is newer
         await game.press("space")
         await game.sees(f"Ray · tick {game.tick} · ")
@@ -151,8 +163,7 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
         await game.sees("Robots · tick 0")
         for words in ("radar, left to right", "● P", "● Q", "● R"):
             assert game.shows(words)
-        await game.press("n")
-        await game.sees("Robots · tick 1")
+        await pressed(game, "n", sees="Robots · tick 1")
 
         await inspect(game, "Half")
         await game.sees("Half · tick 1 · 2 calls of P")
@@ -161,16 +172,13 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
         assert sorted(row[:2] for row in table.shown.rows) == [(1, 0.5), (2, 1)]
         game.inspector.choose("Q")
         await game.sees("Half · tick 1 · 2 calls of Q")
-        await game.press("n")
-        await game.sees("Half · tick 2 · 2 calls of Q")
+        await pressed(game, "n", sees="Half · tick 2 · 2 calls of Q")
         await game.until(lambda: (3, 1.5) in table.shown.rows)
         table.focus()
-        await game.press("at")
-        await game.sees("Choose a predicate")
+        await pressed(game, "at", sees="Choose a predicate")
 
         game.inspector.inspect("robots")
-        await game.press("w")
-        await game.sees("Q: Robot")
+        await pressed(game, "w", sees="Q: Robot")
         game.inspector.choose("P")
         await game.sees("P: Robot")
         proof = game.main.query_one(WhyView)
@@ -188,8 +196,7 @@ async def test_a_predicate_with_more_rows_than_are_shown_says_so(data_dir: Path)
         table.focus()
         await game.press("J")
         await game.until(lambda: "950 more rows side by side; J shows" in table.missing)
-        await game.press("c")
-        await game.sees("side by side")
+        await pressed(game, "c", sees="side by side")
 
 
 async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
@@ -200,8 +207,7 @@ async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
         await game.press("3")
         await inspect(game, "Sensor")
         await game.sees("robot_name")
-        await game.press("enter", "right")
-        await game.sees("sensor = {")
+        await pressed(game, "enter", "right", sees="sensor = {")
         await game.sees("forward_distance:")
         await game.sees('forward_object: "none"')
         game.inspector.enter()
@@ -211,24 +217,42 @@ async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
         table = game.main.query_one("#rows", ValueTable)
         third = table.pointed
         await game.until(lambda: table.pointed and table.pointed[0] == "d")
-        await game.press("end")
-        await game.until(lambda: table.scroll_offset.y > 0)
+        await pressed(game, "end", until=lambda: table.scroll_offset.y > 0)
         assert table.pointed != third
-        await game.press("home", "n")
-        await game.sees("Ray · tick 1 · 31 rows")
+        await pressed(game, "home", "n", sees="Ray · tick 1 · 31 rows")
         assert table.scroll_offset.y == 0
         await game.click("#rows", offset=(1, 3))
         await game.until(lambda: table.pointed and table.pointed[0] == "i")
 
 
-async def test_a_slow_predicate_does_not_hold_up_the_game(data_dir: Path) -> None:
+async def test_a_slow_predicate_does_not_hold_up_the_game(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = Questions.rows
+
+    async def late(questions: Questions, predicate: str, robot: str, frame: Frame) -> Table:
+        if predicate == "Robot":
+            await asyncio.Event().wait()
+        return await rows(questions, predicate, robot, frame)
+
+    monkeypatch.setattr(Questions, "rows", late)
+    async with opened(data_dir, text=STILL) as game:
+        await run_beside(game, "Robot")
+
+
+@pytest.mark.slow
+async def test_a_predicate_that_is_really_slow_does_not_either(data_dir: Path) -> None:
     async with opened(data_dir, text=PAPER + SLOW.split("Robot(")[0]) as game:
-        await game.ready()
-        await inspect(game, "Many")
-        await game.press("space")
-        await game.until(lambda: game.tick > 3)
-        await inspect(game, "Sensor")
-        await game.sees("Sensor · 1 row")
+        await run_beside(game, "Many")
+
+
+async def run_beside(game: Opened, slow: str) -> None:
+    """Run the robots while the rows of a predicate are awaited, and look at another one."""
+    await game.ready()
+    await inspect(game, slow)
+    await pressed(game, "space", until=lambda: game.tick > 3)
+    await inspect(game, "Sensor")
+    await game.sees("Sensor · 1 row")
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
@@ -236,8 +260,7 @@ async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[in
     nobody = 'Robot(robot_name: "Solo", desire: {left_engine: 0.1, right_engine: null});\n'
     async with opened(data_dir, text=nobody, size=size) as game:
         await game.ready()
-        await game.press("n", "3")
-        await game.until(lambda: game.tick == 1)
+        await pressed(game, "n", "3", tick=1)
         message = game.session.frame.decisions[0].notices[0].message
         await game.sees(f"! Solo: {message[:20]}")
 
@@ -250,17 +273,3 @@ async def test_a_row_that_names_no_robot_says_in_whose_mind_it_holds(data_dir: P
         await inspect(game, "Clock")
         await game.sees("in the mind of")
         await game.until(lambda: all(game.shows(name) for name in "PQR"))
-
-
-async def test_a_decision_is_told_on_one_page(data_dir: Path) -> None:
-    async with opened(data_dir, size=(120, 60)) as game:
-        await game.ready()
-        game.inspector.inspect("decision")
-        view = game.main.query_one("#decision", LinesView)
-        await game.until(lambda: "No decision yet: press space." in view.plain)
-        await game.press("n")
-        await game.sees("Decision of Solo · tick 1")
-        await game.until(lambda: "on the way" in view.plain and "as given" in view.plain)
-        for words in ("sensor in", "memory before", "as driven", "memory after"):
-            assert words in view.plain
-        assert '• memory  "I am a robot"' in view.plain, "it has just changed"

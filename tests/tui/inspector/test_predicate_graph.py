@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.tui.inspector.predicate_graph import GraphView, joint
 from tests.tui.conftest import opened
+from tests.tui.inspector.steps import pressed
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,8 +40,7 @@ def test_lines_have_no_loose_ends(start: int, count: int, middle: int, to_right:
 async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) -> None:
     async with opened(data_dir, text=TEXT) as game:
         await game.ready()
-        await game.press("R")
-        await game.sees("Users → predicate")
+        await pressed(game, "R", sees="Users → predicate")
         view = game.app.screen.query_one(GraphView)
         assert view.middle == "Robot", "the page of robots is no predicate"
         await game.sees("nobody     • Robot ─┬▶ • Speed")
@@ -50,20 +50,17 @@ async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) ->
             lambda: view.middle == "Near" and "─┼▶ • Near ──▶ • Ahead" in game.screen()
         )
         assert [name in view.plain for name in ("Speed", "Slow", "Robot")] == [True] * 3
-        await game.press("right")
-        await game.until(lambda: view.chosen == "Ahead")
+        await pressed(game, "right", until=lambda: view.chosen == "Ahead")
         speed = next(n for n, line in enumerate(view.plain.splitlines()) if "Speed" in line)
         await game.click(GraphView, offset=(3, speed))
         await game.until(lambda: view.middle == "Speed")
         await game.press("right", "up", "enter")
         await game.until(lambda: game.inspector.inspected == "Ahead")
         await game.sees("Ahead · tick 0 · 1 row")
-        await game.press("R")
-        await game.sees("Users → predicate")
+        await pressed(game, "R", sees="Users → predicate")
         view = game.app.screen.query_one(GraphView)
         assert view.middle == "Ahead", "it begins with what is inspected"
         view.centre("WeightedAverage")
         await game.sees("• Mean ──▶ ◦ WeightedAverage")
-        await game.press("enter")
-        await game.sees("It is in the prelude.")
+        await pressed(game, "enter", sees="It is in the prelude.")
         assert game.inspector.inspected == "Ahead"

@@ -20,6 +20,7 @@ from logical_robots_tui.tui.inspector.table import (
 )
 from tests.short import AHEAD
 from tests.tui.conftest import opened
+from tests.tui.inspector.steps import pressed
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -89,41 +90,11 @@ async def inspected(game: Opened) -> None:
     await game.until(lambda: len(table(game).shown.rows) == 3)
 
 
-async def test_keys_sort_filter_turn_and_search_rows(data_dir: Path) -> None:
-    async with opened(data_dir, level="team_goal", text=TEXT) as game:
-        await inspected(game)
-        game.inspector.choose("Q")
-        await game.press("O")
-        await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["Q"])
-        await game.sees("only Q")
-        await game.press("O")
-        await game.until(lambda: len(table(game).shown.rows) == 3)
-        table(game).focus()
-        await game.press("A", "A")
-        await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R", "Q", "P"])
-        await game.press("J")
-        await game.until(lambda: table(game).shown.rows[0] == ("robot_name", "R", "Q", "P"))
-        await game.press("J", "number_sign")
-        await game.until(lambda: game.app.screen.query(Input))
-        await game.press("R", "enter")
-        await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R"])
-
-        # One key stops at a predicate.
-        game.inspector.enter()
-        await game.press("asterisk")
-        await game.settled()
-        (set_now,) = game.session.breakpoints
-        assert (set_now.event, set_now.subject, set_now.column) == ("change", "Near", "")
-        await game.press("space")
-        await game.until(lambda: not game.session.running and game.tick == 1)
-
-
-async def test_rows_are_saved_and_copied_or_it_is_said_why_not(data_dir: Path) -> None:
+async def test_keys_save_copy_sort_filter_turn_and_search_rows(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", text=TEXT) as game:
         await inspected(game)
         (data_dir / "rows").write_text("a file in the way")
-        await game.press("S")
-        await game.sees("can't be saved")
+        await pressed(game, "S", sees="can't be saved")
         (data_dir / "rows").unlink()
         await game.press("S")
         path = data_dir / "rows" / "Near-tick-0.csv"
@@ -134,3 +105,24 @@ async def test_rows_are_saved_and_copied_or_it_is_said_why_not(data_dir: Path) -
         copied = data_dir / "copied.txt"
         await game.until(copied.exists)
         assert game.app.clipboard == copied.read_text() == path.read_text()
+
+        game.inspector.choose("Q")
+        await pressed(game, "O", until=lambda: [row[0] for row in table(game).shown.rows] == ["Q"])
+        await game.sees("only Q")
+        await pressed(game, "O", until=lambda: len(table(game).shown.rows) == 3)
+        table(game).focus()
+        await game.press("A", "A")
+        await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R", "Q", "P"])
+        await game.press("J")
+        await game.until(lambda: table(game).shown.rows[0] == ("robot_name", "R", "Q", "P"))
+        await pressed(game, "J", "number_sign", until=lambda: game.app.screen.query(Input))
+        await game.press("R", "enter")
+        await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R"])
+
+        # One key stops at a predicate.
+        game.inspector.enter()
+        await game.press("asterisk")
+        await game.settled()
+        (set_now,) = game.session.breakpoints
+        assert (set_now.event, set_now.subject, set_now.column) == ("change", "Near", "")
+        await pressed(game, "space", until=lambda: not game.session.running and game.tick == 1)

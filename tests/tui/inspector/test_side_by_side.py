@@ -9,6 +9,7 @@ from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import opened
+from tests.tui.inspector.steps import pressed
 from tests.tui.inspector.test_pane import MORE, inspect
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     from tests.tui.conftest import Opened
 
-WIDE = (200, 60)
+WIDE = (156, 50)
 
 
 def pages(game: Opened) -> list[str]:
@@ -32,19 +33,16 @@ ROBOTS, DECISION, ROWS = (page.__name__ for page in (RobotsPage, DecisionPage, P
 async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", text=MORE, size=WIDE) as game:
         await game.ready()
-        await game.press("n", "3")
-        await game.until(lambda: pages(game) == [ROBOTS, DECISION])
+        await pressed(game, "n", "3", until=lambda: pages(game) == [ROBOTS, DECISION])
         await inspect(game, "Names")
         await game.until(lambda: pages(game) == [ROWS, DECISION])
         await game.sees("Decision of P · tick 1")
         await game.sees("Names · tick 1 · 3 rows")
-        await game.press("n")
-        await game.sees("Decision of P · tick 2")
+        await pressed(game, "n", sees="Decision of P · tick 2")
         await game.sees("Names · tick 2 · 3 rows")
 
         # Another robot is shown beside the same rows; all robots beside the page of the decision.
-        await game.press("1", "a", "a")
-        await game.sees("Decision of Q · tick 2")
+        await pressed(game, "1", "a", "a", sees="Decision of Q · tick 2")
         assert game.inspector.inspected == "Names"
         game.inspector.inspect("decision")
         await game.until(lambda: pages(game) == [ROBOTS, DECISION])
@@ -52,13 +50,10 @@ async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_
         # Keys are about the page with the focus.
         game.inspector.open("Names")
         await game.until(lambda: pages(game) == [ROWS, DECISION])
-        await game.press("tab", "tab")
-        await game.until(lambda: game.inspector.inspected == "decision")
-        await game.press("enter")
-        await game.until(lambda: game.app.screen is not game.main)
+        await pressed(game, "tab", "tab", until=lambda: game.inspector.inspected == "decision")
+        await pressed(game, "enter", until=lambda: game.app.screen is not game.main)
         await game.sees("Decision of Q")
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
+        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
         await game.pilot.resize_terminal(120, 40)
         await game.until(lambda: pages(game) == [ROWS])
         await game.sees("Names · tick 2 · 3 rows")

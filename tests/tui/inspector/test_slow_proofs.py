@@ -10,6 +10,7 @@ import pytest
 from logical_robots_tui.explain import Ask, Explanation, Proof
 from logical_robots_tui.game import Inquiry
 from tests.tui.conftest import SLOW, opened
+from tests.tui.inspector.steps import pressed
 from tests.tui.inspector.test_why import (
     CALL,
     PROVED,
@@ -54,19 +55,16 @@ async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stoppe
         await game.until(lambda: game.shows("Solo: Robot  ") and game.shows("unfolding"))
 
         # Unfolding can be stopped and goes on call by call.
-        await game.press("escape")
-        await game.sees("Stopped after")
+        await pressed(game, "escape", sees="Stopped after")
         place = await go_to(game, CALL)
-        await game.press("right")
-        await game.until(lambda: PROVED in told(game))
+        await pressed(game, "right", until=lambda: PROVED in told(game))
         assert asked_for == ["Robot", "Speed"]
 
         # A call that is opened meanwhile waits for the proof that is on its way.
         await game.press("left", "n")
         await game.until(lambda: game.shows("Why · tick 2") and game.shows("unfolding"))
         assert not view(game).is_open(place)
-        await game.press("right")
-        await game.until(lambda: view(game).is_open(place))
+        await pressed(game, "right", until=lambda: view(game).is_open(place))
         assert asked_for == ["Robot", "Speed", "Robot"]
         is_proved.set()
         await game.until(lambda: PROVED in told(game))
@@ -76,9 +74,12 @@ async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stoppe
 
         # The cursor stays while a slow answer for another tick is awaited.
         is_asked.clear()
-        await game.press("n")
-        await game.sees("taking the rules of Robot apart")
+        await pressed(game, "n", sees="taking the rules of Robot apart")
         assert not view(game).lines
+        await game.sees("s  esc here stops it")
+        await pressed(game, "escape", sees="Stopped after ")
+        assert view(game).has_focus
+        await pressed(game, "n", sees="taking the rules of Robot apart")
         is_asked.set()
         await game.until(lambda: view(game).lines)
         await game.until(lambda: view(game).line is view(game).lines[place])
@@ -86,25 +87,22 @@ async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stoppe
 
         # While robots run, the first level is enough.
         game.inspector.inspect("robots")
-        await game.press("space", "w")
-        await game.sees("a pause unfolds it")
+        await pressed(game, "space", "w", sees="a pause unfolds it")
         assert CALL in told(game)
         assert PROVED not in told(game)
-        await game.press("space")
-        await game.until(lambda: PROVED in told(game))
+        await pressed(game, "space", until=lambda: PROVED in told(game))
         await game.sees_no("a pause unfolds it")
         await game.sees(f"Why · tick {game.tick}")
 
 
+@pytest.mark.slow
 async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path) -> None:
     async with opened(data_dir, text=SLOW) as game:
         await game.ready()
         with game.impatient():
-            await game.press("w")
-            await game.sees("taking the rules of Robot apart")
+            await pressed(game, "w", sees="taking the rules of Robot apart")
             await game.sees("s  esc here stops it")
-            await game.press("escape")
-            await game.sees("Stopped after ")
+            await pressed(game, "escape", sees="Stopped after ")
         assert view(game).has_focus
 
 
@@ -114,6 +112,5 @@ async def test_no_old_proof_stands_under_a_new_question(data_dir: Path) -> None:
     async with opened(data_dir, text=text) as game:
         await asked_why(game)
         game.inspector.inspect("Many")
-        await game.press("w")
-        await game.sees("Solo: Many")
+        await pressed(game, "w", sees="Solo: Many")
         assert not any(line.startswith("Robot(") for line in told(game))

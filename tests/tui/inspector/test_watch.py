@@ -16,6 +16,7 @@ from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.plots import BARS, Sample, sparkline
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, opened
+from tests.tui.inspector.steps import pressed, run_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -86,16 +87,13 @@ async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
 async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) -> None:
     async with opened(data_dir, text=TEXT) as game:
         await game.ready()
-        await game.press("V")
-        await game.sees("Nothing is pinned.")
+        await pressed(game, "V", sees="Nothing is pinned.")
         await game.press("left", "right", "enter", "delete", "@")
-        game.session.run_until(40)
-        await game.until(lambda: game.tick == 40 and not game.session.busy)
+        await run_until(game, 40)
 
         # A number of rows, one row among many, a part of a memory.
         await inspect(game, "Ray", "Ray · tick 40 · 31 rows")
-        await game.press("down", "right", "right", "at")
-        await game.until(lambda: len(view(game).pins) == 1)
+        await pressed(game, "down", "right", "right", "at", until=lambda: len(view(game).pins) == 1)
         pin = view(game).pins[0]
         assert (pin.predicate, pin.column, [name for name, _ in pin.where]) == (
             *("Ray", "d"),
@@ -106,12 +104,10 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         game.inspector.enter()
         await game.press("at")
         await inspect(game, "Memory", "Memory · tick 40 · 1 row")
-        await game.press("right", "enter")
-        await game.sees("enter or space fold")
+        await pressed(game, "right", "enter", sees="enter or space fold")
         tree = game.app.screen.query_one(Tree)
         await game.until(lambda: len(tree.root.children[0].children) == 2)
-        await game.press("down", "down", "enter")
-        await game.sees("n  39")
+        await pressed(game, "down", "down", "enter", sees="n  39")
         await game.press("up", "at", "down", "down", "at", "escape")
         await game.until(lambda: len(view(game).pins) == 4)
         whose = (("robot_name", "Solo"),)
@@ -121,8 +117,7 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
             Pin("Memory", "memory", whose, ("deep", "n")),
         )
 
-        await game.press("V")
-        await game.until(lambda: game.inspector.inspected == "watch")
+        await pressed(game, "V", until=lambda: game.inspector.inspected == "watch")
         line = "▁" * 20 + "█" * 20
         await game.until(lambda: line in view(game).plain)
         await game.until(lambda: "Memory.memory.phase for Solo" in view(game).plain)
@@ -133,12 +128,10 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         await game.click(WatchView, offset=(2 + 20, row + 1 - view(game).scroll_offset.y))
         await game.until(lambda: game.tick == 20)
         await game.until(lambda: view(game).plain.splitlines()[row].endswith(" 0"))
-        await game.press("right")
-        await game.until(lambda: game.tick == 21)
+        await pressed(game, "right", tick=21)
         await game.until(lambda: view(game).plain.splitlines()[row].endswith(" 3"))
         assert line in view(game).plain, "the line stays where it is"
-        await game.press("down", "left")
-        await game.until(lambda: game.tick == 13)
+        await pressed(game, "down", "left", tick=13)
         await game.until(lambda: game.shows('"late"') or game.shows(" late "))
 
         # A program without the predicate says so in place; the pin is still there afterwards.
@@ -152,22 +145,17 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         # Another drawing has nothing to do with it, but plain characters have.
         labyrinth = game.main.labyrinth.view
         while (drawing := labyrinth.drawing).value != "ascii":
-            await game.press("d")
-            await game.until(lambda: labyrinth.drawing != drawing)
-        await game.press("p")
-        await game.until(lambda: f"{'_' * 20}{'#' * 20}" in view(game).plain)
-        await game.press("delete", "up", "enter")
-        await game.until(lambda: len(view(game).pins) == 3)
+            await pressed(game, "d", until=lambda: labyrinth.drawing != drawing)
+        await pressed(game, "p", until=lambda: f"{'_' * 20}{'#' * 20}" in view(game).plain)
+        await pressed(game, "delete", "up", "enter", until=lambda: len(view(game).pins) == 3)
         await game.sees("Late · tick 12 · 0 rows")
-        await game.press("3", "at")
-        await game.until(lambda: Pin("Late") not in view(game).pins)
+        await pressed(game, "3", "at", until=lambda: Pin("Late") not in view(game).pins)
 
 
 async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path) -> None:
     async with opened(data_dir, text=TEXT, size=(100, 40)) as game:
         await game.ready()
-        await game.press("n", "at")
-        await game.until(lambda: game.tick == 1)
+        await pressed(game, "n", "at", tick=1)
         await game.until(lambda: view(game).pins)
         assert view(game).pins == (Pin("Memory", "memory", (("robot_name", "Solo"),)),)
         await game.press("X")
@@ -181,25 +169,21 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
         )
         tree.move_cursor(radar)
         await game.until(lambda: game.app.screen.query_one("#radar").display)
-        await game.press("enter")
-        await game.until(lambda: len(radar.children) == 31)
+        await pressed(game, "enter", until=lambda: len(radar.children) == 31)
         desire = tree.root.children[2].children[0]
         tree.move_cursor(desire)
         await game.until(lambda: not game.app.screen.query_one("#radar").display)
         await game.press("at", "escape", "V")
         await game.until(lambda: "Robot.desire.left_engine for Solo" in view(game).plain)
         await game.until(lambda: "for Solo" in view(game).plain and "▄▄ 0.2" in view(game).plain)
-        await game.press("space")
-        await game.until(lambda: game.tick > 9)
-        await game.press("space")
-        await game.until(lambda: not game.session.busy)
+        await pressed(game, "space", until=lambda: game.tick > 9)
+        await pressed(game, "space", until=lambda: not game.session.busy)
         await game.sees(f"Watch · tick {game.tick}")
         pin = view(game).pins[1]
         await game.until(lambda: None not in view(game)._samples.of(pin, view(game).ticks))
 
         # A pin is removed where it is watched by the key that made it.
-        await game.press("home", "at")
-        await game.sees("No longer pinned: Memory.memory for Solo.")
+        await pressed(game, "home", "at", sees="No longer pinned: Memory.memory for Solo.")
         assert view(game).pins == (pin,)
 
 
@@ -224,12 +208,10 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
         tree.move_cursor(groups.children[2].children[49])
         last = groups.children[2].children[49]
         await game.until(lambda: tree.cursor_node is last)
-        await game.press("at")
-        await game.until(lambda: view(game).pins == (Pin("Long", "l", (), (249,)),))
+        await pressed(game, "at", until=lambda: view(game).pins == (Pin("Long", "l", (), (249,)),))
         tree.move_cursor(groups.children[2])
         await game.until(lambda: tree.cursor_node is groups.children[2])
-        await game.press("at")
-        await game.sees("Only a value of a predicate can be pinned.")
+        await pressed(game, "at", sees="Only a value of a predicate can be pinned.")
         await game.press("escape")
         game.inspector.ask()
         game.main.query_one(QueryLine).value = "Long(l:)"
@@ -237,8 +219,7 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
         answer = game.main.query_one("#answer", ValueTable)
         await game.until(lambda: answer.shown.rows)
         answer.focus()
-        await game.press("at")
-        await game.until(lambda: view(game).pins[1:] == (Pin("Long(l:)"),))
+        await pressed(game, "at", until=lambda: view(game).pins[1:] == (Pin("Long(l:)"),))
         await game.press("enter")
         await _tree(game)
         await game.press("at")

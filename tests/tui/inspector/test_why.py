@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from textual.widgets import Input
+
 from logical_robots_tui.explain import Ask, Node
 from logical_robots_tui.game import Breakpoint
+from logical_robots_tui.tui.inspector.pages.why import ValuesPrompt
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
 from tests.tui.conftest import opened
+from tests.tui.inspector.steps import pressed
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from tests.tui.conftest import Opened
 
-TALL = (120, 70)
+TALL = (100, 54)
 """A terminal in which a whole proof has room."""
 
 TWO_RULES = """\
@@ -55,10 +59,8 @@ async def go_to(game: Opened, text: str) -> int:
 
 async def asked_why(game: Opened) -> None:
     await game.ready()
-    await game.press("n")
-    await game.until(lambda: game.tick == 1)
-    await game.press("w")
-    await game.until(lambda: view(game).lines)
+    await pressed(game, "n", tick=1)
+    await pressed(game, "w", until=lambda: view(game).lines)
 
 
 async def test_one_key_says_why_in_a_tree_that_folds_and_stays_folded(data_dir: Path) -> None:
@@ -93,13 +95,11 @@ async def test_one_key_says_why_in_a_tree_that_folds_and_stays_folded(data_dir: 
         assert told(game)[last].startswith("Robot(")
         assert not view(game).is_open(last)
         assert "d <= 20" not in told(game)
-        await game.press("end", "right")
-        await game.until(lambda: "d <= 20" in told(game))
+        await pressed(game, "end", "right", until=lambda: "d <= 20" in told(game))
         assert nodes(game)[told(game).index("d <= 20")].holds is False
 
         await go_to(game, CALL)
-        await game.press("n")
-        await game.sees("Why · tick 2")
+        await pressed(game, "n", sees="Why · tick 2")
         assert not view(game).is_open(place)
         assert view(game).line is view(game).lines[place]
         await game.write(AHEAD)
@@ -123,17 +123,13 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
         await game.until(lambda: told(game)[:1] == [PROVED])
         await game.sees("← Robot")
         assert game.shows("Speed(")
-        await game.press("left")
-        await game.until(lambda: told(game)[0].startswith("Robot("))
+        await pressed(game, "left", until=lambda: told(game)[0].startswith("Robot("))
         await go_to(game, CALL)
-        await game.press("enter")
-        await game.until(lambda: told(game)[:1] == [PROVED])
-        await game.press("end", "backspace")
-        await game.until(lambda: told(game)[0].startswith("Robot("))
+        await pressed(game, "enter", until=lambda: told(game)[:1] == [PROVED])
+        await pressed(game, "end", "backspace", until=lambda: told(game)[0].startswith("Robot("))
 
         # Its predicate is stopped at, unless that is a function.
-        await game.press("asterisk")
-        await game.sees("The robots stop when Robot changes for Solo.")
+        await pressed(game, "asterisk", sees="The robots stop when Robot changes for Solo.")
         assert list(game.session.breakpoints) == [Breakpoint("change", "Robot", "Solo")]
         game.inspector.open("Speed")
         await game.press("w", "asterisk")
@@ -166,32 +162,31 @@ def chain(depth: int, conditions: int) -> str:
     )
 
 
-async def test_a_proof_goes_as_deep_as_there_is_room(data_dir: Path) -> None:
-    async with opened(data_dir, text=chain(3, conditions=0), size=TALL) as game:
-        await asked_why(game)
-        await game.until(lambda: "Deep3(c) :- c >= 0" in told(game))
-
-
 async def test_what_is_expanded_deep_down_stays_so_in_another_tick(data_dir: Path) -> None:
-    async with opened(data_dir, text=chain(4, conditions=9), size=(120, 24)) as game:
+    async with opened(data_dir, text=chain(3, conditions=9), size=(120, 24)) as game:
         await asked_why(game)
-        assert "Deep4(c)" not in told(game)
-        lines = [line for n in range(1, 4) for line in (f"Deep{n}(c)", f"Deep{n}(c) :-")]
-        for text in ("Robot(", *lines, "Deep4(c)"):
+        assert "Deep3(c)" not in told(game)
+        lines = [line for n in range(1, 3) for line in (f"Deep{n}(c)", f"Deep{n}(c) :-")]
+        for text in ("Robot(", *lines, "Deep3(c)"):
             await go_to(game, text)
             await game.press("right")
-        await game.until(lambda: "Deep4(c) :- c >= 0" in told(game))
+        await game.until(lambda: "Deep3(c) :- c >= 0" in told(game))
         before = told(game)
-        await game.press("n")
-        await game.sees("Why · tick 2")
+        await pressed(game, "n", sees="Why · tick 2")
         await game.until(lambda: told(game) == before)
 
 
-async def test_what_another_rule_asks_is_proved_when_it_is_opened(data_dir: Path) -> None:
-    text = TWO_RULES.replace("d <= 20,", "Close(d), Low(d),")
+async def test_a_proof_goes_as_deep_as_there_is_room_and_on_where_it_is_opened(
+    data_dir: Path,
+) -> None:
+    text = TWO_RULES.replace("d <= 20,", "Close(d), Low(d),").replace(":- d > 20;", ":- Far(d);", 1)
+    text += "Far(d) :- Further(d);\nFurther(d) :- d > 20;\n"
     text += "Close(d) :- d <= 20;\nLow(d) :- d <= 30;\n"
-    async with opened(data_dir, text=text, size=TALL) as game:
+    async with opened(data_dir, text=text, size=(120, 70)) as game:
         await asked_why(game)
+        await game.until(lambda: "Further(d) :- d > 20" in told(game))
+
+        # What another rule asks is proved when it is opened.
         await go_to(game, "Robot(")
         await game.press("end", "right")
         await go_to(game, "Close(d)")
@@ -219,7 +214,7 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: r.distance
 
 
 async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path) -> None:
-    async with opened(data_dir, text=NEAREST, size=TALL) as game:
+    async with opened(data_dir, text=NEAREST, size=(120, 70)) as game:
         await asked_why(game)
         await game.until(lambda: any(node.ray is not None for node in nodes(game)))
         labyrinth = game.main.labyrinth.view
@@ -241,11 +236,9 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         await game.press("w")
         await game.until(lambda: any(node.kind == "contributor" for node in nodes(game)))
         view(game).action_move([node.kind for node in nodes(game)].index("contributor"))
-        await game.press("enter")
-        await game.until(lambda: isinstance(game.app.screen, ValueTree))
+        await pressed(game, "enter", on=ValueTree)
         await game.sees("distance")
-        await game.press("escape", "X")
-        await game.until(lambda: isinstance(game.app.screen, ValueTree))
+        await pressed(game, "escape", "X", on=ValueTree)
         await game.press("escape")
 
         # A ray is not brought out in another tick, even if the proof is hidden by then.
@@ -264,24 +257,77 @@ async def test_a_row_that_there_is_not_is_told_with_values_and_a_change(data_dir
     )
     async with opened(data_dir, text=text, size=TALL) as game:
         await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await pressed(game, "n", tick=1)
         game.inspector.inspect("Near")
-        await game.press("w")
-        await game.until(lambda: "sensor.clock > 5" in told(game))
+        await pressed(game, "w", until=lambda: "sensor.clock > 5" in told(game))
         await game.sees("This change would give a row")
         await game.sees("Change `5` to `0` in line 1  rule in line 1")
         await game.sees("`sensor.clock` is 1, 4 too little.")
 
         # All values of a condition that failed can be seen, those without room in a tree.
         game.inspector.inspect("Far")
-        await game.press("w")
-        await game.until(lambda: "r.distance" in told(game))
+        await pressed(game, "w", until=lambda: "r.distance" in told(game))
         place = told(game).index("r.distance")
         view(game).action_move(place)
         count = len(nodes(game)[place].values)
         (line,) = (each for each in view(game).plain.splitlines() if "r.distance = " in each)
         assert line.count(" or ") + int(line.split("(and ")[1].split()[0]) + 1 == count
-        await game.press("enter")
-        await game.until(lambda: isinstance(game.app.screen, ValueTree))
+        await pressed(game, "enter", on=ValueTree)
         await game.until(lambda: all(game.shows(f" {number}  ") for number in range(1, count + 1)))
+
+
+async def prompted(game: Opened, text: str) -> ValuesPrompt:
+    """Ask for other values on the first line that begins with a text."""
+    await go_to(game, text)
+    await pressed(game, "exclamation_mark", on=ValuesPrompt)
+    assert isinstance(game.app.screen, ValuesPrompt)
+    return game.app.screen
+
+
+def input_of(prompt: ValuesPrompt) -> Input:
+    return prompt.query_one(Input)
+
+
+async def test_other_values_show_where_rules_stop_and_nonsense_can_be_mended(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
+        await game.ready()
+        await game.press("exclamation_mark")
+        await game.sees("Put the cursor on a line of a proof; w makes one.")
+        assert not view(game).lines
+        await asked_why(game)
+        await game.until(lambda: PROVED in told(game))
+
+        # Another argument shows where a function stops.
+        prompt = await prompted(game, "Speed(d) = 0.5")
+        assert input_of(prompt).value.startswith("Speed(")
+        input_of(prompt).value = "Speed(7)"
+        await game.press("enter")
+        await game.until(lambda: "d > 20" in told(game) and nodes(game)[0].holds is False)
+        await game.sees("Speed(7)")
+        await game.press("backspace")
+        await game.until(lambda: told(game)[:1] and told(game)[0].startswith("Robot("))
+
+        # The value under the cursor is selected.
+        prompt = await prompted(game, "memory")
+        assert input_of(prompt).value == 'Robot(memory: "far")'
+        assert input_of(prompt).selected_text == '"far"'
+        for nonsense, message in [
+            ("Robot(memory: far + 1)", "This is not a value."),
+            ("Robot(memory: ", "is never closed"),
+            ("Robot(mood: 1)", "Robot has no column mood"),
+            ("Robbot(1)", "no rules for Robbot"),
+            ("Speed()", "Speed is a function"),
+        ]:
+            input_of(prompt).value = nonsense
+            await pressed(game, "enter", sees=message)
+            assert game.app.screen is prompt
+        input_of(prompt).value = "Speed(30)"
+        await pressed(game, "enter", until=lambda: told(game)[0].startswith("Speed(d)"))
+        await game.press("backspace")
+        await game.until(lambda: told(game)[:1] and told(game)[0].startswith("Robot("))
+        await prompted(game, "memory")
+        await game.press(*'"near"', "enter")
+        await game.until(lambda: told(game)[0].startswith("Robot(") and not nodes(game)[0].holds)
+        assert nodes(game)[0].said == "does not apply to these values"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.player.recovery import Place, place_of
@@ -12,17 +11,10 @@ from logical_robots_tui.tui.layout.dialogs import Question
 from tests.game.playing import BACKWARDS, COUNTER
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened
+from tests.tui.inspector.steps import pressed, run_until
 from tests.tui.program.test_teams import match
 
-if TYPE_CHECKING:
-    from tests.tui.conftest import Opened
-
 OLD = Path(__file__).parents[2] / "old/place.json"
-
-
-async def run_until(game: Opened, tick: int) -> None:
-    game.session.run_until(tick)
-    await game.until(lambda: game.tick == tick and not game.session.busy)
 
 
 async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
@@ -37,16 +29,13 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         there = game.session.frame
         game.session.pace.speed = 160.0
         game.app.save_unsaved()
-        await game.press("n")
-        await game.until(lambda: game.tick == 6)
+        await pressed(game, "n", tick=6)
 
     async with opened(data_dir, level=short, text=AHEAD, name="other") as game:
         await game.ready()
         await game.sees("Cut off")
-        await game.press("n")
-        await game.sees("Yes, continue")
-        await game.press("enter")
-        await game.until(lambda: game.tick == 5 and not game.session.busy)
+        await pressed(game, "n", sees="Yes, continue")
+        await pressed(game, "enter", until=lambda: game.tick == 5 and not game.session.busy)
         again = game.session.frame
         assert (again.after, again.memories) == (there.after, there.memories)
         assert game.session.state.applied == game.editor.text == STILL
@@ -64,17 +53,14 @@ async def test_a_run_cut_off_in_another_level_is_offered_when_that_level_is_open
 ) -> None:
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await pressed(game, "n", tick=1)
         level = game.session.level
         game.app.save_unsaved()
 
     for is_opened in (False, True, True):
         async with opened(data_dir, text=AHEAD) as game:
             await game.ready()
-            await game.until(
-                lambda: bool(Drafts(data_dir / "drafts").folder.glob("*-adopted.json"))
-            )
+            await game.until(lambda: any((data_dir / "drafts").glob("*-adopted.json")))
             assert not isinstance(game.app.screen, Question)
             if is_opened:  # it may have been left without being opened, or without an answer
                 await game.app.main.player.library.open_level(level)
@@ -90,12 +76,10 @@ async def test_there_is_no_going_back_to_the_start_or_through_a_level_changed_by
         session = game.session
         assert session.game is not None
         assert place_of(session.game, session.opened, session.source) is None
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await pressed(game, "n", tick=1)
         assert place_of(session.game, session.opened, session.source) is not None
         session.change_level(session.level, {"Pip": (20.0, 20.0, 1.0)})
-        await game.press("n")
-        await game.until(lambda: game.tick == 2)
+        await pressed(game, "n", tick=2)
         assert place_of(session.game, session.opened, session.source) is None
 
 
@@ -120,10 +104,8 @@ async def test_a_bookmark_of_an_older_version_leads_to_its_tick_with_the_program
     (data_dir / "drafts/be3f4e68438a93fb-1bac1478a299539b.json").write_text(text, "utf-8")
     async with match(data_dir) as game:
         await game.sees("Cut off")
-        await game.press("n")
-        await game.sees("Yes, continue")
-        await game.press("enter")
-        await game.until(lambda: game.tick == 7 and not game.session.busy)
+        await pressed(game, "n", sees="Yes, continue")
+        await pressed(game, "enter", until=lambda: game.tick == 7 and not game.session.busy)
         assert [robot.x for robot in game.session.frame.after.robots] == [47, 39, 67]
         assert game.session.program is not None
         assert game.session.program.texts == both

@@ -16,6 +16,7 @@ from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, Opened, opened
+from tests.tui.inspector.steps import pressed
 from tests.virtual_time import VirtualClock
 
 if TYPE_CHECKING:
@@ -53,13 +54,11 @@ async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
         await game.main.replays.save()
         await game.sees("Run the robots first")
         assert not (data_dir / "replays").exists()
-        await game.press("n", "n", "n")
-        await game.until(lambda: game.tick == 3)
+        await pressed(game, "n", "n", "n", tick=3)
         game.session.put("Pip", (30.0, 12.0, 0.5))
         await game.write(STILL)
         await game.until(lambda: game.session.state.applied == STILL)
-        await game.press("escape", "n", "n")
-        await game.until(lambda: game.tick == 5)
+        await pressed(game, "escape", "n", "n", tick=5)
         assert game.session.game is not None
         there = [game.session.game.frame_at(tick) for tick in range(6)]
         await game.press("p")
@@ -71,8 +70,7 @@ async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
         game.main.action_command("open_replay")
         await game.until(lambda: isinstance(game.app.screen, Chooser))
         await game.sees("5 ticks")
-        await game.press("enter")
-        await game.sees("Replay of 5 ticks")
+        await pressed(game, "enter", sees="Replay of 5 ticks")
         await game.until(lambda: game.tick == replay.last and not game.session.busy)
         assert game.session.state.applied == STILL
     async with played(replay, tmp_path / "elsewhere") as game:
