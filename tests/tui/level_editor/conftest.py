@@ -1,7 +1,8 @@
-"""A room to edit, and pointing at places of it."""
+"""A room to edit, with a screen to point at or without."""
 
 from __future__ import annotations
 
+import json
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -9,18 +10,28 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from textual import events
 
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.player.drafts import Drafts
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import Background
+from logical_robots_tui.tui.app.ui import Dialogs
+from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.level_editor.controller import LevelController
+from logical_robots_tui.world import load_level
 from tests.short import AHEAD
-from tests.tui.conftest import opened
+from tests.tui.conftest import opened, source_of
+from tests.virtual_time import VirtualClock, until, virtual_loop
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Callable
     from pathlib import Path
 
     from logical_robots_tui.editing.editor import LevelEditor
-    from logical_robots_tui.tui.level_editor.controller import LevelController
     from logical_robots_tui.world import Level
     from tests.tui.conftest import Opened
+
+_BY_ID = {command.id: command for command in COMMANDS}
 
 ROOM = """\
 # A room that is mine.
@@ -124,6 +135,15 @@ def room_file(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture
+def web_file(room_file: Path) -> Path:
+    """The room in the web platform's format, as another program would write it."""
+    file = room_file.with_name("garden.json")
+    save_level(load_level(room_file), file)
+    say(file, json.dumps(json.loads(said(file))))
+    return file
+
+
 @asynccontextmanager
 async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studio]:
     """Open a level and begin to edit it."""
@@ -134,5 +154,115 @@ async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studi
         yield Studio(game, file)
 
 
+def said(file: Path) -> str:
+    """What is in a level's file."""
+    return file.read_text("utf-8")
+
+
+def say(file: Path, text: str) -> None:
+    """Write a level's file, as another program does."""
+    file.write_text(text, "utf-8")
+
+
 def replace_in(file: Path, old: str, new: str) -> None:
-    file.write_text(file.read_text("utf-8").replace(old, new), "utf-8")
+    say(file, said(file).replace(old, new))
+
+
+class Answers(Background, Dialogs):
+    """Answers what is asked in turn, with None in the end, and keeps what was said."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.said: list[str] = []
+        self.answers: list[Any] = []
+
+    def tell(self, message: str) -> None:
+        self.said.append(message)
+
+    warn = tell
+
+    def show(self, dialog: object, closed: object = None) -> None:
+        raise AssertionError(f"nothing is to be shown, not even {dialog}")
+
+    async def choose(self, title: str, question: str, answers: object) -> Any:
+        return await self.ask(question)
+
+    async def ask(self, dialog: object) -> Any:
+        self.said.append(dialog if isinstance(dialog, str) else type(dialog).__name__)
+        return self.answers.pop(0) if self.answers else None
+
+
+@dataclass
+class Bench:
+    """A session and the controller that edits its level, without a screen."""
+
+    session: Session
+    controller: LevelController
+    ui: Answers
+
+    @property
+    def editor(self) -> LevelEditor:
+        return self.controller.editor
+
+    @property
+    def level(self) -> Level:
+        return self.editor.level
+
+    def command(self, *ids: str) -> None:
+        """Give commands of the level editor, as keys do."""
+        for name in ids:
+            _BY_ID[name].run(self.controller, self.ui.spawn)
+
+    async def settled(self) -> None:
+        await virtual_loop().settled()
+
+    async def until(self, condition: Callable[[], object]) -> None:
+        await until(condition, lambda: repr(self.ui.said))
+
+    async def says(self, text: str) -> None:
+        """Wait until something is said, and forget what was."""
+        await self.until(lambda: any(text in message for message in self.ui.said))
+        self.ui.said.clear()
+
+    async def drag(self, *points: tuple[float, float]) -> None:
+        """Drag along points of the map, and let the game follow."""
+        self.editor.press(*points[0], 1.0)
+        for point in points[1:]:
+            self.editor.drag(*point)
+        self.editor.release()
+        self.controller.change_game()
+        await self.settled()
+
+    async def run_to(self, tick: int) -> None:
+        self.session.run_until(tick)
+        await self.until(lambda: not self.session.busy and self.session.frame.tick == tick)
+
+
+@asynccontextmanager
+async def bench(data_dir: Path, file: Path) -> AsyncIterator[Bench]:
+    """Open a level without a screen, and begin to edit it."""
+    ui, drafts = Answers(), Drafts(data_dir / "drafts")
+    source = source_of(AHEAD, data_dir / "programs")
+    session = Session(
+        load_level(file),
+        {"": source},
+        spawn=ui.spawn,
+        changed=lambda: None,
+        clock=VirtualClock(),
+    )
+
+    async def open_level(level: Level) -> None:
+        session.open_level(level, {"": source}, AHEAD)
+
+    controller = LevelController(session, ui, data_dir / "levels", drafts, open_level, lambda: None)
+    session.listeners.append(controller)
+    try:
+        session.apply(AHEAD)
+        await until(lambda: session.state.applied == AHEAD)
+        controller.open()
+        yield Bench(session, controller, ui)
+    finally:
+        controller.close()
+        drafts.close()
+        await ui.close()
+        await session.close()

@@ -3,143 +3,138 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import pytest
 from textual.widgets import Checkbox, Input, Select, TextArea
 
-from logical_robots_tui.paths import ARENAS, shipped_folder
-from logical_robots_tui.tui.level_editor.forms import LevelForm, ThingForm, Ticks
+from logical_robots_tui.tui.level_editor.forms import Form, LevelForm, ThingForm, Ticks
 from logical_robots_tui.world import Visibility
 from tests.tui.app.test_key_queue import press_at_once
-from tests.tui.conftest import opened
+from tests.tui.conftest import Opened, opened
 from tests.tui.level_editor.conftest import replace_in, studio
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from tests.tui.conftest import Opened
+    from textual.widget import Widget
+
+    from tests.tui.level_editor.conftest import Studio
+
+SomeForm = TypeVar("SomeForm", bound=Form)
+
+TEAMS = """\
+team = "red"
+
+[[teams]]
+name = "red"
+
+[[teams]]
+name = "blue"
+
+[[robots]]
+name = "Pop"
+x = 40
+y = 80
+team = "red"
+
+[[robots]]
+name = "Bo"
+x = 120
+y = 80
+team = "blue"
+"""
 
 
-def focuses(game: Opened, line: Input) -> bool:
-    return game.app.focused is line
+async def form(s: Studio, key: str, kind: type[SomeForm]) -> SomeForm:
+    """Open a form with a key."""
+    await s.press(key)
+    await s.game.until(lambda: isinstance(s.game.app.screen, kind))
+    shown = s.game.app.screen
+    assert isinstance(shown, kind)
+    await s.game.until(lambda: shown.query("#take"))
+    return shown
 
 
-async def test_a_form_takes_what_was_typed_before_it_was_applied(
+async def closed(s: Studio) -> None:
+    await s.game.until(lambda: s.game.app.screen is s.game.main)
+
+
+def focuses(game: Opened, widget: Widget) -> bool:
+    return game.app.focused is widget
+
+
+async def test_properties_of_an_area_are_typed_ticked_and_chosen(
     data_dir: Path, room_file: Path
 ) -> None:
     async with studio(data_dir, room_file, size=(80, 24)) as s:
         await s.press("shift+tab")
-        for name, field in (("Zoe", "name"), ("31", "radius")):
-            await s.press("i")
-            await s.game.until(lambda: isinstance(s.game.app.screen, ThingForm))
-            form = s.game.app.screen
-            line = form.query_one(f"#{field}", Input)
-            line.focus()
-            await s.game.until(partial(focuses, s.game, line))
-            press_at_once(s.game, "ctrl+u", *name, "f2")
-            await s.game.until(lambda: s.game.app.screen is s.game.main)
-        area = s.level.areas[0]
-        assert (area.name, area.radius) == ("Zoe", 31)
-
-
-async def test_typing_replaces_the_text_of_a_field(data_dir: Path, room_file: Path) -> None:
-    async with studio(data_dir, room_file, size=(80, 24)) as s:
-        await s.press("shift+tab", "i")
-        await s.game.until(lambda: isinstance(s.game.app.screen, ThingForm))
-        await s.press(*"Zoe", "tab", "tab", "tab", *"31", "enter")
-        await s.game.until(lambda: s.game.app.screen is s.game.main)
-        area = s.level.areas[0]
-        assert (area.name, area.x, area.radius) == ("Zoe", 240, 31)
-
-
-async def test_a_box_can_be_seen_when_it_is_off(data_dir: Path, room_file: Path) -> None:
-    async with studio(data_dir, room_file, size=(80, 24)) as s:
-        await s.press("shift+tab", "i")
+        await form(s, "i", ThingForm)
         await s.game.sees("[ ] robots can't drive into it")
-        await s.press("tab", "tab", "tab", "tab", "tab", "space")
+        await s.press(*"Zoe", "tab", "tab", "tab", *"31")  # typing replaces what is there
+        await s.press("tab", "tab", "space")
         await s.game.sees("[X] robots can't drive into it")
+        await s.press("shift+tab", "enter")
+        await closed(s)
+        area = s.level.areas[0]
+        assert (area.name, area.x, area.radius, area.impenetrable) == ("Zoe", 240, 31, True)
+        shown = await form(s, "i", ThingForm)
+        line = shown.query_one("#name", Input)
+        line.focus()
+        await s.game.until(partial(focuses, s.game, line))
+        shown.query_one("#radius", Input).value = "wide"
         await s.press("f2")
-        await s.game.until(lambda: s.level.areas[0].impenetrable)
+        await s.game.sees("The radius must be a number")
+        shown.query_one("#radius", Input).value = "22"
+        shown.query_one("#impenetrable", Checkbox).value = False
+        shown.query_one("#off_beacon", Select).value = "Lamp"
+        shown.query_one("#victory_robots", Ticks).toggle("Pip")
+        press_at_once(s.game, "ctrl+u", *"Gate", "f2")  # what was typed before it is applied counts
+        await closed(s)
+        area = s.level.areas[0]
+        assert (area.name, area.radius, area.impenetrable) == ("Gate", 22, False)
+        assert (area.off_beacon, area.victory_robots) == ("Lamp", ())
 
 
-async def test_fields_show_the_digits_that_matter_and_keep_the_others(
+async def test_properties_of_a_robot_and_of_the_level_are_set(
     data_dir: Path, room_file: Path
 ) -> None:
     replace_in(room_file, "x = 40", "x = 40.123456")
+    replace_in(room_file, "y = 50 # in the middle", f"y = 50\n{TEAMS}")
     async with studio(data_dir, room_file, size=(80, 24)) as s:
         await s.press("tab")
         await s.game.sees("Robot Pip at 40.1, 50")
-        await s.press("i")
-        await s.game.until(lambda: isinstance(s.game.app.screen, ThingForm))
-        assert s.game.app.screen.query_one("#x", Input).value == "40.12"
-        await s.press(*"Pat", "f2")
-        await s.game.until(lambda: s.level.robots[0].name == "Pat")
-        assert s.level.robots[0].x == 40.123456
-
-
-async def test_properties_are_set_in_forms_with_the_choices_there_are(
-    data_dir: Path, room_file: Path
-) -> None:
-    async with studio(data_dir, room_file, size=(80, 24)) as s:
-        game = s.game
-        await s.press("shift+tab", "i")
-        await game.until(lambda: isinstance(game.app.screen, ThingForm))
-        form = game.app.screen
-        form.query_one("#name", Input).value = "Gate"
-        form.query_one("#radius", Input).value = "wide"
-        await s.press("f2")
-        await game.sees("The radius must be a number")
-        form.query_one("#radius", Input).value = "22"
-        form.query_one("#impenetrable", Checkbox).value = True
-        form.query_one("#off_beacon", Select).value = "Lamp"
-        form.query_one("#victory_robots", Ticks).toggle("Pip")
-        await s.press("f2")
-        await game.until(lambda: game.app.screen is game.main)
-        area = s.level.areas[0]
-        assert (area.name, area.radius, area.impenetrable) == ("Gate", 22, True)
-        assert (area.off_beacon, area.victory_robots) == ("Lamp", ())
-        await s.press("tab", "i")
-        await game.until(lambda: isinstance(game.app.screen, ThingForm))
-        form = game.app.screen
-        form.query_one("#has_battery", Checkbox).value = True
-        form.query_one("#battery_capacity", Input).value = "300"
-        form.query_one("#angle", Input).value = "90"
-        await s.press("enter")
-        await game.until(lambda: game.app.screen is game.main)
+        robot_form = await form(s, "i", ThingForm)
+        assert robot_form.query_one("#x", Input).value == "40.12"
+        assert robot_form.query_one("#team", Select).value == "red"
+        robot_form.query_one("#team", Select).value = "blue"
+        robot_form.query_one("#has_battery", Checkbox).value = True
+        robot_form.query_one("#battery_capacity", Input).value = "300"
+        robot_form.query_one("#angle", Input).value = "90"
+        await s.press(*"Pat", "enter")
+        await closed(s)
         robot = s.level.robots[0]
+        assert (robot.name, robot.x) == ("Pat", 40.123456)  # all digits, though few are shown
         assert (robot.has_battery, robot.battery_capacity) == (True, 300)
         assert robot.angle == pytest.approx(1.5708, abs=1e-4)
-        await s.press("m")
-        await game.until(lambda: isinstance(game.app.screen, LevelForm))
-        form = game.app.screen
-        form.query_one("#width", Input).value = "300"
-        form.query_one("#briefing", TextArea).text = "Go there."
-        form.query_one("#hints", TextArea).text = "Turn.\n\nGo on."
-        form.query_one("#sensor", Select).value = "all"
-        form.query_one("#shared_names", Input).value = "Lamp,  red light"
+        assert [robot.team for robot in s.level.robots] == ["blue", "red", "blue"]
+        level_form = await form(s, "m", LevelForm)
+        level_form.query_one("#width", Input).value = "300"
+        level_form.query_one("#briefing", TextArea).text = "Go there."
+        level_form.query_one("#hints", TextArea).text = "Turn.\n\nGo on."
+        level_form.query_one("#sensor", Select).value = "all"
+        level_form.query_one("#shared_names", Input).value = "Lamp,  red light"
         await s.press("f2")
-        await game.until(lambda: game.app.screen is game.main)
+        await closed(s)
         assert s.live.width == 300
         assert s.live.briefing == "Go there."
         assert s.live.hints == ("Turn.", "Go on.")
         assert s.live.visibility == Visibility("own", "all")
         assert s.live.shared_names == ("Lamp", "red light")
-
-
-async def test_a_robot_joins_one_of_the_teams_there_are(data_dir: Path, tmp_path: Path) -> None:
-    file = tmp_path / "match.toml"
-    shipped = (shipped_folder("levels") / ARENAS / "16-high-ground.toml").read_text("utf-8")
-    file.write_text(shipped, "utf-8")
-    async with studio(data_dir, file) as s:
-        await s.press("tab", "i")
-        await s.game.until(lambda: isinstance(s.game.app.screen, ThingForm))
-        form = s.game.app.screen
-        assert form.query_one("#team", Select).value == "red"
-        form.query_one("#team", Select).value = "blue"
-        await s.press("f2")
-        await s.game.until(lambda: s.game.app.screen is s.game.main)
-        assert [robot.team for robot in s.level.robots] == ["blue", "red", "red", *["blue"] * 3]
+        await s.press("M")
+        await s.game.sees("What should happen to your changes")
+        answers = ("Save", "Keep as a level", "Just for this game", "Throw away")
+        await s.game.until(lambda: all(s.game.shows(f" {answer} ") for answer in answers))
 
 
 @pytest.mark.slow
@@ -149,17 +144,9 @@ async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
     async with studio(data_dir, room_file) as s:
         game, session = s.game, s.game.session
 
-        async def form() -> ThingForm:
-            await s.press("i")
-            await game.until(lambda: isinstance(game.app.screen, ThingForm))
-            shown = game.app.screen
-            assert isinstance(shown, ThingForm)
-            await game.until(lambda: shown.query("#color"))
-            return shown
-
         async def close() -> None:
             await s.press("f2")
-            await game.until(lambda: game.app.screen is game.main)
+            await closed(s)
 
         await s.press("N")
         await game.until(lambda: game.tick == 10)
@@ -167,48 +154,74 @@ async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
         await s.settled()
         before = session.frame.after.robots[0]
         assert before.x > 44
-        shown = await form()
+        shown = await form(s, "i", ThingForm)
         assert float(shown.query_one("#x", Input).value) == pytest.approx(before.x, abs=0.01)
         assert shown.query_one("#start_x", Input).value == "40"
         await close()
         assert session.frame.after.robots[0] == before
         assert not s.editor.edits.can_undo
-        shown = await form()
+        shown = await form(s, "i", ThingForm)
         shown.query_one("#color", Input).value = "red"
         shown.query_one("#start_y", Input).value = "60"
         await close()
         assert (s.level.robots[0].x, s.level.robots[0].y) == (40, 60)
         assert session.frame.after.robots[0] == before
-        shown = await form()
+        shown = await form(s, "i", ThingForm)
         shown.query_one("#x", Input).value = "150"
         shown.query_one("#name", Input).value = "Pat"
         await close()
         after = session.frame.after.robots[0]
         assert (after.name, after.x, after.y, after.angle) == ("Pat", 150, before.y, before.angle)
         assert (s.level.robots[0].x, s.level.robots[0].y) == (40, 60)
-        shown = await form()
+        shown = await form(s, "i", ThingForm)
         shown.query_one("#y", Input).value = "1e9"
         await s.press("f2")
         await game.until(lambda: shown.query_one("#complaint").display)
         assert session.frame.after.robots[0] == after
 
 
-async def test_enter_leads_through_the_form_of_a_new_level_and_creates_it(data_dir: Path) -> None:
+async def test_a_new_level_is_an_empty_room_or_a_labyrinth_drawn_by_lot(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("H")
         await game.until(lambda: game.shows("Create") and game.shows("Cancel"))
-        form = game.app.screen
-        await game.until(lambda: form.focused is form.query_one("#kind"))
-        for field in ("title", "width", "height", "wall"):
+        new = game.app.screen
+        await game.until(lambda: new.focused is new.query_one("#kind"))
+        for field in ("title", "width", "height", "wall"):  # enter leads through the form
             await game.press("enter")
-            wanted = form.query_one(f"#{field}")
-            await game.until(partial(lambda wanted: form.focused is wanted, wanted))
-        assert not form.query_one("#kind", Select).expanded
-        form.query_one("#width", Input).value = "wide"
+            await game.until(partial(focuses, game, new.query_one(f"#{field}")))
+        assert not new.query_one("#kind", Select).expanded
+        new.query_one("#width", Input).value = "wide"
         await game.press("enter")
         await game.sees("The width must be a number")
-        form.query_one("#width", Input).value = "300"
+        new.query_one("#width", Input).value = "300"
         await game.press("enter")
         await game.until(lambda: game.main.editing.is_on)
         assert game.session.level.width == 300
+        await game.press("H")
+        await game.sees("New level")
+        new = game.app.screen
+        await game.until(lambda: new.query("#kind"))
+        new.query_one("#kind", Select).value = "labyrinth"
+        new.query_one("#columns", Input).value = "0"
+        await game.press("f2")
+        await game.sees("A labyrinth needs at least 2 cells")
+        for field, value in [
+            ("columns", "3"),
+            ("rows", "2"),
+            ("seed", "7"),
+            ("title", "Short cut"),
+        ]:
+            new.query_one(f"#{field}", Input).value = value
+        await game.press("f2")
+        await game.until(lambda: game.session.level.title == "Short cut")
+        await game.until(lambda: game.main.editing.is_on)
+        assert (game.session.level.width, game.session.level.height) == (220, 150)
+        await game.sees("not saved")
+        await game.press("s")
+        await game.sees("Save the level as")
+        await game.press("enter")
+        await game.sees("Saved as short-cut")
+        assert (data_dir / "levels" / "short-cut.toml").exists()
+        await game.press("escape")
+        await game.until(lambda: not game.main.editing.is_on)

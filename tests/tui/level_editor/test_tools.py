@@ -12,172 +12,147 @@ from logical_robots_tui.editing.editor import Tool
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.layout.command_bar import CommandBar
-from logical_robots_tui.tui.level_editor.panel import InfoLine, ToolLine
+from logical_robots_tui.tui.level_editor.forms import FindingList
+from logical_robots_tui.tui.level_editor.panel import ToolLine
 from tests.tui.conftest import opened
-from tests.tui.level_editor.conftest import replace_in, studio
+from tests.tui.level_editor.conftest import bench, replace_in, studio
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-
-async def test_walls_are_painted_with_the_mouse(data_dir: Path, room_file: Path) -> None:
-    async with studio(data_dir, room_file) as s:
-        await s.press("b")
-        await s.drag((100, 30), (100, 70))
-        await s.settled()
-        assert s.is_wall(100, 50)
-        assert s.live.walls[50, 100]
-        await s.press("e")
-        await s.drag((100, 48), (100, 52))
-        await s.settled()
-        assert not s.is_wall(100, 50)
-        assert s.is_wall(100, 35)
-        await s.press("u", "u")
-        await s.settled()
-        assert not s.is_wall(100, 35)
-        assert not s.editor.edits.can_undo
-        await s.press("l")
-        await s.drag((60, 75), (180, 75))
-        await s.settled()
-        assert s.level.walls[70:80, 65:175].any(axis=0).all()
-        await s.press("u", "r", "right_square_bracket")
-        await s.drag((105, 25), (175, 65))
-        await s.settled()
-        assert s.is_wall(105, 45)
-        assert not s.is_wall(145, 45)
-        await s.press("f")
-        await s.drag((145, 45))
-        await s.settled()
-        assert s.is_wall(145, 45)
-        assert not s.is_wall(60, 60)
-        await s.press("k")
-        await s.drag((145, 45))
-        await s.settled()
-        assert not s.is_wall(145, 45)
-        assert s.is_wall(5, 5), "the rim is another wall"
-        await s.press("u", "u", "u")
-        await s.settled()
-        assert not s.editor.edits.can_undo
-        await s.game.sees("A room")
+    from logical_robots_tui.world.dynamics import RobotState
 
 
-async def test_walls_are_painted_with_keys_alone(data_dir: Path, room_file: Path) -> None:
-    async with studio(data_dir, room_file, size=(80, 24)) as s:
-        await s.press("b", "enter", "right", "right", "down", "enter", "right")
-        await s.settled()
-        walls = s.level.walls
-        before = walls.sum()
-        assert s.is_wall(140, 50)
-        assert walls[50:60, 140:170].any()
-        await s.press("r", "v", "enter", "shift+left", "down", "enter")
-        await s.settled()
-        assert s.level.walls.sum() > before
-        await s.press("u")
-        await s.settled()
-        assert np.array_equal(s.level.walls, walls)
-        await s.press("l", "enter", "right", "escape")
-        await s.settled()
-        assert s.editor.stroke is None
-        assert s.controller.is_on
-        await s.press("U")
-        await s.settled()
-        assert s.level.walls.sum() > before
-        await s.press("shift+left", "shift+left")
-        await s.settled()
-        assert s.editor.cursor[0] == 0
-        await s.press("g", "G")
-        await s.settled()
-        assert not s.editor.settings.is_grid_shown
-        assert s.editor.settings.grid == 20
-        line = s.game.main.query_one(CommandBar).render().plain
-        assert "enter Use" in line
-        assert "esc Leave" in line
-        assert "space Run" in line
+async def test_walls_are_painted_with_each_tool(data_dir: Path, room_file: Path) -> None:
+    along = [(x, 75) for x in range(65, 175)]
+    async with bench(data_dir, room_file) as b:
+        for commands, points, walls, floors in [
+            ("brush", [(100, 30), (100, 70)], [(100, 50)], []),
+            ("eraser", [(100, 48), (100, 52)], [(100, 35)], [(100, 50)]),
+            ("undo undo", [], [], [(100, 35)]),
+            ("line", [(60, 75), (180, 75)], along, [(100, 50)]),
+            ("undo rectangle wider_brush", [(105, 25), (175, 65)], [(105, 45)], [(145, 45)]),
+            ("fill", [(145, 45)], [(145, 45)], [(60, 60)]),
+            ("ink", [(145, 45)], [(5, 5)], [(145, 45)]),  # the rim is another wall
+            ("undo undo undo", [], [], [(105, 45)]),
+        ]:
+            b.command(*commands.split())
+            if points:
+                await b.drag(*points)
+            assert all(b.level.walls[y, x] for x, y in walls), commands
+            assert not any(b.level.walls[y, x] for x, y in floors), commands
+            await b.until(lambda: np.array_equal(b.session.level.walls, b.level.walls))
+            assert bool(b.editor.edits.can_undo) != commands.startswith("undo undo")
 
 
 async def test_things_are_placed_dragged_turned_and_deleted(
     data_dir: Path, room_file: Path
 ) -> None:
-    async with studio(data_dir, room_file) as s:
-        await s.drag((40, 50), (100, 60))
-        await s.settled()
-        pip = s.level.robots[0]
-        assert pip.x == pytest.approx(100, abs=s.units)
-        assert s.editor.selected == Ref("robots", 0)
-        assert s.game.session.frame.after.robots[0].x == pip.x
-        await s.drag((pip.x + 18, pip.y), (pip.x, pip.y + 30))
-        await s.settled()
-        assert s.level.robots[0].angle == pytest.approx(math.pi / 2, abs=0.4)
-        angle = s.level.robots[0].angle
-        await s.press("full_stop", "comma", "comma")
-        await s.settled()
-        assert s.level.robots[0].angle < angle
-        await s.drag((200, 30), (180, 30))
-        await s.settled()
-        assert s.level.beacons[0].x == pytest.approx(180, abs=s.units)
-        area = s.level.areas[0]
-        await s.drag((area.x, area.y + 5), (area.x - 30, area.y + 5))
-        await s.settled()
-        area = s.level.areas[0]
-        assert area.x == pytest.approx(210, abs=s.units)
-        await s.drag((area.x + area.radius, area.y), (area.x + 30, area.y))
-        await s.settled()
-        assert s.level.areas[0].radius == pytest.approx(30, abs=s.units)
-        await s.press("o")
-        await s.drag((60, 30))
-        await s.settled()
-        assert [robot.name for robot in s.level.robots] == ["Pip", "Robot 1"]
-        assert [robot.name for robot in s.game.session.frame.after.robots] == ["Pip", "Robot 1"]
-        await s.press("c")
-        await s.drag((60, 70))
-        await s.press("a")
-        await s.drag((140, 50), (160, 50))
-        await s.settled()
-        assert s.level.beacons[1].name == "Beacon 1"
-        assert s.level.areas[1].radius == pytest.approx(20, abs=s.units)
-        await s.press("d")
-        await s.settled()
-        assert len(s.level.areas) == 3
-        await s.press("x", "tab", "delete")
-        await s.settled()
-        assert len(s.level.areas) == 2
-        assert len(s.level.robots) == 1
-        await s.press("tab")
-        await s.settled()
-        info = s.game.main.query_one(InfoLine)
-        assert "Robot 1" in info.render().plain
-        await s.press("x")
-        await s.game.sees("A level needs at least one robot")
-        while s.editor.edits.can_undo:
-            await s.press("u")
-            await s.settled()
-        assert (s.level.robots, s.level.beacons) == (
-            s.controller.levels.saved.robots,
-            s.controller.levels.saved.beacons,
-        )
-        assert s.game.session.frame.after.robots[0].x == 40
+    async with bench(data_dir, room_file) as b:
+
+        def bodies() -> tuple[RobotState, ...]:
+            return b.session.frame.after.robots
+
+        await b.drag((40, 50), (100, 60))
+        pip = b.level.robots[0]
+        assert pip.x == pytest.approx(100, abs=1)
+        assert b.editor.selected == Ref("robots", 0)
+        assert bodies()[0].x == pip.x
+        await b.drag((pip.x + 18, pip.y), (pip.x, pip.y + 30))
+        angle = b.level.robots[0].angle
+        assert angle == pytest.approx(math.pi / 2, abs=0.4)
+        b.command("turn_right", "turn_left", "turn_left")
+        assert b.level.robots[0].angle < angle
+        await b.drag((200, 30), (180, 30))
+        assert b.level.beacons[0].x == pytest.approx(180, abs=1)
+        area = b.level.areas[0]
+        await b.drag((area.x, area.y + 5), (area.x - 30, area.y + 5))
+        area = b.level.areas[0]
+        assert area.x == pytest.approx(210, abs=1)
+        await b.drag((area.x + area.radius, area.y), (area.x + 30, area.y))
+        assert b.level.areas[0].radius == pytest.approx(30, abs=1)
+        b.command("robot")
+        await b.drag((60, 30))
+        assert [robot.name for robot in b.level.robots] == ["Pip", "Robot 1"]
+        assert [robot.name for robot in bodies()] == ["Pip", "Robot 1"]
+        b.command("beacon")
+        await b.drag((60, 70))
+        b.command("area")
+        await b.drag((140, 50), (160, 50))
+        assert b.level.beacons[1].name == "Beacon 1"
+        assert b.level.areas[1].radius == pytest.approx(20, abs=1)
+        b.command("duplicate")
+        assert len(b.level.areas) == 3
+        b.command("delete", "next_object", "delete")
+        assert (len(b.level.areas), len(b.level.robots)) == (2, 1)
+        b.command("next_object", "delete")
+        await b.says("A level needs at least one robot")
+        while b.editor.edits.can_undo:
+            b.command("undo")
+        saved = b.controller.levels.saved
+        assert (b.level.robots, b.level.beacons) == (saved.robots, saved.beacons)
+        assert bodies()[0].x == 40
 
 
-async def test_keys_take_a_thing_along_and_the_lines_tell_of_it(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_file: Path) -> None:
+    name = "Door to the other"  # there is no room for its place as well
+    replace_in(room_file, "Door", name)
     async with studio(data_dir, room_file) as s:
+        await s.drag((40, 50), (60, 50))
+        assert s.level.robots[0].x == pytest.approx(60, abs=s.units)
+        await s.press("u", "b")
+        await s.drag((100, 30), (100, 70))
+        await s.game.until(lambda: s.live.walls[50, 100])
+        assert s.is_wall(100, 50)
+        await s.press("u")
+        await s.game.until(lambda: s.controller.findings == [])
+        await s.drag((200, 30), (205, 30), (200, 40))
+        await s.game.until(lambda: s.controller.findings)
+        await s.press("j")
+        await s.game.until(lambda: isinstance(s.game.app.screen, FindingList))
+        await s.game.sees("is inside a wall")
+        s.editor.cursor = (0, 0)
+        await s.press("enter")
+        await s.game.until(lambda: s.editor.cursor == (200, 30))
+        await s.press("u")
+        s.editor.cursor = (140, 50)
+        await s.press("enter", "right", "right", "down", "enter", "right")
+        walls = s.level.walls
+        assert s.is_wall(140, 50)
+        assert walls[50:60, 140:170].any()
+        await s.press("r", "v", "enter", "shift+left", "down", "enter")
+        assert s.level.walls.sum() > walls.sum()
+        await s.press("u")
+        assert np.array_equal(s.level.walls, walls)
+        await s.press("l", "enter", "right", "escape")
+        assert s.editor.stroke is None
+        assert s.controller.is_on
+        await s.press("U")
+        assert s.level.walls.sum() > walls.sum()
+        await s.press("shift+left", "shift+left")
+        assert s.editor.cursor[0] == 0
+        line = s.game.main.query_one(CommandBar).render().plain
+        assert all(words in line for words in ("enter Use", "esc Leave", "space Run"))
+        await s.press("u", "u", "h")
+        s.editor.selected = None
         await s.press("tab")
-        await s.settled()
         assert s.editor.cursor == (40, 50)
         await s.press("enter", "right", "right", "enter", "right")
-        await s.settled()
         assert s.level.robots[0].x == 60
         assert s.editor.edits.can_undo == "move"
         await s.press("c", "shift+right", "enter", "enter")
-        await s.settled()
         assert len(s.level.beacons) == 2
-        tools = s.game.main.query_one(ToolLine)
-        await s.game.later(0.1)
-        lines = tools.render().plain.splitlines()
-        row = next(i for i, line in enumerate(lines) if "Fill" in line)
+        await s.press("tab")
+        await s.game.sees(f"Area {name}")
+        await s.press("tab", "x")
+        await s.game.sees("A level needs at least one robot")
+        lines = s.game.main.query_one(ToolLine).render().plain.splitlines()
+        row = next(row for row, line in enumerate(lines) if "Fill" in line)
         await s.game.click(ToolLine, offset=(lines[row].index("Fill"), row))
         await s.game.until(lambda: s.editor.settings.tool is Tool.FILL)
+        await s.press("g", "G")
+        assert not s.editor.settings.is_grid_shown
+        assert s.editor.settings.grid == 20
         await s.press("z", "z")
         await s.settled()
         assert s.game.main.labyrinth.view.camera.zoom > 1
@@ -187,16 +162,9 @@ async def test_keys_take_a_thing_along_and_the_lines_tell_of_it(
         view = s.game.main.labyrinth.view.view
         assert view is not None
         assert view.cell(*s.editor.cursor) is not None
-
-
-async def test_the_key_that_ends_editing_keeps_what_was_just_placed(
-    data_dir: Path, room_file: Path
-) -> None:
-    async with studio(data_dir, room_file) as s:
-        before = len(s.level.robots)
-        await s.press("o", "enter", "M")
+        await s.press("o", "enter", "M")  # the key that ends editing keeps what was just placed
         await s.game.sees("Leave editing")
-        assert len(s.level.robots) == before + 1
+        assert len(s.level.robots) == 2
 
 
 async def test_what_marks_a_thing_covers_no_name(data_dir: Path) -> None:
@@ -207,13 +175,3 @@ async def test_what_marks_a_thing_covers_no_name(data_dir: Path) -> None:
         await game.sees("Robot Atlas at 110, 150")
         assert all(game.shows(f"B{number:02}") for number in (5, 15, 21, 22))
         assert game.shows("┌")
-
-
-async def test_a_long_name_is_told_in_full(data_dir: Path, room_file: Path) -> None:
-    name = "Door to the other side"
-    replace_in(room_file, "Door", name)
-    async with studio(data_dir, room_file) as s:
-        await s.press("c")
-        await s.drag((60, 30))
-        await s.press("tab")
-        await s.game.sees(f"Area {name}")

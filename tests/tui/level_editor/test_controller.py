@@ -1,0 +1,174 @@
+"""Editing while the robots run, and what becomes of it, without a screen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.game.victory import is_by_the_book
+from logical_robots_tui.world import load_level
+from tests.short import AHEAD
+from tests.tui.level_editor.conftest import ROOM, bench, said, say
+from tests.virtual_time import Hold
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.world import Level
+
+
+class SlowSaving:
+    """Saves a level when it is told to go on."""
+
+    def __init__(self) -> None:
+        self.hold = Hold()
+
+    def __call__(self, level: Level, path: Path) -> Level:
+        self.hold.here()
+        return save_level(level, path)
+
+
+async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with bench(data_dir, room_file) as b:
+        session = b.session
+        await b.run_to(10)
+        before = session.frame
+        b.command("brush")
+        await b.drag((85, 20), (85, 80))
+        assert session.level.walls[50, 85]
+        assert session.game is not None
+        assert session.game.history.marks.at(10)[0].kind == "edit"
+        session.run()
+        await b.until(lambda: session.frame.after.robots[0].blocked)
+        b.command("hand")
+        body = session.frame.after.robots[0]
+        await b.drag((body.x, body.y), (150, 50))
+        await b.until(lambda: session.frame.after.robots[0].x > 140)
+        session.pause()
+        await b.until(lambda: not session.busy)
+        last = session.frame
+        session.go_to(9)
+        assert session.frame.after.robots == before.before.robots
+        assert not session.level.walls[50, 85]
+        assert not b.level.walls[50, 85]
+        assert b.editor.edits.can_undo == "go to tick 9"
+        session.go_to(last.tick)
+        assert session.frame == last
+        assert session.history is not None
+        assert not is_by_the_book(session.history, session.opened, session.frame.tick)
+        b.command("undo", "undo", "undo")
+        b.ui.answers = ["away"]
+        b.command("stop_editing")
+        await b.says("What should happen to your changes")
+        await b.until(lambda: not b.controller.is_on)
+        assert np.array_equal(session.level.walls, b.controller.levels.saved.walls)
+
+
+async def test_undoing_brings_a_robot_back_to_where_it_was_taken(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with bench(data_dir, room_file) as b:
+        await b.run_to(10)
+        x = b.session.frame.after.robots[0].x
+        assert x > 44
+        await b.drag((x, 50), (180, 60))
+        assert b.session.frame.after.robots[0].x > 170
+        b.command("undo")
+        assert b.session.frame.after.robots[0].x == x
+        assert b.level.robots[0].x == 40
+        b.command("redo")
+        assert b.session.frame.after.robots[0].x > 170
+
+
+async def test_a_save_changes_little_and_one_without_a_change_nothing(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with bench(data_dir, room_file) as b:
+        b.command("save_level")
+        await b.says("It is already saved")
+        assert said(room_file) == ROOM
+        await b.drag((200, 30), (180, 30))
+        b.command("save_level")
+        await b.says("Saved as room")
+        assert said(room_file) == ROOM.replace("x = 200", f"x = {b.level.beacons[0].x:g}")
+        assert b.controller.levels.is_saved
+        say(room_file, ROOM.replace("A room", "Another room", 1))
+        b.command("brush")
+        await b.drag((100, 50))
+        b.command("save_level")
+        await b.says("was changed by another program")
+        await b.settled()
+        assert "Another room" in said(room_file)
+
+
+async def test_a_save_is_finished_whatever_is_asked_for_meanwhile(
+    data_dir: Path, room_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saving = SlowSaving()
+    monkeypatch.setattr("logical_robots_tui.editing.files.save_level", saving)
+    async with bench(data_dir, room_file) as b:
+        await b.until(lambda: b.controller.findings == [])
+        b.editor.press(200, 30, 1.0)
+        b.editor.drag(180, 30)
+        b.editor.release()
+        b.command("save_level")
+        await b.until(lambda: saving.hold.has_begun)
+        b.command("findings", "save_level")
+        b.controller.toggle()
+        await b.settled()
+        assert b.controller.is_on
+        saving.hold.release()
+        await b.until(lambda: not b.controller.is_on)
+        assert "What should happen to your changes to the level?" not in b.ui.said
+        assert b.controller.levels.is_saved
+        assert load_level(room_file).beacons == b.level.beacons
+
+
+async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since(
+    data_dir: Path, room_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saving = SlowSaving()
+    monkeypatch.setattr("logical_robots_tui.editing.files.save_level", saving)
+    async with bench(data_dir, room_file) as b:
+        await b.drag((200, 30), (180, 30))
+        b.command("save_level")
+        await b.until(lambda: saving.hold.has_begun)
+        await b.drag((180, 30), (120, 30))
+        newest = b.level.beacons
+        sources = {"": b.session.source}
+        b.session.open_level(load_level("02-open-space"), sources, AHEAD)
+        assert not b.controller.is_on
+        saving.hold.release()
+        await b.says("Saved as room")
+        assert b.session.opened.name != "room"
+        b.session.open_level(load_level(room_file), sources, AHEAD)
+        b.controller.toggle()
+        await b.says("unsaved changes to the level have been restored")
+        assert b.level.beacons == newest
+
+
+async def test_a_file_of_the_platform_is_replaced_only_if_the_player_says_so(
+    data_dir: Path, web_file: Path
+) -> None:
+    async with bench(data_dir, web_file) as b:
+        before = said(web_file)
+        await b.drag((200, 30), (180, 30))
+        b.command("save_level")
+        await b.says("was not made by this game")
+        await b.settled()
+        assert said(web_file) == before
+        b.ui.answers = ["same"]
+        b.command("save_level")
+        await b.says("Saved as garden.json")
+        assert load_level(web_file).beacons[0].x == b.level.beacons[0].x
+        assert b.controller.levels.is_saved
+        await b.drag((180, 30), (120, 30))
+        b.command("save_level")  # by now it was made here
+        await b.says("Saved as garden.json")
+        assert b.controller.levels.is_saved
+        assert load_level(web_file).beacons[0].x == b.level.beacons[0].x
