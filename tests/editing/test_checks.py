@@ -51,6 +51,7 @@ def test_nothing_is_wrong_with_a_closed_hall() -> None:
     assert check(wall_with_gap(hall(), 2 * RADIUS)) == []
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", list_levels())
 def test_nothing_is_wrong_with_our_own_levels(name: str) -> None:
     assert check(load_level(name)) == []
@@ -205,6 +206,7 @@ def test_what_no_file_could_say_forbids_loading(
     assert check(replace(hall(), **changes)) == [finding]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("path", sorted(CONFORMANCE.glob("*.json")), ids=lambda path: path.stem)
 def test_nothing_forbids_loading_a_level_that_was_loaded(path: Path) -> None:
     assert not any(finding.forbids for finding in check(load_level(path)))

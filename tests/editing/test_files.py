@@ -170,6 +170,7 @@ def test_a_level_of_the_web_platform_becomes_one_of_this_game_and_comes_back(lev
     assert (web.robots, web.beacons, web.areas) == (level.robots, level.beacons, level.areas)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("path", CONFORMANCE, ids=lambda path: path.stem)
 def test_levels_of_the_platform_pass_through_both_formats(path: Path) -> None:
     level = load_level(path)
@@ -189,6 +190,7 @@ def drawing(text: str) -> str:
     return text.partition("walls = '''")[2].partition("'''")[0]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_our_own_levels_are_written_anew_without_loss(path: Path) -> None:
     level = load_level(path)
@@ -201,7 +203,14 @@ def test_our_own_levels_are_written_anew_without_loss(path: Path) -> None:
 # -- small changes -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("text", [BY_HAND, INLINE, *(path.read_text() for path in SHIPPED)])
+@pytest.mark.parametrize(
+    "text",
+    [
+        BY_HAND,
+        INLINE,
+        *(pytest.param(path.read_text(), marks=pytest.mark.sampled) for path in SHIPPED),
+    ],
+)
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])
 @pytest.mark.parametrize("mark", ["", "\ufeff"])
 def test_a_save_without_a_change_changes_no_byte(
@@ -357,11 +366,12 @@ def test_a_file_laid_out_very_differently_is_written_anew(old: str) -> None:
     assert alike(read(rewritten(text, level)), level)
 
 
-def test_a_web_level_with_fine_walls_is_stored_compactly() -> None:
-    level = resize(room(), 4000, 4000)
-    level = paint_rectangle(level, (0, 0), (3999, 3999), border=1)
-    for x in range(0, 4000, 97):
-        level = paint(level, [(x, 0), (x, 3000)])
+@pytest.mark.parametrize("size", [1000, pytest.param(4000, marks=pytest.mark.slow)])
+def test_a_web_level_with_fine_walls_is_stored_compactly(size: int) -> None:
+    level = resize(room(), size, size)
+    level = paint_rectangle(level, (0, 0), (size - 1, size - 1), border=1)
+    for x in range(0, size, 97):
+        level = paint(level, [(x, 0), (x, 0.75 * size)])
     text = write_native(level)
     assert len(text) < 2_000
     assert alike(read(text), level)
