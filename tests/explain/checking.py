@@ -30,7 +30,7 @@ _OPERATOR = re.compile(r"(\w+|\+)(?:\{| over )")
 _FIELD = re.compile(r"^\w+: ")  # of a record that is written out
 _MORE = re.compile(r"and ([\d,]+) more")
 _EQUATION = re.compile(r"[^=<>!]==?[^=]")
-_AT_ONCE = 8  # claims that are compiled together
+_AT_ONCE = 32  # claims that are compiled together
 
 
 class Claim(NamedTuple):

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from hypothesis import strategies as st
+from random import Random
 
 from tests.explain.asking import REST
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-__all__ = ["programs"]
+__all__ = ["program"]
 
 _FUNCTIONS = """
 F(a) = a + 1;
@@ -30,17 +25,10 @@ _RECURSIONS = (
 )
 
 
-@st.composite
-def programs(draw: Callable[..., object]) -> str:
-    """A program of a few predicates, each with the columns x and y."""
-
-    def number(low: int, high: int) -> int:
-        found = draw(st.integers(low, high))
-        assert isinstance(found, int)
-        return found
-
-    def one(options: list[str]) -> str:
-        return options[number(0, len(options) - 1)]
+def program(seed: int) -> str:
+    """The program of a number: a few predicates, each with the columns x and y."""
+    lot = Random(seed)
+    number, one = lot.randint, lot.choice
 
     def facts(name: str) -> str:
         pairs = {(number(0, 4), one(["0", "1", "2", "3", "4", "null"])) for _ in range(4)}
@@ -112,7 +100,7 @@ def programs(draw: Callable[..., object]) -> str:
         text += [rule(name, head) for _ in range(number(1, 2))]
         known.append(name)
     if number(0, 2) == 0:
-        text.append(_RECURSIONS[number(0, len(_RECURSIONS) - 1)])
+        text.append(one(_RECURSIONS))
         known.append("R")
         text.append(rule("P8", "y: {})"))
     first = "\n".join(each for each in text if each.startswith("P1("))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from itertools import count
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from random import Random
+from typing import TYPE_CHECKING, NamedTuple
 
-from hypothesis import Phase, given, seed, settings
+from hypothesis import settings
 
 from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
 from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
@@ -14,43 +15,31 @@ from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, na
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from hypothesis.strategies import SearchStrategy
-
     from logical_robots_tui.explain import Ask, Node
     from logical_robots_tui.values import Value
 
-__all__ = ["false_in", "false_of", "judge_until"]
-
-T = TypeVar("T")
-
-_SEARCH = (Phase.explicit, Phase.reuse, Phase.generate)  # to shrink takes far longer than to find
+__all__ = ["claims_in", "false_in", "false_of", "judge_until"]
 
 _VALUED = re.compile(r"^(\w+)\([^()]*\) = ", re.MULTILINE)
 _DECIDED = ("Min", "Max", "ArgMin", "ArgMax")
 
 
-def judge_until(
-    number: int, made: SearchStrategy[T], programs_at_once: int, judge: Callable[[T], int]
-) -> None:
-    """Judge generated programs until so many things were judged, as told for each."""
-    total = 0
+def judge_until(number: int, judge: Callable[[int], int], first: int = 0) -> None:
+    """Judge what is made of one seed after another until so many things were judged.
 
-    @given(made)
-    @settings(max_examples=programs_at_once, phases=_SEARCH, deadline=None)
-    def ask(program: T) -> None:
-        nonlocal total
-        total += judge(program)
-
-    chosen = settings.default
-    for turn in count():
-        (seed(turn)(ask) if chosen is not None and chosen.derandomize else ask)()
-        if total >= number:
+    `make proof` begins with another seed each time.
+    """
+    is_same = settings.default is None or settings.default.derandomize
+    judged = 0
+    for seed in count(first if is_same else Random().randrange(10**9)):
+        judged += judge(seed)
+        if judged >= number:
             break
 
 
 def false_in(
     nodes: Sequence[Node], asked: Ask, checker: Checker, copies: Mapping[str, str]
-) -> Iterator[str]:
+) -> list[str]:
     """What is false in a proof.
 
     Args:
@@ -59,9 +48,17 @@ def false_in(
         checker: Asks the program.
         copies: By predicate made with ``:=``, what is filled in.
     """
+    claims, false = claims_in(nodes, asked, checker, copies)
+    return [*checker.false(claims), *false]
+
+
+def claims_in(
+    nodes: Sequence[Node], asked: Ask, checker: Checker, copies: Mapping[str, str]
+) -> tuple[list[Claim], list[str]]:
+    """What a proof claims, and what is false in it without asking the program."""
     judge = _Judge(checker, copies)
-    yield from checker.false(judge.answer(nodes, asked))
-    yield from (found for rule in judge.giving for found in wrong_aggregates(rule))
+    claims = list(judge.answer(nodes, asked))
+    return claims, [wrong for rule in judge.giving for wrong in wrong_aggregates(rule)]
 
 
 def false_of(node: Node, checker: Checker) -> Iterator[str]:

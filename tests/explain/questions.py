@@ -13,12 +13,13 @@ from logical_robots_tui.explain.why.explanation import read_call, spell_call
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.relations import same
 from tests.explain.checking import Checker
-from tests.explain.judging import false_in
+from tests.explain.judging import claims_in
 from tests.explain.teams import ROBOTS
 from tests.mind.rows import row
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Node
+    from tests.explain.checking import Claim
     from tests.explain.teams import Team
 
 __all__ = ["Asked", "Scene", "alone", "asked", "missed", "together"]
@@ -84,14 +85,18 @@ def together(team: Team) -> Iterator[Scene]:
 def asked(scene: Scene) -> Asked:
     """Ask for rows that are there, and for some that are not."""
     checker = Checker(scene.mind.program, scene.mind, scene.rows, scene.memories, scene.robot)
-    number, false = 0, []
+    number = 0
+    claims: list[Claim] = []
+    false: list[str] = []
     for name in scene.names:
         there = scene.there(name)
         for given in _wanted(there, scene.mind.query(name, scene.rows, scene.memories).columns):
             number += 1
             expected = sum(_matches(each, given) for each in there)
-            answer = _answer(scene, checker, Ask(name, given), expected)
-            false += [f"{name} {given}: {found}" for found in answer]
+            claimed, wrong = _answer(scene, checker, Ask(name, given), expected)
+            claims += claimed
+            false += [f"{name} {given}: {found}" for found in wrong]
+    false += checker.false(claims)
     assert checker.unknown < max(20, checker.asked / 4), checker.refused[-5:]
     return Asked(number, false)
 
@@ -112,21 +117,25 @@ def _matches(row: dict[str, Any], given: dict[str, Any]) -> bool:
     return all(same(row[column], value) for column, value in given.items())
 
 
-def _answer(scene: Scene, checker: Checker, ask: Ask, expected: int) -> Iterator[str]:
+def _answer(
+    scene: Scene, checker: Checker, ask: Ask, expected: int
+) -> tuple[list[Claim], list[str]]:
+    """What an answer claims, and what is false in it without asking the program."""
     proof = scene.explainer().proof(ask, nodes=_MOST_NODES)
     explanation = proof.explanation
+    claims, false = claims_in(proof.nodes, explanation.asked, checker, scene.copies)
     if explanation.rows != expected:
-        yield f"{explanation.rows} rows, not {expected}"
+        false.append(f"{explanation.rows} rows, not {expected}")
     if expected and all(rule.row is None for rule in explanation.rules):
-        yield f"no rule gives it: {[rule.node.said for rule in explanation.rules]}"
-    yield from false_in(proof.nodes, explanation.asked, checker, scene.copies)
+        false.append(f"no rule gives it: {[rule.node.said for rule in explanation.rules]}")
     for node in proof.nodes:
         if not _is_founded(node, ()):
-            yield f"proved by itself: {node.text}"
+            false.append(f"proved by itself: {node.text}")
         for _, each in node.walk():
             question = each.asked
             if question and read_call(spell_call(question), question.within) != question:
-                yield f"{spell_call(question)} does not ask {question}"
+                false.append(f"{spell_call(question)} does not ask {question}")
+    return claims, false
 
 
 def _is_founded(node: Node, above: tuple[str, ...]) -> bool:
