@@ -51,9 +51,14 @@ def last_tick(name: str) -> int:
     return TICKS if len(load_level(level_for(name)).robots) < CROWD else 2
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("name", list_programs())
-def test_each_row_of_a_predicate_has_a_proof_and_no_other_has(name: str) -> None:
+QUICK = "breadcrumbs"
+PROGRAMS = [
+    pytest.param(name, marks=[pytest.mark.slow] * (name != QUICK)) for name in list_programs()
+]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_each_row_of_a_predicate_has_a_true_proof_and_no_other_has(name: str) -> None:
     for mind, rows, memories in moments(name, [last_tick(name)]):
         robots = [row["robot_name"] for row in rows][:2]
         for predicate in mind.program.predicates:
@@ -80,32 +85,24 @@ def test_each_row_of_a_predicate_has_a_proof_and_no_other_has(name: str) -> None
                     decided = dict(zip(table.columns, row, strict=True))
                     assert found.row is not None
                     assert nearly_same(dict(found.row), decided)
+        check_proofs(mind, rows, memories, 3)
 
 
-def check_proofs(name: str, ticks: Sequence[int], most: int) -> None:
+def check_proofs(mind: Mind, rows: Any, memories: Any, most: int) -> None:
     """Put what proofs of decisions say into their rules."""
     checked = 0
-    for mind, rows, memories in moments(name, ticks):
-        checker = Checker(mind.program, mind, rows, memories)
-        for robot in [row["robot_name"] for row in rows][:2]:
-            proof = Explainer(mind, robot, rows, memories).proof(nodes=2_000)
-            rules = [
-                n for root in proof.nodes for _, n in root.walk() if n.kind == "rule" and n.holds
-            ]
-            for node in {rule.text: rule for rule in rules}.values():
-                if checked < most:
-                    assert not list(false_of(node, checker)), (name, robot)
-                    checked += 1
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("name", list_programs())
-def test_what_proofs_say_holds_in_the_rules(name: str) -> None:
-    check_proofs(name, [last_tick(name)], 3)
+    checker = Checker(mind.program, mind, rows, memories)
+    for robot in [row["robot_name"] for row in rows][:2]:
+        proof = Explainer(mind, robot, rows, memories).proof(nodes=2_000)
+        rules = [n for root in proof.nodes for _, n in root.walk() if n.kind == "rule" and n.holds]
+        for node in {rule.text: rule for rule in rules}.values():
+            if checked < most:
+                assert not list(false_of(node, checker)), (mind.program.text, robot)
+                checked += 1
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("name", list_programs())
 def test_what_proofs_say_holds_in_the_rules_at_many_ticks(name: str) -> None:
-    last = 10 * last_tick(name)
-    check_proofs(name, range(5, last, 25), 1_000)
+    for mind, rows, memories in moments(name, range(5, 10 * last_tick(name), 25)):
+        check_proofs(mind, rows, memories, 1_000)

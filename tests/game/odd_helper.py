@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import socket
 import subprocess
 import sys
@@ -39,6 +40,7 @@ def attempts(folder: Path) -> dict[str, str]:
         "home": str(Path.home()),
         "folder": str(Path.cwd()),
         "secret": os.environ.get("SOME_SECRET", ""),
+        "seconds": str(resource.getrlimit(resource.RLIMIT_CPU)[0]),
     }
 
     def attempt(name: str, work: Callable[[], object]) -> None:

@@ -71,7 +71,7 @@ def part(memory: Value, path: Any) -> object:
         return KeyError
 
 
-@settings(max_examples=min(25, settings().max_examples), deadline=None)
+@settings(max_examples=3 if settings().max_examples < 20 else 20, deadline=None)
 @given(machines(), st.data())
 def test_the_tick_is_that_of_the_last_change_and_all_that_is_told_is_true(
     text: str, data: Any

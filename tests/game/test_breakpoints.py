@@ -56,44 +56,52 @@ async def stops(game: Game, *breakpoints: Breakpoint, ticks: int = 200) -> list[
     return found
 
 
-@pytest.mark.parametrize(
-    ("given", "ticks", "values"),
-    [
-        (Breakpoint("rows", "Near"), [103], '"Ada"'),
-        (Breakpoint("no rows", "Seen", "Ada"), [50], '"Ada", "Lamp"'),
-        (Breakpoint("change", "Tens", column="tens"), [5, 15, 25], "0; 0 → 1; 1"),
-        (Breakpoint("change", "Tens", "Bo", "tens"), [5, 15, 25], "0 → 1"),
-        (Breakpoint("enters", "Door"), [42], "Ada is in Door"),
-        (Breakpoint("leaves", "Door", "Ada"), [81], "Ada was in Door"),
-        (Breakpoint("leaves"), [81], "Ada was in Door"),
-        (Breakpoint("enters", "Door", "Bo"), [], ""),
-        (Breakpoint("blocked"), [151], "Ada at 189.0, 25.0"),
-        (Breakpoint("loses sight", "Lamp", "Ada"), [50], "Ada saw Lamp last at distance"),
-        (Breakpoint("notice"), [7], "Ada: Robot has no row for Ada"),
-        (Breakpoint("notice", "no row", "Ada"), [7], "Ada: Robot has no row for Ada"),
-        (Breakpoint("notice", "several rows"), [], ""),
-        (Breakpoint("rows", f"{AHEAD}, d < 50"), [103], '"Ada"'),
-        (Breakpoint("rows", f"{AHEAD}, d < 50", "Bo"), [], ""),
-        (Breakpoint("no rows", 'Seen(robot_name: "Ada", label:)'), [50], '"Lamp"'),
-        (Breakpoint("rows", f"Min{{d :- {AHEAD}}} < 50"), [103], "true"),
-        (Breakpoint("no rows", f"Min{{d :- {AHEAD}}} >= 50", "Ada"), [103], "there was"),
-        (Breakpoint("change", "Tens(robot_name:, tens:), tens > 0"), [5, 15, 25], "nothing → "),
-        (Breakpoint("rows", "2 + 2 == 5"), [], ""),
-        (Breakpoint("change", "Sensor", "Bo"), [1, 2, 3], '"Bo", {"forward_'),
-        (Breakpoint("rows", "A(x) :- Tens(tens: x), x > 1; B(x) :- A(x), x > 2;"), [25], "3"),
-    ],
-    ids=lambda each: each.words if isinstance(each, Breakpoint) else "",
-)
-async def test_a_run_stops_where_it_is_to_and_says_with_what_values(
-    game: Game, given: Breakpoint, ticks: list[int], values: str
-) -> None:
-    hits = await stops(game, given)
-    assert [hit.tick for hit in hits][: max(len(ticks), 1)] == ticks
-    assert all(hit.breakpoint == given for hit in hits)
-    if hits:
-        assert values in hits[0].values
-        assert len(hits[0].values) < 300
-        assert any(mark.kind == "breakpoint" for mark in game.history.marks.at(hits[0].tick))
+HITS: list[tuple[Breakpoint, list[int], str]] = [
+    (Breakpoint("rows", "Near"), [103], '"Ada"'),
+    (Breakpoint("no rows", "Seen", "Ada"), [50], '"Ada", "Lamp"'),
+    (Breakpoint("change", "Tens", column="tens"), [5, 15, 25], "0; 0 → 1; 1"),
+    (Breakpoint("change", "Tens", "Bo", "tens"), [5, 15, 25], "0 → 1"),
+    (Breakpoint("enters", "Door"), [42], "Ada is in Door"),
+    (Breakpoint("leaves", "Door", "Ada"), [81], "Ada was in Door"),
+    (Breakpoint("leaves"), [81], "Ada was in Door"),
+    (Breakpoint("enters", "Door", "Bo"), [], ""),
+    (Breakpoint("blocked"), [151], "Ada at 189.0, 25.0"),
+    (Breakpoint("loses sight", "Lamp", "Ada"), [50], "Ada saw Lamp last at distance"),
+    (Breakpoint("notice"), [7], "Ada: Robot has no row for Ada"),
+    (Breakpoint("notice", "no row", "Ada"), [7], "Ada: Robot has no row for Ada"),
+    (Breakpoint("notice", "several rows"), [], ""),
+    (Breakpoint("rows", f"{AHEAD}, d < 50"), [103], '"Ada"'),
+    (Breakpoint("rows", f"{AHEAD}, d < 50", "Bo"), [], ""),
+    (Breakpoint("no rows", 'Seen(robot_name: "Ada", label:)'), [50], '"Lamp"'),
+    (Breakpoint("rows", f"Min{{d :- {AHEAD}}} < 50"), [103], "true"),
+    (Breakpoint("no rows", f"Min{{d :- {AHEAD}}} >= 50", "Ada"), [103], "there was"),
+    (Breakpoint("change", "Tens(robot_name:, tens:), tens > 0"), [5, 15, 25], "nothing → "),
+    (Breakpoint("rows", "2 + 2 == 5"), [], ""),
+    (Breakpoint("rows", "A(x) :- Tens(tens: x), x > 1; B(x) :- A(x), x > 2;"), [25], "3"),
+]
+
+
+async def test_a_run_stops_where_it_is_to_and_says_with_what_values(game: Game) -> None:
+    hits = await stops(game, *(given for given, _, _ in HITS))
+    for given, ticks, values in HITS:
+        mine = [hit for hit in hits if hit.breakpoint == given]
+        assert [hit.tick for hit in mine][: max(len(ticks), 1)] == ticks, given
+        if mine:
+            assert values in mine[0].values
+            assert len(mine[0].values) < 300
+    marked = {
+        tick
+        for tick in range(1, 201)
+        if any(mark.kind == "breakpoint" for mark in game.history.marks.at(tick))
+    }
+    assert marked == {hit.tick for hit in hits}
+
+
+async def test_one_of_a_table_that_always_changes_stops_a_run_each_time(game: Game) -> None:
+    sensor = Breakpoint("change", "Sensor", "Bo")
+    hits = await stops(game, sensor, ticks=3)
+    assert [(hit.tick, hit.breakpoint) for hit in hits] == [(tick, sensor) for tick in (1, 2, 3)]
+    assert all(hit.values.startswith('"Bo", {"forward_') for hit in hits)
 
 
 async def test_a_run_at_any_pace_stops_at_a_breakpoint_and_goes_on_from_it(game: Game) -> None:
@@ -131,27 +139,25 @@ async def test_one_that_is_switched_off_or_deleted_does_not_stop_a_run(game: Gam
     assert game.breakpoints.on == (enters,)
 
 
-@pytest.mark.parametrize(
-    ("given", "problem"),
-    [
-        (Breakpoint("rows", "Sean"), 'The program has no predicate Sean. Did you mean "Seen"?'),
-        (Breakpoint("change", "WeightedAverage"), "function of its arguments"),
-        (Breakpoint("rows"), "needs the name of a predicate"),
-        (Breakpoint("enters", "Dor"), 'This level has no area Dor. Did you mean "Door"?'),
-        (Breakpoint("loses sight", "Lmap"), "Nothing in this level is called Lmap."),
-        (Breakpoint("notice", "nonsense"), "No notice is called nonsense."),
-        (Breakpoint("blocked", robot="Eve"), "This level has no robot Eve."),
-        (Breakpoint("change", "Tens", column="ten"), "Tens has no column ten."),
-    ],
-    ids=lambda each: each.words if isinstance(each, Breakpoint) else "",
-)
-async def test_one_that_can_not_be_hit_says_why_and_the_run_goes_on(
-    game: Game, given: Breakpoint, problem: str
-) -> None:
-    hits = await stops(game, given, Breakpoint("rows", "Near"))
-    assert [hit.breakpoint.subject for hit in hits][:1] == ["Near"]
-    assert problem in game.problem_with(given)
-    assert not game.problem_with(Breakpoint("rows", "Near"))
+PROBLEMS = [
+    (Breakpoint("rows", "Sean"), 'The program has no predicate Sean. Did you mean "Seen"?'),
+    (Breakpoint("change", "WeightedAverage"), "function of its arguments"),
+    (Breakpoint("rows"), "needs the name of a predicate"),
+    (Breakpoint("enters", "Dor"), 'This level has no area Dor. Did you mean "Door"?'),
+    (Breakpoint("loses sight", "Lmap"), "Nothing in this level is called Lmap."),
+    (Breakpoint("notice", "nonsense"), "No notice is called nonsense."),
+    (Breakpoint("blocked", robot="Eve"), "This level has no robot Eve."),
+    (Breakpoint("change", "Tens", column="ten"), "Tens has no column ten."),
+]
+
+
+async def test_one_that_can_not_be_hit_says_why_and_the_run_goes_on(game: Game) -> None:
+    near = Breakpoint("rows", "Near")
+    hits = await stops(game, *(given for given, _ in PROBLEMS), near, ticks=110)
+    assert [hit.breakpoint for hit in hits] == [near]
+    for given, problem in PROBLEMS:
+        assert problem in game.problem_with(given)
+    assert not game.problem_with(near)
 
 
 async def test_one_of_a_predicate_that_the_edited_program_has_no_more_says_so(game: Game) -> None:

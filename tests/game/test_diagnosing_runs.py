@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import Level
 
-TICKS = 400
+TICKS = 120
 TEXT = """
-Late(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 380;
+Late(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 100;
 Never(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock < 0;
 Robot(robot_name:, desire: {left_engine: x, right_engine: -x}, memory: {n:}) :-
   Sensor(robot_name:), Memory(robot_name:, memory:), ~Never(robot_name:),

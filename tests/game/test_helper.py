@@ -32,6 +32,7 @@ def test_a_helper_reaches_no_file_program_or_network(
         "home": "/",
         "folder": "/",
         "secret": "",
+        "seconds": "600",
         "read the game": "done",
         **dict.fromkeys(("read", "list", "write", "run", "call"), "PermissionError"),
     }
@@ -69,6 +70,7 @@ def is_alive(pid: int) -> bool:
         return False
 
 
+@pytest.mark.slow
 def test_a_helper_has_a_bound_of_processor_time() -> None:
     helper = Helper(MODULE, "in C", "bounded")
     assert -helper.wait(PATIENCE) in (signal.SIGXCPU, signal.SIGKILL)

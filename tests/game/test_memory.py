@@ -115,8 +115,13 @@ def played(
     return int(most), set(kinds)
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("what", HUNGRY)
+@pytest.mark.parametrize(
+    "what",
+    [
+        pytest.param(what, marks=[pytest.mark.slow] * (what != "short enough long texts"))
+        for what in HUNGRY
+    ],
+)
 def test_one_robot_s_memories_stay_within_bounds(what: str) -> None:
     most, _ = played("01-first-steps", ROBOT + HUNGRY[what] + ";", 130)
     assert most < MOST - SCREEN
@@ -150,18 +155,26 @@ def test_without_room_a_thought_is_a_notice_and_the_game_goes_on() -> None:
     assert kinds == {"no_room"}
 
 
-def test_without_room_to_sense_a_game_ends_with_an_exception_and_never_crashes() -> None:
-    environment = {**os.environ, "MALLOC_ARENA_MAX": "1"}  # no room is left in other arenas
-    for level, room in (("01-first-steps", 50), ("01-first-steps", 20_000), ("13-swarm", 200)):
-        done = subprocess.run(
-            [sys.executable, "-c", STARVES, level, str(room)],
-            capture_output=True,
-            text=True,
-            check=False,
-            env=environment,
-            timeout=PATIENCE,
-        )
-        assert (done.returncode, done.stdout) == (0, "no memory\n"), done.stderr[-2000:]
+@pytest.mark.parametrize(
+    ("level", "room"),
+    [
+        ("01-first-steps", 50),
+        pytest.param("01-first-steps", 20_000, marks=pytest.mark.slow),
+        pytest.param("13-swarm", 200, marks=pytest.mark.slow),
+    ],
+)
+def test_without_room_to_sense_a_game_ends_with_an_exception_and_never_crashes(
+    level: str, room: int
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", STARVES, level, str(room)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "MALLOC_ARENA_MAX": "1"},  # no room is left in other arenas
+        timeout=PATIENCE,
+    )
+    assert (done.returncode, done.stdout) == (0, "no memory\n"), done.stderr[-2000:]
 
 
 @pytest.mark.parametrize(
