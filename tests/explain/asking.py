@@ -11,8 +11,9 @@ from tests.mind.rows import row
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Explanation, Node, Proof
+    from logical_robots_tui.explain.why.explanation import RuleFound
 
-__all__ = ["REST", "below", "find", "proof", "texts", "why"]
+__all__ = ["REST", "below", "find", "proof", "stop", "texts", "the_rule", "why"]
 
 REST = """
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :- Sensor(robot_name:);
@@ -51,6 +52,18 @@ def proof(
     with closing(Mind(Program.compile(text))) as mind:
         explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
         return explainer.proof(Ask(predicate, given or {}), depth=depth)
+
+
+def the_rule(text: str, predicate: str = "Robot", **asked: Any) -> RuleFound:
+    """What is told of the only rule of a predicate."""
+    (rule,) = why(text, predicate, **asked).rules
+    return rule
+
+
+def stop(rule: RuleFound) -> Node:
+    """The part of a rule that failed."""
+    assert rule.stopped_by is not None
+    return rule.stopped_by
 
 
 def find(node: Node, text: str) -> Node:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from logical_robots_tui.mind import QueryError
-from tests.explain.asking import REST, below, find, texts, why
+from tests.explain.asking import REST, below, find, stop, texts, the_rule, why
 from tests.mind.rows import row
 
 FRONT = """
@@ -16,29 +18,23 @@ Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: d) :-
 """
 
 
-def test_a_rule_without_a_row_tells_which_part_failed_and_what_that_compared() -> None:
-    (rule,) = why(FRONT).rules
-    stopped = rule.stopped_by
-    assert rule.rows == 0
-    assert stopped is not None
-    assert stopped.text == "d < 40"
+def test_a_rule_without_a_row_tells_which_part_failed_what_that_compared_and_where() -> None:
+    rule = the_rule(FRONT)
+    stopped = stop(rule)
+    assert (rule.rows, stopped.text) == (0, "d < 40")
     assert stopped.span is not None
     assert stopped.span.line == 5
     assert [(node.text, node.values) for node in stopped.children] == [("d", (200,))]
     assert find(rule.node, "d == ").values == (200,)
-
-
-def test_a_place_is_that_in_the_text() -> None:
-    (rule,) = why(FRONT).rules
     for _, node in rule.node.walk():
         if node.span is not None and node.kind in ("call", "condition", "value"):
             assert FRONT[node.span.start : node.span.stop] == node.text
 
 
 def test_a_rule_that_gives_a_row_tells_its_values() -> None:
-    found = why(FRONT.replace("< 40", "> 40"))
-    (rule,) = found.rules
-    assert rule.rows == found.rows == 1
+    explanation = why(FRONT.replace("< 40", "> 40"))
+    (rule,) = explanation.rules
+    assert rule.rows == explanation.rows == 1
     assert rule.stopped_by is None
     assert rule.row is not None
     assert rule.row["memory"] == 200
@@ -50,8 +46,7 @@ def test_what_is_read_of_a_sensor_and_a_memory_is_shown() -> None:
     Robot(robot_name:, desire: {left_engine: memory.speed, right_engine: 1}, memory: 0) :-
       Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), sensor.clock > 3;
     """
-    rows = [{**row("Ada"), "sensor": {**row("Ada")["sensor"], "clock": 5}}]
-    (rule,) = why(text, rows=rows, memories={"Ada": {"speed": 0.5}}).rules
+    rule = the_rule(text, rows=[row("Ada", clock=5)], memories={"Ada": {"speed": 0.5}})
     reads = {node.text: node.values for node in below(rule.node, "read")}
     assert reads == {"sensor.clock": (5,), "memory.speed": (0.5,)}
     assert find(rule.node, "Sensor").robot == "Ada"
@@ -61,8 +56,7 @@ def test_parts_are_asked_when_what_they_need_is_known_whatever_their_order() -> 
     backwards = FRONT.replace("Sensor(robot_name:, sensor:),\n", "").replace(
         "d < 40;", "d < 40, Sensor(robot_name:, sensor:);"
     )
-    (rule,) = why(backwards).rules
-    assert texts(rule.node.children) == [
+    assert texts(the_rule(backwards).node.children) == [
         "Sensor(robot_name:, sensor:)",
         "d == sensor.forward_distance",
         "d < 40",
@@ -76,22 +70,19 @@ def test_all_values_are_listed_or_counted() -> None:
     Wall(robot_name:) distinct :-
       Sensor(robot_name:, sensor:), r in sensor.radar, r.object == "wall";
     {REST}"""
-    (rule,) = why(text, "Wall", rows=rows).rules
+    rule = the_rule(text, "Wall", rows=rows)
     assert find(rule.node, "r in").said == "1 of 107 matches"
-    assert rule.stopped_by is not None
-    (values,) = rule.stopped_by.children
+    (values,) = stop(rule).children
     assert values.text == "r.object"
     assert values.values == tuple(f"kind{n}" for n in range(100))
     assert values.more == 7
 
 
-def test_every_rule_is_told() -> None:
-    text = f"Big(x) :- x in [1, 2], x > 1; Big(x) :- x in [3], x > 5;{REST}"
-    first, second = why(text, "Big").rules
+def test_every_rule_is_told_and_one_about_another_robot_says_so() -> None:
+    first, second = why(
+        f"Big(x) :- x in [1, 2], x > 1; Big(x) :- x in [3], x > 5;{REST}", "Big"
+    ).rules
     assert (first.rows, second.rows) == (1, 0)
-
-
-def test_a_rule_about_another_robot_says_so() -> None:
     text = """
     Robot(robot_name: "Ada", desire: {left_engine: 0, right_engine: 0}, memory: 1);
     Robot(robot_name: "Bo", desire: {left_engine: 1, right_engine: 1}, memory: 2);
@@ -105,64 +96,66 @@ def test_a_rule_about_another_robot_says_so() -> None:
 def test_what_holds_for_others_only_is_told_where_all_is_visible() -> None:
     text = f'Named(robot_name:) :- Sensor(robot_name:), robot_name != "Ada";{REST}'
     rows = [row("Ada"), row("Bo"), row("Cy")]
-    (rule,) = why(text, "Named", rows=rows, memory="all", sensor="all").rules
-    assert rule.stopped_by is not None
-    assert rule.stopped_by.said == "not here, but 2 matches elsewhere"
+    rule = the_rule(text, "Named", rows=rows, memory="all", sensor="all")
+    assert stop(rule).said == "not here, but 2 matches elsewhere"
+
+
+# -- negations and alternatives --------------------------------------------------------------------
+
+DENIALS = f"""
+Seen(x) :- x in [1, 2];
+There(y) :- y in [2], ~(Seen(x), x >= y);
+Absent(y) :- y in [3], ~(Seen(x), x >= y);
+Small(y) :- y in [1], (Seen(x) => x < y);
+Num(1); Num(2); Num(4);
+Most(x:) :- Num(x), ~(Num(y), y > x);
+{REST}"""
 
 
 def test_negation_tells_what_there_is_that_must_not_be() -> None:
-    text = f"Seen(x) :- x in [1, 2]; None_(y) :- y in [2], ~(Seen(x), x >= y);{REST}"
-    (rule,) = why(text, "None_").rules
-    stopped = rule.stopped_by
-    assert stopped is not None
+    stopped = stop(the_rule(DENIALS, "There"))
     assert (stopped.kind, stopped.said) == ("denial", "there is a match")
     assert texts(stopped.children) == ["Seen(x)", "x >= y"]
     assert find(stopped, "x").values == (2,)
+    assert stop(the_rule(DENIALS, "Small")).kind == "denial"  # an implication: of a counterexample
 
 
-def test_negation_that_holds_tells_which_part_of_it_does_not() -> None:
-    text = f"Seen(x) :- x in [1, 2]; None_(y) :- y in [3], ~(Seen(x), x >= y);{REST}"
-    (rule,) = why(text, "None_").rules
+def test_negation_that_holds_tells_which_part_of_it_does_not_for_the_row_that_is_there() -> None:
+    rule = the_rule(DENIALS, "Absent")
     assert rule.rows == 1
     denied = find(rule.node, "~")
     assert denied.holds
-    assert denied.children[-1].text == "x >= y"
-    assert denied.children[-1].holds is False
-
-
-def test_negation_is_told_for_the_row_that_is_there() -> None:
-    text = f"Num(1); Num(2); Num(4); Most(x:) :- Num(x), ~(Num(y), y > x);{REST}"
-    found = why(text, "Most")
-    assert found.row == {"x": 4}
-    (rule,) = found.rules
+    assert (denied.children[-1].text, denied.children[-1].holds) == ("x >= y", False)
+    explanation = why(DENIALS, "Most")
+    assert explanation.row == {"x": 4}
+    (rule,) = explanation.rules
     assert find(rule.node, "x").values == (4,)
     assert find(rule.node, "~").said == "no match"
     assert find(rule.node, "y > x").holds is False
 
 
-def test_an_implication_is_a_denial_of_a_counterexample() -> None:
-    text = f"Item(x) :- x in [1, 2]; Small(y) :- y in [1], (Item(x) => x < y);{REST}"
-    (rule,) = why(text, "Small").rules
-    assert rule.stopped_by is not None
-    assert rule.stopped_by.kind == "denial"
-
-
-def test_each_alternative_is_told() -> None:
+def test_each_alternative_is_told_and_the_one_that_gives_the_row_is_named() -> None:
     text = f"Odd(x) :- x in [7], (x < 3 | x > 5, x != 7);{REST}"
-    (rule,) = why(text, "Odd").rules
-    assert rule.stopped_by is not None
-    assert rule.stopped_by.text == "x != 7"
+    rule = the_rule(text, "Odd")
+    assert stop(rule).text == "x != 7"
     first, second = below(rule.node, "alternative")
     assert texts(first.children) == ["x < 3"]
     assert [(n.text, n.holds) for n in second.children] == [("x > 5", True), ("x != 7", False)]
-
-
-def test_the_alternative_that_gives_the_row_is_named() -> None:
-    text = f"Odd(x) :- x in [7], (x < 3 | x > 5, x != 8);{REST}"
-    (rule,) = why(text, "Odd").rules
+    rule = the_rule(text.replace("x != 7", "x != 8"), "Odd")
     (taken,) = below(rule.node, "alternative")
     assert taken.text == "x > 5, x != 8"
     assert texts(taken.children) == ["x > 5", "x != 8"]
+
+
+# -- aggregates ------------------------------------------------------------------------------------
+
+SUMS = f"""
+Num(1); Num(2); Num(3); Num(4);
+Low(d) :- d == Min{{x :- x in [3, 1, 2], x > 0}};
+Tot(s? += x) distinct :- Num(x);
+Least(d? Min= x) distinct :- Num(x);
+Two(a, b) :- a == Sum{{x :- x in [1, 2]}}, b == Sum{{x :- x in [3, 4], x > a}};
+{REST}"""
 
 
 def test_an_aggregate_over_nothing_tells_why() -> None:
@@ -170,62 +163,51 @@ def test_an_aggregate_over_nothing_tells_why() -> None:
     Near(d) :- Sensor(sensor:),
       d == Min{{r.distance :- r in sensor.radar, r.object == "wall"}}, d < 50;
     {REST}"""
-    (rule,) = why(text, "Near").rules
+    rule = the_rule(text, "Near")
     aggregate = find(rule.node, "d ==")
     assert aggregate.values == (None,)
     assert find(aggregate, "aggregates no rows").children[-1].text == 'r.object == "wall"'
-    assert rule.stopped_by is not None
-    assert rule.stopped_by.text == "d < 50"
+    assert stop(rule).text == "d < 50"
 
 
-def test_the_element_that_decides_a_minimum_is_told() -> None:
-    text = f"Low(d) :- d == Min{{x :- x in [3, 1, 2], x > 0}};{REST}"
-    (rule,) = why(text, "Low").rules
-    (decides,) = below(rule.node, "contributor")
+def test_the_elements_that_an_aggregate_is_made_of_are_told() -> None:
+    (decides,) = below(the_rule(SUMS, "Low").node, "contributor")
     assert (decides.values, decides.said) == ((1,), "chosen from 3 rows")
-
-
-def test_an_aggregate_in_a_head_is_told_as_it_came_out() -> None:
-    text = f"Num(1); Num(2); Num(3); Num(4); Tot(s? += x) distinct :- Num(x);{REST}"
-    found = why(text, "Tot")
-    assert (found.rows, found.row) == (1, {"s": 10})
-    (rule,) = found.rules
+    explanation = why(SUMS, "Tot")
+    assert (explanation.rows, explanation.row) == (1, {"s": 10})
+    (rule,) = explanation.rules
     assert [n.values for n in below(rule.node, "contributor")] == [(1,), (2,), (3,), (4,)]
+    explanation = why(SUMS, "Two")
+    assert explanation.row == {"col0": 3, "col1": 4}
+    second = find(explanation.rules[0].node, "b ==")
+    assert [n.values for n in below(second, "contributor")] == [(4,)]
 
 
 @pytest.mark.parametrize("given", [5, 999])
 def test_what_did_not_come_out_of_an_aggregate_is_denied(given: int) -> None:
-    text = f"Num(1); Num(2); Low(d? Min= x) distinct :- Num(x);{REST}"
-    found = why(text, "Low", given={"d": given})
-    assert (found.rows, found.row) == (0, None)
-    stopped = found.rules[0].stopped_by
-    assert stopped is not None
+    explanation = why(SUMS, "Least", given={"d": given})
+    assert (explanation.rows, explanation.row) == (0, None)
+    stopped = stop(explanation.rules[0])
     assert (stopped.said, stopped.values) == ("actual value", (1,))
+
+
+# -- values ----------------------------------------------------------------------------------------
 
 
 def test_a_row_that_is_the_same_twice_counts_once_where_rows_are_distinct() -> None:
     text = f"Pair(1, 2); Pair(1, 3); One(x) distinct :- Pair(x, y); Bag(x) :- Pair(x, y);{REST}"
-    assert why(text, "One").rules[0].rows == 1
-    assert why(text, "Bag").rules[0].rows == 2
+    assert [the_rule(text, predicate).rows for predicate in ("One", "Bag")] == [1, 2]
 
 
 def test_values_are_those_of_the_row_and_not_of_the_first_way() -> None:
     text = f"Num(1); Num(2); Num(4); Inj(x, y) :- y == x - 1; Use(x:) :- Num(x), Inj(x, 3);{REST}"
-    found = why(text, "Use")
-    assert found.row == {"x": 4}
-    (rule,) = found.rules
+    explanation = why(text, "Use")
+    assert explanation.row == {"x": 4}
+    (rule,) = explanation.rules
     assert {n.values for _, n in rule.node.walk() if n.text == "x"} == {(4,)}
     asked = find(rule.node, "Inj").asked
     assert asked is not None
     assert why(text, "Inj", given=dict(asked.given)).rows == 1
-
-
-def test_variables_of_two_aggregates_are_not_mixed_up() -> None:
-    text = f"Two(a, b) :- a == Sum{{x :- x in [1, 2]}}, b == Sum{{x :- x in [3, 4], x > a}};{REST}"
-    found = why(text, "Two")
-    assert found.row == {"col0": 3, "col1": 4}
-    second = find(found.rules[0].node, "b ==")
-    assert [n.values for n in below(second, "contributor")] == [(4,)]
 
 
 def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at() -> None:
@@ -233,8 +215,7 @@ def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at() -> None
         "d < 40;",
         'speed = (if d < 40 then 0 else if robot_name == "Ada" then 1 else 2);',
     )
-    (rule,) = why(text).rules
-    speed = find(rule.node, "speed")
+    speed = find(the_rule(text).node, "speed")
     assert [(n.text, n.holds) for n in speed.children[:2]] == [
         ("d < 40", False),
         ('robot_name == "Ada"', True),
@@ -247,9 +228,12 @@ def test_the_if_of_a_head_is_told() -> None:
     Robot(robot_name:, desire: if sensor.clock > 3 then {left_engine: 1, right_engine: 1}
       else {left_engine: 0, right_engine: 0}, memory: 0) :- Sensor(robot_name:, sensor:);
     """
-    (rule,) = why(text).rules
+    rule = the_rule(text)
     assert find(rule.node, "sensor.clock > 3").holds is False
     assert find(rule.node, "{left_engine: 0").said == "this branch is taken"
+
+
+# -- functions -------------------------------------------------------------------------------------
 
 
 def test_one_step_deeper_goes_on_with_the_arguments() -> None:
@@ -258,87 +242,44 @@ def test_one_step_deeper_goes_on_with_the_arguments() -> None:
     Robot(robot_name:, desire: {left_engine: Speed(sensor.forward_distance), right_engine: 1},
       memory: 0) :- Sensor(robot_name:, sensor:);
     """
-    (rule,) = why(text).rules
-    stopped = rule.stopped_by
-    assert stopped is not None
-    assert stopped.asked is not None
-    asked = stopped.asked
+    asked = stop(the_rule(text)).asked
+    assert asked is not None
     assert (asked.predicate, dict(asked.given)) == ("Speed", {"col0": 200})
-    (deeper,) = why(text, asked.predicate, given=dict(asked.given)).rules
-    assert deeper.stopped_by is not None
-    assert deeper.stopped_by.text == "d > 500"
-    assert [node.values for node in deeper.stopped_by.children] == [(200,)]
+    stopped = stop(the_rule(text, asked.predicate, given=dict(asked.given)))
+    assert stopped.text == "d > 500"
+    assert [node.values for node in stopped.children] == [(200,)]
 
 
-def test_a_function_without_any_condition_can_be_asked() -> None:
-    text = f"Speed(d) = d + 1; Use(y) :- y == Speed(2);{REST}"
-    found = why(text, "Speed", given={"col0": 0.5})
-    assert found.row == {"col0": 0.5, "logica_value": 1.5}
-    assert why(text, "Speed", given={"col0": 1, "value": 3}).rows == 0
+FUNCTIONS = f"""
+Num(x: 1);
+Speed(d) = d + 1;
+Name(0) = "none"; Name(1) = "one";
+Use(y, Name(1)) :- y == Speed(2);
+{REST}"""
 
 
-def test_a_function_with_patterns_tells_which_pattern_does_not_fit() -> None:
-    text = f'Name(0) = "none"; Name(1) = "one"; Use(y) :- y == Name(1);{REST}'
-    first, second = why(text, "Name", given={"col0": 1}).rules
+def test_a_function_is_asked_with_its_arguments() -> None:
+    explanation = why(FUNCTIONS, "Speed", given={"col0": 0.5})
+    assert explanation.row == {"col0": 0.5, "logica_value": 1.5}
+    assert why(FUNCTIONS, "Speed", given={"col0": 1, "value": 3}).rows == 0
+    first, second = why(FUNCTIONS, "Name", given={"col0": 1}).rules
     assert (first.rows, second.rows) == (0, 1)
     assert second.row == {"col0": 1, "logica_value": "one"}
 
 
-def test_a_function_without_its_arguments_is_refused_by_name() -> None:
-    with pytest.raises(QueryError, match="Speed is a function of d: give a value"):
-        why(f"Speed(d) = d + 1;{REST}", "Speed")
-
-
-def test_a_column_that_is_not_there_is_refused_by_name() -> None:
-    with pytest.raises(QueryError, match="Num has no column y; it has x"):
-        why(f"Num(x: 1);{REST}", "Num", given={"y": 1})
-
-
-def test_what_is_made_from_another_is_told_with_its_rules_filled_in() -> None:
-    text = f"""
-    Wanted("red");
-    Blue("blue");
-    Pick(x) :- x in ["red", "blue"], Wanted(x);
-    PickBlue := Pick(Wanted: Blue);
-    {REST}
-    """
-    made = why(text, "PickBlue")
-    assert made.made_from == "Pick"
-    assert made.row == {"col0": "blue"}
-    asked = find(made.rules[0].node, "Wanted").asked
-    assert asked is not None
-    assert asked.predicate == "Blue"
-
-
-def test_what_leans_on_a_filled_in_predicate_is_told_within() -> None:
-    text = f"""
-    Wanted("red");
-    Blue("blue");
-    Good(x) :- x in ["red", "blue"], Wanted(x);
-    Pick(x) :- Good(x);
-    PickBlue := Pick(Wanted: Blue);
-    {REST}
-    """
-    assert why(text, "Good").row == {"col0": "red"}
-    assert why(text, "Good", within="PickBlue").row == {"col0": "blue"}
-    asked = find(why(text, "PickBlue").rules[0].node, "Good").asked
-    assert asked is not None
-    assert (asked.predicate, asked.within) == ("Good", "PickBlue")
-
-
-def test_a_constant_can_be_filled_in() -> None:
-    text = f"Limit() = 3; Low(x) :- x in [1, 5], x < Limit(); High := Low(Limit: 9);{REST}"
-    assert why(text, "Low").rows == 1
-    assert why(text, "High").rows == 2
-
-
-def test_an_unknown_robot_or_predicate_is_named() -> None:
-    with pytest.raises(QueryError, match="no robot Zed"):
-        why(FRONT, robot="Zed")
-    with pytest.raises(QueryError, match="no rules for Nothing"):
-        why(FRONT, "Nothing")
-    with pytest.raises(QueryError, match="Sensor has no rules: its rows are what the robots sense"):
-        why(FRONT, "Sensor")
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"predicate": "Speed"}, "Speed is a function of d: give a value"),
+        ({"predicate": "Num", "given": {"y": 1}}, "Num has no column y; it has x"),
+        ({"robot": "Zed"}, "no robot Zed"),
+        ({"predicate": "Nothing"}, "no rules for Nothing"),
+        ({"predicate": "Sensor"}, "Sensor has no rules: its rows are what the robots sense"),
+    ],
+)
+def test_what_can_not_be_asked_is_refused_by_name(asked: dict[str, Any], message: str) -> None:
+    with pytest.raises(QueryError, match=message):
+        why(FUNCTIONS, **asked)
 
 
 def test_a_predicate_that_fails_says_so() -> None:
@@ -347,25 +288,46 @@ def test_a_predicate_that_fails_says_so() -> None:
         why(text, "Bad")
 
 
-@pytest.mark.parametrize(
-    ("condition", "said"),
-    [
-        ("kind == 12", 'string "12" is not the number 12'),
-        ("Wanted(kind)", 'string "12" is not the number 12'),
-        ("kind == 13", "no match"),
-        ('word == true, kind == "12"', 'string "true" is not true'),
-        ("word == [1]", "no match"),
-    ],
-)
-def test_a_condition_that_fails_by_types_alone_says_so(condition: str, said: str) -> None:
+def test_what_is_made_from_another_and_what_that_uses_are_told_as_filled_in() -> None:
     text = f"""
-Kind(kind: "12", word: "true");
-Wanted(12);
-Match() :- Kind(kind:, word:), {condition};
-{REST}"""
-    stopped = why(text, "Match").rules[0].stopped_by
-    assert stopped is not None
-    assert stopped.said == said
+    Wanted("red");
+    Blue("blue");
+    Good(x) :- x in ["red", "blue"], Wanted(x);
+    Pick(x) :- Good(x), Wanted(x);
+    PickBlue := Pick(Wanted: Blue);
+    Limit() = 3; Low(x) :- x in [1, 5], x < Limit(); High := Low(Limit: 9);
+    {REST}
+    """
+    made = why(text, "PickBlue")
+    assert (made.made_from, made.row) == ("Pick", {"col0": "blue"})
+    wanted, good = (find(made.rules[0].node, name).asked for name in ("Wanted", "Good"))
+    assert wanted is not None
+    assert wanted.predicate == "Blue"
+    assert good is not None
+    assert (good.predicate, good.within) == ("Good", "PickBlue")
+    assert why(text, "Good").row == {"col0": "red"}
+    assert why(text, "Good", within="PickBlue").row == {"col0": "blue"}
+    assert (why(text, "Low").rows, why(text, "High").rows) == (1, 2)  # a constant
+
+
+# -- types -----------------------------------------------------------------------------------------
+
+TYPES = [
+    ("kind == 12", 'string "12" is not the number 12'),
+    ("Wanted(kind)", 'string "12" is not the number 12'),
+    ("kind == 13", "no match"),
+    ('word == true, kind == "12"', 'string "true" is not true'),
+    ("word == [1]", "no match"),
+]
+
+
+def test_a_condition_that_fails_by_types_alone_says_so() -> None:
+    rules = "\n".join(
+        f"Match{n}() :- Kind(kind:, word:), {condition};" for n, (condition, _) in enumerate(TYPES)
+    )
+    text = f'Kind(kind: "12", word: "true");\nWanted(12);\n{rules}\n{REST}'
+    told = [stop(the_rule(text, f"Match{n}")).said for n in range(len(TYPES))]
+    assert told == [said for _, said in TYPES]
 
 
 def test_literals_are_not_said_to_have_their_values() -> None:

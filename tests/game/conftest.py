@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from tests.game.playing import game
+from logical_robots_tui.game import Game
+from logical_robots_tui.mind import Program
+from tests.game.playing import COUNTER, game, hall
 from tests.virtual_time import VirtualClock, VirtualLoop
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from logical_robots_tui.game import Game
+    from logical_robots_tui.world import Level
+    from tests.game.playing import Play
 
 
 def pytest_asyncio_loop_factories() -> dict[str, type[VirtualLoop]]:
@@ -25,3 +28,20 @@ async def hall_game(tmp_path: Path) -> AsyncIterator[Game]:
     made = game(tmp_path, clock=VirtualClock())
     yield made
     await made.close()
+
+
+@pytest.fixture
+async def play(tmp_path: Path) -> AsyncIterator[Play]:
+    opened: list[Game] = []
+
+    def open_game(
+        program: str | Program = COUNTER, level: Level | None = None, **options: Any
+    ) -> Game:
+        compiled = Program.compile(program) if isinstance(program, str) else program
+        opened.append(Game(level or hall(tmp_path), compiled, **options))
+        opened[-1].pace.speed = None
+        return opened[-1]
+
+    yield open_game
+    for each in opened:
+        await each.close()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game import Game
@@ -68,3 +68,11 @@ def game(tmp_path: Path, text: str = COUNTER, clock: Clock = CLOCK) -> Game:
     made = Game(hall(tmp_path), Program.compile(text), clock=clock)
     made.pace.speed = None
     return made
+
+
+class Play(Protocol):
+    """Opens a game, flat out and in the hall unless told otherwise, that is closed at the end."""
+
+    def __call__(
+        self, program: str | Program = COUNTER, level: Level | None = None, **options: Any
+    ) -> Game: ...

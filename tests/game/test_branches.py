@@ -8,10 +8,10 @@ import pytest
 
 from logical_robots_tui.game import Game, NoSuchTickError
 from logical_robots_tui.mind import Program
-from tests.game.playing import BACKWARDS, COUNTER, hall
+from tests.game.playing import BACKWARDS, COUNTER
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from tests.game.playing import Play
 
 
 async def test_going_back_and_changing_the_program_begins_another_branch(hall_game: Game) -> None:
@@ -119,13 +119,12 @@ async def test_restarting_under_a_changed_program_leaves_the_old_branch_to_compa
     assert hall_game.history.last == 1
 
 
-async def test_restarting_beyond_history_begins_anew(tmp_path: Path) -> None:
-    short = Game(hall(tmp_path), Program.compile(COUNTER), history=5)
+async def test_restarting_beyond_history_begins_anew(play: Play) -> None:
+    short = play(history=5)
     await short.run_until(tick=12)
     assert short.restart().tick == 0
     assert (short.history.first, short.history.last) == (0, 0)
     assert (await short.step()).tick == 1
-    await short.close()
 
 
 async def test_there_is_no_other_branch_to_go_over_to_before_one_was_left(hall_game: Game) -> None:

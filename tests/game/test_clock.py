@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui import Game, Program, list_levels, load_level
+from logical_robots_tui import Program, list_levels, load_level
 from logical_robots_tui.game.measuring import LateError, play_through
 from tests.short import AHEAD, LEVEL
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.game import Frame
+    from tests.game.playing import Play
 
 DIGEST = """if True:
     import asyncio, hashlib, sys
@@ -69,11 +70,11 @@ def test_with_a_tenth_of_a_processor_a_run_is_the_same() -> None:
 
 @pytest.mark.usefixtures("late")
 async def test_from_the_tick_on_in_which_the_clock_ended_a_thought_nothing_is_reliable(
-    tmp_path: Path,
+    tmp_path: Path, play: Play
 ) -> None:
     path = tmp_path / "short.toml"
     path.write_text(LEVEL)
-    game = Game(load_level(path), Program.compile(AHEAD))
+    game = play(AHEAD, load_level(path))
     frame: Frame = await game.run_until(tick=5)
     assert frame.is_reliable
     history = game.history
@@ -81,7 +82,6 @@ async def test_from_the_tick_on_in_which_the_clock_ended_a_thought_nothing_is_re
     game.go_to(2)
     game.forget_future()
     assert history.is_reliable_up_to(2)
-    await game.close()
 
 
 @pytest.mark.usefixtures("late")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.explain.diagnosis.telling import Finding
+    from tests.game.playing import Play
 
 ENGINES = "desire: {left_engine: 0.1, right_engine: 0.1}"
 PLAIN = f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:);'
@@ -47,10 +48,28 @@ def the(found: Diagnosis, kind: str) -> Finding:
     return next(each for each in found.findings if each.kind == kind)
 
 
-async def test_of_a_program_in_which_all_is_used_there_is_nothing_to_tell(tmp_path: Path) -> None:
-    found = await diagnosed(tmp_path, PLAIN)
+NO_MISTAKES = {
+    "all is used": PLAIN,
+    "a predicate without columns": f"Awake() :- Sensor(robot_name: r);\n{PLAIN[:-1]}, Awake();",
+    "a text that is not a name": PLAIN.replace(
+        '""', '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'
+    ),
+}
+
+
+@pytest.mark.parametrize("text", NO_MISTAKES.values(), ids=NO_MISTAKES)
+async def test_where_there_is_no_mistake_there_is_nothing_to_tell(play: Play, text: str) -> None:
+    played = play(text)
+    assert extent(await diagnose(played)) == "There are no ticks to examine yet."
+    found = await diagnosis_of(played, 6)
     assert found.findings == ()
     assert extent(found) == "Ticks 1 to 6, not won."
+
+
+async def test_a_text_that_the_program_gives_itself_is_no_mistake(tmp_path: Path) -> None:
+    text = PLAIN.replace("robot_name:);", "robot_name:), Plan(phase: Now(robot_name));")
+    rules = 'Plan(phase: "out");\nNow(name) = (if name == "Ada" then "out" else "in");'
+    assert "unknown string" not in the_kinds(await diagnosed(tmp_path, f"{rules}\n{text}"))
 
 
 async def test_a_comparison_beside_an_equation_is_told_with_what_it_lacks(tmp_path: Path) -> None:
@@ -62,14 +81,18 @@ async def test_a_comparison_beside_an_equation_is_told_with_what_it_lacks(tmp_pa
     assert "at best short = sensor.forward_distance was" in found.message
 
 
-async def test_alternatives_that_only_test_are_examined(tmp_path: Path) -> None:
-    text = f"""Num(1); Num(2); Odd(robot_name:) :- Sensor(robot_name:), Num(x), (x > 5 | x < 0);
-    Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:), ~Odd(robot_name:);"""
-    found = await diagnosed(tmp_path, text)
-    assert the(found, "no rows").message.startswith("The rule of Odd in line 1 never had a row")
-
-
 MISTAKES = {
+    "alternatives that only test": (
+        "Num(1); Num(2); Odd(robot_name:) :- Sensor(robot_name:), Num(x), (x > 5 | x < 0);\n"
+        f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:), ~Odd(robot_name:);',
+        ("no rows", 1),
+        "The rule of Odd in line 1 never had a row",
+    ),
+    "a predicate without columns": (
+        f'Awake() :- Sensor(robot_name: "Nobody");\n{PLAIN[:-1]}, Awake();',
+        ("no rows", 1),
+        "Awake",
+    ),
     "a rule that never had a row": (
         f"Far(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"
         f"A(robot_name:) :- Sensor(robot_name:), ~Far(robot_name:);\n"
@@ -199,14 +222,6 @@ async def test_where_the_values_of_an_engine_that_is_null_came_from_is_told(tmp_
     assert {span.line for span in finding.others} == {1, 3, 4, 7}
 
 
-async def test_a_predicate_without_columns_is_watched_like_others(tmp_path: Path) -> None:
-    rules = f"Awake() :- Sensor(robot_name: r);\n{PLAIN[:-1]}, Awake();"
-    found = await diagnosed(tmp_path, rules)
-    assert found.findings == ()
-    never = rules.replace("robot_name: r", 'robot_name: "Nobody"')
-    assert "no rows" in the_kinds(await diagnosed(tmp_path, never))
-
-
 async def test_of_a_made_predicate_the_conditions_are_told_that_it_really_has(
     tmp_path: Path,
 ) -> None:
@@ -279,34 +294,28 @@ async def test_what_never_held_is_told_with_the_number_of_cases_in_which_it_was_
     assert words == ([] if said is None else [("note", said)])
 
 
-async def test_causes_come_before_what_follows_from_them(tmp_path: Path) -> None:
-    found = await diagnosed(
-        tmp_path,
-        "Nearer(robot_name:) :- Near(robot_name:);\n"
-        "Near(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"
-        f'Robot(robot_name:, {ENGINES}, memory: "") :-\n'
-        "  Sensor(robot_name:),\n  ~Nearer(robot_name:);",
-    )
-    assert list(told(found)) == [("no rows", 3), ("no rows", 1), ("never false", 6)]
-
-
-async def test_a_condition_and_its_negation_are_one_finding(tmp_path: Path) -> None:
-    text = f"""Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:, sensor:),
-      !(sensor.clock > 9000);"""
-    assert list(told(await diagnosed(tmp_path, text))) == [("never true", 2)]
-
-
-async def test_a_text_that_is_not_a_name_is_no_mistake(tmp_path: Path) -> None:
-    text = PLAIN.replace(
-        '""', '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'
-    )
-    assert the_kinds(await diagnosed(tmp_path, text)) == []
-
-
-async def test_a_text_that_the_program_gives_itself_is_no_mistake(tmp_path: Path) -> None:
-    text = PLAIN.replace("robot_name:);", "robot_name:), Plan(phase: Now(robot_name));")
-    rules = 'Plan(phase: "out");\nNow(name) = (if name == "Ada" then "out" else "in");'
-    assert "unknown string" not in the_kinds(await diagnosed(tmp_path, f"{rules}\n{text}"))
+@pytest.mark.parametrize(
+    ("text", "findings"),
+    [
+        (
+            "Nearer(robot_name:) :- Near(robot_name:);\n"
+            "Near(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"
+            f'Robot(robot_name:, {ENGINES}, memory: "") :-\n'
+            "  Sensor(robot_name:),\n  ~Nearer(robot_name:);",
+            [("no rows", 3), ("no rows", 1), ("never false", 6)],
+        ),
+        (
+            f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:, sensor:),\n'
+            "  !(sensor.clock > 9000);",
+            [("never true", 2)],
+        ),
+    ],
+    ids=["causes come before what follows", "a condition and its negation are one"],
+)
+async def test_what_belongs_together_is_told_together(
+    tmp_path: Path, text: str, findings: list[tuple[str, int]]
+) -> None:
+    assert list(told(await diagnosed(tmp_path, text))) == findings
 
 
 async def test_what_happens_in_one_tick_of_many_is_not_said_never_to_happen(tmp_path: Path) -> None:
@@ -334,64 +343,47 @@ async def test_nothing_is_said_of_what_is_too_much_to_ask(tmp_path: Path) -> Non
     assert ("no rows", 2) in list(told(found))
 
 
-async def test_another_future_ends_it(tmp_path: Path) -> None:
-    made = game(tmp_path, PLAIN)
-    try:
-        await made.run_until(tick=60)
-        made.back(30)
-        made.use(Program.compile(PLAIN.replace("0.1", "0.2")))
-        await made.run_until(tick=61)
+async def test_another_future_ends_it(play: Play) -> None:
+    made = play(PLAIN)
+    await made.run_until(tick=60)
+    made.back(30)
+    made.use(Program.compile(PLAIN.replace("0.1", "0.2")))
+    await made.run_until(tick=61)
 
-        def turn(_done: int, _all: int) -> None:
-            made.history.change_branch()
+    def turn(_done: int, _all: int) -> None:
+        made.history.change_branch()
 
-        made.use(Program.compile(f"Odd(robot_name:) :- Sensor(robot_name:), 1 == 2;\n{PLAIN}"))
-        with pytest.raises(Superseded):
-            await diagnose(made, report=turn)
-    finally:
-        await made.close()
+    made.use(Program.compile(f"Odd(robot_name:) :- Sensor(robot_name:), 1 == 2;\n{PLAIN}"))
+    with pytest.raises(Superseded):
+        await diagnose(made, report=turn)
 
 
-async def test_only_the_ticks_of_the_present_program_count(tmp_path: Path) -> None:
-    made = game(tmp_path, f"{PLAIN}\n{PLAIN.replace('0.1', '0.2')}")
-    try:
-        await made.run_until(tick=3)
-        assert [kind for kind, _ in told(await diagnose(made))] == ["several rows"]
-        made.use(Program.compile(PLAIN))
-        await made.run_until(tick=5)
-        found = await diagnose(made)
-        assert (found.first, found.last, found.findings) == (4, 5, ())
-    finally:
-        await made.close()
+async def test_only_the_ticks_of_the_present_program_count(play: Play) -> None:
+    made = play(f"{PLAIN}\n{PLAIN.replace('0.1', '0.2')}")
+    await made.run_until(tick=3)
+    assert [kind for kind, _ in told(await diagnose(made))] == ["several rows"]
+    made.use(Program.compile(PLAIN))
+    await made.run_until(tick=5)
+    found = await diagnose(made)
+    assert (found.first, found.last, found.findings) == (4, 5, ())
 
 
-async def test_at_the_start_there_is_nothing_to_look_at(tmp_path: Path) -> None:
-    made = game(tmp_path, PLAIN)
-    try:
-        assert extent(await diagnose(made)) == "There are no ticks to examine yet."
-    finally:
-        await made.close()
+async def test_it_can_be_stopped_and_tells_how_far_it_is(play: Play) -> None:
+    made = play(PLAIN)
+    await made.run_until(tick=200)
+    steps: list[tuple[int, int]] = []
+    begun = asyncio.Event()
 
+    def report(done: int, of_all: int) -> None:
+        steps.append((done, of_all))
+        begun.set()
 
-async def test_it_can_be_stopped_and_tells_how_far_it_is(tmp_path: Path) -> None:
-    made = game(tmp_path, PLAIN)
-    try:
-        await made.run_until(tick=200)
-        steps: list[tuple[int, int]] = []
-        begun = asyncio.Event()
-
-        def report(done: int, of_all: int) -> None:
-            steps.append((done, of_all))
-            begun.set()
-
-        text = "Odd(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock == -1;"
-        made.use(Program.compile(f"{text}\n{PLAIN}"))
-        task = asyncio.create_task(diagnose(made, report=report))
-        await begun.wait()
-        task.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await task
-        assert steps
-        assert all(done <= of_all for done, of_all in steps)
-    finally:
-        await made.close()
+    text = "Odd(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock == -1;"
+    made.use(Program.compile(f"{text}\n{PLAIN}"))
+    task = asyncio.create_task(diagnose(made, report=report))
+    await begun.wait()
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await task
+    assert steps
+    assert all(done <= of_all for done, of_all in steps)

@@ -12,12 +12,14 @@ from logical_robots_tui.game import Frame, Game, NoSuchTickError, Superseded
 from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.mind.limits import Limits
-from tests.game.playing import COUNTER, SLOW, game, hall
+from tests.game.playing import COUNTER, SLOW, game
 from tests.virtual_time import VirtualClock, later, virtual_loop
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.game.playing import Play
 
 
 async def test_the_start_shows_what_the_robots_see_before_anybody_thinks(hall_game: Game) -> None:
@@ -107,8 +109,8 @@ async def test_restarting_begins_anew_with_the_same_program(hall_game: Game) -> 
     assert (await hall_game.step()).tick == 1
 
 
-async def test_history_forgets_the_oldest_ticks(tmp_path: Path) -> None:
-    short = Game(hall(tmp_path), Program.compile(COUNTER), history=5)
+async def test_history_forgets_the_oldest_ticks(play: Play) -> None:
+    short = play(history=5)
     await short.run_until(tick=12)
     assert short.history.first == 8
     for _ in range(20):
@@ -116,23 +118,21 @@ async def test_history_forgets_the_oldest_ticks(tmp_path: Path) -> None:
     assert short.frame.tick == 8
     with pytest.raises(NoSuchTickError, match="ticks 8 to"):
         short.frame_at(3)
-    await short.close()
 
 
-async def test_a_tick_of_a_run_that_is_over_is_dropped(tmp_path: Path) -> None:
-    slow = game(tmp_path, SLOW)
+async def test_a_tick_of_a_run_that_is_over_is_dropped(play: Play) -> None:
+    slow = play(SLOW)
     step = asyncio.create_task(slow.step())
     await asyncio.sleep(0)
     slow.restart()
     with pytest.raises(Superseded):
         await step
     assert slow.frame.tick == 0
-    await slow.close()
 
 
-async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(tmp_path: Path) -> None:
+async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(play: Play) -> None:
     patient = Limits(think_steps=10**12, think_seconds=10 * PATIENCE)
-    slow = Game(hall(tmp_path), Program.compile(SLOW), limits=patient)
+    slow = play(SLOW, limits=patient)
     running = asyncio.create_task(slow.run())
     with virtual_loop().impatient():
         for _ in range(100):
@@ -143,11 +143,10 @@ async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(tmp_pat
     assert slow.frame.tick == 0
     slow.use(Program.compile(COUNTER))
     assert (await slow.step()).tick == 1
-    await slow.close()
 
 
-async def test_cancelling_a_step_leaves_the_game_where_it_was(tmp_path: Path) -> None:
-    slow = game(tmp_path, SLOW)
+async def test_cancelling_a_step_leaves_the_game_where_it_was(play: Play) -> None:
+    slow = play(SLOW)
     step = asyncio.create_task(slow.step())
     await asyncio.sleep(0)
     step.cancel()
@@ -155,7 +154,6 @@ async def test_cancelling_a_step_leaves_the_game_where_it_was(tmp_path: Path) ->
         await step
     slow.use(Program.compile(COUNTER))
     assert (await slow.step()).tick == 1
-    await slow.close()
 
 
 async def test_a_query_speaks_of_the_frame_that_was_asked_for(hall_game: Game) -> None:

@@ -15,15 +15,15 @@ from hypothesis import strategies as st
 from logical_robots_tui.game import Frame, Game
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility
-from tests.game.playing import BACKWARDS, COUNTER, game
+from tests.game.playing import BACKWARDS, COUNTER
 from tests.waiting import PATIENCE
 from tests.world.making import make_level
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from logical_robots_tui.world.world import Pose
+    from tests.game.playing import Play
 
 LEVEL = make_level(
     (Robot("Ada", 30.5, 30.5), Robot("Bo", 30.5, 50.5)),
@@ -131,8 +131,8 @@ def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
     asyncio.run(play())
 
 
-async def test_a_wall_stops_robots_from_the_next_tick_on(tmp_path: Path) -> None:
-    played = game(tmp_path)
+async def test_a_wall_stops_robots_from_the_next_tick_on(play: Play) -> None:
+    played = play()
     await played.run_until(tick=20)
     before, original = played.frame, played.level
     assert not before.after.robots[0].blocked
@@ -145,11 +145,10 @@ async def test_a_wall_stops_robots_from_the_next_tick_on(tmp_path: Path) -> None
     assert np.array_equal(played.level.walls, original.walls)
     await played.run_until(tick=21)
     assert not np.array_equal(played.level.walls, original.walls)
-    await played.close()
 
 
-async def test_a_robot_is_put_elsewhere_while_the_game_runs(tmp_path: Path) -> None:
-    played = game(tmp_path)
+async def test_a_robot_is_put_elsewhere_while_the_game_runs(play: Play) -> None:
+    played = play()
     running = asyncio.create_task(played.run())
     await reached(played, 5)
     tick = played.change_level(played.level, {"Ada": (150.0, 20.0, 0.0)}).tick
@@ -161,22 +160,20 @@ async def test_a_robot_is_put_elsewhere_while_the_game_runs(tmp_path: Path) -> N
     assert after.after.robots[0].x == 151.0
     with pytest.raises(ValueError, match="Nobody"):
         played.change_level(played.level, {"Nobody": (0, 0, 0)})
-    await played.close()
 
 
-async def test_a_tick_that_was_gone_back_to_comes_back_as_changed(tmp_path: Path) -> None:
-    played = game(tmp_path)
+async def test_a_tick_that_was_gone_back_to_comes_back_as_changed(play: Play) -> None:
+    played = play()
     await played.run_until(tick=5)
     played.back()
     played.go_to(5)
     moved = played.change_level(played.level, {"Ada": (75.0, 20.0, 0.0)})
     await played.step()
     assert played.back().after == moved.after
-    await played.close()
 
 
-async def test_beginning_again_does_not_do_again_what_was_done_by_hand(tmp_path: Path) -> None:
-    played = game(tmp_path)
+async def test_beginning_again_does_not_do_again_what_was_done_by_hand(play: Play) -> None:
+    played = play()
     original = played.level
     await played.run_until(tick=10)
     plain = await played.step()
@@ -189,13 +186,10 @@ async def test_beginning_again_does_not_do_again_what_was_done_by_hand(tmp_path:
     assert played.history.other is not None
     played.restart(walled(original, 100))
     assert played.history.level_at(0).walls[30, 100]
-    await played.close()
 
 
-async def test_beginning_again_takes_back_who_was_put_elsewhere_at_the_start(
-    tmp_path: Path,
-) -> None:
-    played = game(tmp_path)
+async def test_beginning_again_takes_back_who_was_put_elsewhere_at_the_start(play: Play) -> None:
+    played = play()
     original = played.frame
     level = played.level
     played.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
@@ -204,11 +198,10 @@ async def test_beginning_again_takes_back_who_was_put_elsewhere_at_the_start(
     assert played.frame_at(0) == original
     frame = await played.step()
     assert frame.after.robots[0].x == pytest.approx(original.after.robots[0].x + 1)
-    await played.close()
 
 
-async def test_another_program_begins_another_future_before_an_edit(tmp_path: Path) -> None:
-    played = game(tmp_path)
+async def test_another_program_begins_another_future_before_an_edit(play: Play) -> None:
+    played = play()
     await played.run_until(tick=10)
     played.change_level(played.level, {"Ada": (150.0, 20.0, 0.0)})
     await played.run_until(tick=12)
@@ -218,13 +211,10 @@ async def test_another_program_begins_another_future_before_an_edit(tmp_path: Pa
     assert frame.after.robots[0].x < 50
     played.change_branch()
     assert played.frame.after.robots[0].x > 150
-    await played.close()
 
 
-async def test_a_new_robot_thinks_from_the_next_tick_on_and_marks_know_who(
-    tmp_path: Path,
-) -> None:
-    played = game(tmp_path)
+async def test_a_new_robot_thinks_from_the_next_tick_on_and_marks_know_who(play: Play) -> None:
+    played = play()
     await played.run_until(tick=40)
     level = with_robot(played.level, "Cy")
     frame = played.change_level(level)
@@ -240,4 +230,3 @@ async def test_a_new_robot_thinks_from_the_next_tick_on_and_marks_know_who(
     while played.frame.tick < 130:
         await played.step()
     assert set(played.history.marks.at(125)[0].names) == {"Cy", "Bo"}
-    await played.close()

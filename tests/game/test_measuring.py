@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from benchmarks.reference import measure_reference
-from logical_robots_tui import Game, Program, list_levels, load_level
+from logical_robots_tui import Program, list_levels, load_level
 from logical_robots_tui.game import (
     level_key,
     load_program,
@@ -38,6 +38,7 @@ from tests.waiting import until
 
 if TYPE_CHECKING:
     from logical_robots_tui.world import Level
+    from tests.game.playing import Play
 
 STILL = """\
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 1) :- Sensor(robot_name:);
@@ -79,27 +80,24 @@ def test_the_size_is_the_number_of_names_literals_and_operators(text: str, size:
 
 
 async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back(
-    level: Level,
+    level: Level, play: Play
 ) -> None:
-    game = Game(level, Program.compile(AHEAD))
+    game = play(AHEAD, level)
     history = game.history
-    try:
-        for _ in range(10):
-            await game.step()
-        driven = math.dist((12, 12.5), (game.frame.after.robots[0].x, 12.5))
-        assert history.driven(10) == pytest.approx(driven)
-        game.go_to(4)
-        game.use(Program.compile(STILL))
+    for _ in range(10):
         await game.step()
-        assert history.driven(5) == history.driven(4) == pytest.approx(driven * 0.4)
-        assert [(tick, each.text) for tick, each in history.programs(4)] == [(1, AHEAD)]
-        assert [(tick, each.text) for tick, each in history.programs(5)] == [(1, AHEAD), (5, STILL)]
-        game.restart()
-        await game.step()
-        assert [(tick, each.text) for tick, each in history.programs(1)] == [(1, STILL)]
-        assert history.driven(1) == 0
-    finally:
-        await game.close()
+    driven = math.dist((12, 12.5), (game.frame.after.robots[0].x, 12.5))
+    assert history.driven(10) == pytest.approx(driven)
+    game.go_to(4)
+    game.use(Program.compile(STILL))
+    await game.step()
+    assert history.driven(5) == history.driven(4) == pytest.approx(driven * 0.4)
+    assert [(tick, each.text) for tick, each in history.programs(4)] == [(1, AHEAD)]
+    assert [(tick, each.text) for tick, each in history.programs(5)] == [(1, AHEAD), (5, STILL)]
+    game.restart()
+    await game.step()
+    assert [(tick, each.text) for tick, each in history.programs(1)] == [(1, STILL)]
+    assert history.driven(1) == 0
 
 
 def test_varied_starts_are_always_the_same_and_near_the_given_one(level: Level) -> None:

@@ -9,7 +9,6 @@ import pytest
 
 from logical_robots_tui.explain.why.explanation import Ask, Source, Subject, part_of
 from logical_robots_tui.game import (
-    Game,
     Link,
     Origin,
     Run,
@@ -26,6 +25,7 @@ from tests.game.playing import hall
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
+    from tests.game.playing import Play
 
 PHASES = """
 Start(robot_name:) :- Memory(robot_name:, memory:), memory == "";
@@ -269,19 +269,16 @@ async def test_an_expression_and_a_variable_of_a_rule_are_traced(level: Level) -
         assert [each.tick for each in found.links] == [6, 2]
 
 
-async def test_a_game_is_asked_with_the_program_that_decided(level: Level) -> None:
-    game = Game(level, Program.compile(PHASES))
-    try:
-        for _ in range(6):
-            await game.step()
-        game.use(Program.compile(PHASES.replace("fetch", "other")))
-        for _ in range(3):
-            await game.step()
-        found = await origin_in_game(game, level.robots[0].name, subject("memory.plan.phase"))
-        (link,) = found.links
-        assert (link.value, link.tick) == ("fetch", 4)
-    finally:
-        await game.close()
+async def test_a_game_is_asked_with_the_program_that_decided(level: Level, play: Play) -> None:
+    game = play(PHASES, level)
+    for _ in range(6):
+        await game.step()
+    game.use(Program.compile(PHASES.replace("fetch", "other")))
+    for _ in range(3):
+        await game.step()
+    found = await origin_in_game(game, level.robots[0].name, subject("memory.plan.phase"))
+    (link,) = found.links
+    assert (link.value, link.tick) == ("fetch", 4)
 
 
 @pytest.mark.parametrize(

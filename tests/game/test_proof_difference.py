@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
+    from tests.game.playing import Play
 
 DRIVE = """
 Fresh(robot_name:) :- Memory(robot_name:, memory:), memory == "new";
@@ -202,17 +203,16 @@ async def test_the_branches_of_a_game_are_compared_where_they_part(level: Level)
     assert (found.condition[0].text, found.condition[1]) == ("~Fresh(robot_name:)", "there")
 
 
-async def test_a_robot_put_elsewhere_by_hand_has_no_derivation_that_differs(level: Level) -> None:
-    game = Game(level, Program.compile(DRIVE))
-    try:
-        for _ in range(3):
-            await game.step()
-        game.go_to(1)
-        game.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
-        assert game.history.divergence is not None
-        assert await compare_proofs(game, game.history.divergence) is None
-    finally:
-        await game.close()
+async def test_a_robot_put_elsewhere_by_hand_has_no_derivation_that_differs(
+    level: Level, play: Play
+) -> None:
+    game = play(DRIVE, level)
+    for _ in range(3):
+        await game.step()
+    game.go_to(1)
+    game.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
+    assert game.history.divergence is not None
+    assert await compare_proofs(game, game.history.divergence) is None
 
 
 WALLS = """

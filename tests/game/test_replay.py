@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.game.replay import Verifier
+    from tests.game.playing import Play
 
 
 async def kept(played: Game, **options: bool) -> Replay:
@@ -101,8 +102,8 @@ def test_whatever_was_done_comes_back_exactly(
     asyncio.run(play())
 
 
-async def test_a_history_that_has_lost_its_beginning_is_kept_from_there_on(tmp_path: Path) -> None:
-    played = Game(LEVEL, counter(), history=70)
+async def test_a_history_that_has_lost_its_beginning_is_kept_from_there_on(play: Play) -> None:
+    played = play(counter(), LEVEL, history=70)
     await played.run_until(tick=300)
     replay = await kept(played)
     assert replay.first == played.history.first - 1 > 200
@@ -110,13 +111,10 @@ async def test_a_history_that_has_lost_its_beginning_is_kept_from_there_on(tmp_p
         assert verifier.difference is None
         assert other.history.first == played.history.first
         assert other.go_to(290) == played.go_to(290)
-    await played.close()
 
 
-async def test_the_robots_do_what_they_did_whatever_the_program_would_do_now(
-    tmp_path: Path,
-) -> None:
-    played = game(tmp_path)
+async def test_the_robots_do_what_they_did_whatever_the_program_would_do_now(play: Play) -> None:
+    played = play()
     await played.run_until(tick=30)
     replay = await kept(played)
     texts = (msgspec.structs.replace(replay.texts[0], text=BACKWARDS),)
@@ -127,11 +125,10 @@ async def test_the_robots_do_what_they_did_whatever_the_program_would_do_now(
         other.forget_future()
         back = await other.step()  # from here on its own program decides
         assert back.after.robots[0].x < back.before.robots[0].x
-    await played.close()
 
 
-async def test_another_world_is_noticed_at_the_next_hash() -> None:
-    played = Game(LEVEL, counter())
+async def test_another_world_is_noticed_at_the_next_hash(play: Play) -> None:
+    played = play(counter(), LEVEL)
     await played.run_until(tick=250)
     replay = await kept(played)
     assert list(replay.hashes) == [100, 200, 250]
@@ -139,13 +136,12 @@ async def test_another_world_is_noticed_at_the_next_hash() -> None:
         msgspec.structs.replace(replay, hashes={**replay.hashes, 200: b"12345678"})
     ) as (_other, verifier):
         assert verifier.difference == (200, "The state of the world differs.")
-    await played.close()
 
 
 async def test_without_programs_the_world_is_the_same_and_nothing_of_them_is_in_the_file(
-    tmp_path: Path,
+    tmp_path: Path, play: Play
 ) -> None:
-    played = game(tmp_path)
+    played = play()
     await played.run_until(tick=30)
     replay = load_replay(written(await kept(played, with_programs=False), tmp_path))
     assert not replay.has_programs
@@ -153,7 +149,6 @@ async def test_without_programs_the_world_is_the_same_and_nothing_of_them_is_in_
     async with again(replay) as (other, verifier):
         assert verifier.difference is None
         assert other.frame.after == played.frame.after
-    await played.close()
 
 
 @pytest.fixture(scope="module")

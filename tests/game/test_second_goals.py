@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui import Game, Program, load_level
+from logical_robots_tui import Program, load_level
 from logical_robots_tui.game.measuring import measure, mirror
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.world.level import LevelError, SecondGoal, alike
@@ -16,6 +16,8 @@ from tests.short import AHEAD, LEVEL
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.game.playing import Play
 
 GOALS = (
     "at most 11 symbols",
@@ -48,15 +50,12 @@ def file(tmp_path: Path) -> Path:
     [(AHEAD, (*AT_ONCE, LATER)), (BACKWARDS, (LATER,)), ("A(1);\n" + AHEAD, (*AT_ONCE[1:], LATER))],
 )
 async def test_a_game_and_a_measuring_process_find_the_same(
-    file: Path, text: str, reached: tuple[str, ...]
+    file: Path, text: str, reached: tuple[str, ...], play: Play
 ) -> None:
     level, program = load_level(file), Program.compile(text)
-    game = Game(level, program)
-    try:
-        await game.run_until(tick=500)
-        victory = victory_of(game, level)
-    finally:
-        await game.close()
+    game = play(program, level)
+    await game.run_until(tick=500)
+    victory = victory_of(game, level)
     assert victory is not None
     assert victory.measures is not None
     measured = await measure(level, program, None)
@@ -69,22 +68,19 @@ async def test_a_game_and_a_measuring_process_find_the_same(
     assert again == known._replace(goals=(*known.goals, *GOALS[4:]))
 
 
-async def test_who_goes_back_before_a_wall_was_not_blocked(file: Path) -> None:
+async def test_who_goes_back_before_a_wall_was_not_blocked(file: Path, play: Play) -> None:
     level = load_level(file)
-    game = Game(level, Program.compile(BACKWARDS))
-    try:
-        await game.run_until(tick=40)
-        assert game.history.is_blocked_up_to(40)
-        first = next(tick for tick in range(40) if game.history.is_blocked_up_to(tick))
-        game.go_to(first - 1)
-        game.use(Program.compile(AHEAD))
-        await game.run_until(tick=first + 5)
-        assert not game.history.is_blocked_up_to(first + 5)
-        game.restart()
-        await game.step()
-        assert not game.history.is_blocked_up_to(1)
-    finally:
-        await game.close()
+    game = play(BACKWARDS, level)
+    await game.run_until(tick=40)
+    assert game.history.is_blocked_up_to(40)
+    first = next(tick for tick in range(40) if game.history.is_blocked_up_to(tick))
+    game.go_to(first - 1)
+    game.use(Program.compile(AHEAD))
+    await game.run_until(tick=first + 5)
+    assert not game.history.is_blocked_up_to(first + 5)
+    game.restart()
+    await game.step()
+    assert not game.history.is_blocked_up_to(1)
 
 
 @pytest.mark.parametrize("words", GOALS)

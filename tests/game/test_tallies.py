@@ -8,9 +8,7 @@ import msgspec
 import pytest
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import Game
 from logical_robots_tui.game.replay import Replay, _hash_of, load_replay
-from logical_robots_tui.mind import Program
 from logical_robots_tui.world import WorldState, load_level
 from logical_robots_tui.world.dynamics import points
 from logical_robots_tui.world.levels.native import read_native
@@ -20,6 +18,8 @@ from tests.game.test_run import frames
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.game.playing import Play
 
 TEAMS = """
 [[teams]]
@@ -51,10 +51,10 @@ TICKS = 120
 
 
 async def test_every_tick_of_a_match_comes_back_from_history_recording_and_replay(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, play: Play
 ) -> None:
     monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
-    game = Game(LEVEL, Program.compile(COUNTER))
+    game = play(COUNTER, LEVEL)
     heard = [game.frame.after]
     game.listen(lambda frame: heard.append(frame.after))
     while game.frame.tick < TICKS:
@@ -71,17 +71,15 @@ async def test_every_tick_of_a_match_comes_back_from_history_recording_and_repla
     async with again(replay) as (other, verifier):
         assert verifier.difference is None
         assert other.go_to(50).after == seen[50]
-    await game.close()
 
 
 @pytest.mark.parametrize("wrong", [(), ((1, 2),), ((1, 2), (1,)), ((-1, 0), (0, 0))])
 async def test_a_replay_with_other_tallies_is_refused(
-    tmp_path: Path, wrong: tuple[tuple[int, ...], ...]
+    tmp_path: Path, wrong: tuple[tuple[int, ...], ...], play: Play
 ) -> None:
-    game = Game(LEVEL, Program.compile(COUNTER))
+    game = play(COUNTER, LEVEL)
     await game.run_until(tick=5)
     replay = await kept(game)
-    await game.close()
     (stage,) = replay.stages
     state = WorldState(0, stage.state.robots, stage.state.areas, None, wrong)
     stage = msgspec.structs.replace(stage, state=state)
@@ -90,11 +88,10 @@ async def test_a_replay_with_other_tallies_is_refused(
         load_replay(file)
 
 
-async def test_a_replay_from_before_there_were_scores_is_still_read(tmp_path: Path) -> None:
-    game = Game(hall(tmp_path), Program.compile(COUNTER))
+async def test_a_replay_from_before_there_were_scores_is_still_read(play: Play) -> None:
+    game = play()
     await game.run_until(tick=5)
     replay = await kept(game)
-    await game.close()
     told = msgspec.msgpack.decode(msgspec.msgpack.encode(replay))
     for stage in told["stages"]:
         assert stage["state"].pop("tallies") == []

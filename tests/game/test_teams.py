@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game import Game
 from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.mind import Limits, Program
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.world import Level
+    from tests.game.playing import Play
 
 MATCH = (
     HALL.replace('name = "Ada"', 'team = "red"\nname = "Ada"')
@@ -47,18 +47,17 @@ def teams(red: str, blue: str) -> Program:
     return Program.compile({"red": red, "blue": blue})
 
 
-async def test_each_team_follows_its_own_program(match: Level) -> None:
-    game = Game(match, teams(COUNTER, BACKWARDS))
+async def test_each_team_follows_its_own_program(match: Level, play: Play) -> None:
+    game = play(teams(COUNTER, BACKWARDS), match)
     frame = await game.run_until(tick=5)
     ada, bo, cy = frame.after.robots
     assert (ada.x, bo.x, cy.x) == (45, 35, 65)
     assert [decision.robot_name for decision in frame.decisions] == ["Ada", "Bo", "Cy"]
-    await game.close()
 
 
-async def test_nothing_of_another_team_is_visible(match: Level) -> None:
+async def test_nothing_of_another_team_is_visible(match: Level, play: Play) -> None:
     """Not even to a program that asks to see all, and that commands the other's robots."""
-    game = Game(match, teams(NOSY, COUNTER))
+    game = play(teams(NOSY, COUNTER), match)
     frame = await game.run_until(tick=3)
     assert frame.memories == {
         "Ada": {"others": 2, "seen": 2},
@@ -69,11 +68,10 @@ async def test_nothing_of_another_team_is_visible(match: Level) -> None:
     (ada, bo, _) = frame.decisions
     assert [notice.kind for notice in ada.notices] == ["unknown robot"]
     assert not bo.notices
-    await game.close()
 
 
-async def test_answers_are_those_of_the_team_looked_at(match: Level) -> None:
-    game = Game(match, teams(NOSY, COUNTER))
+async def test_answers_are_those_of_the_team_looked_at(match: Level, play: Play) -> None:
+    game = play(teams(NOSY, COUNTER), match)
     await game.run_until(tick=2)
     assert len((await game.query("Sensor")).rows) == 2
     assert {row[0] for row in (await game.query("Memory")).rows} == {"Ada", "Cy"}
@@ -82,12 +80,11 @@ async def test_answers_are_those_of_the_team_looked_at(match: Level) -> None:
     assert game.frame is here
     (row,) = (await game.query("Robot")).rows
     assert row[0] == "Bo"
-    await game.close()
 
 
-async def test_looking_at_another_team_changes_nothing(match: Level) -> None:
-    plain = Game(match, teams(NOSY, COUNTER))
-    looking = Game(match, teams(NOSY, COUNTER))
+async def test_looking_at_another_team_changes_nothing(match: Level, play: Play) -> None:
+    plain = play(teams(NOSY, COUNTER), match)
+    looking = play(teams(NOSY, COUNTER), match)
     for tick in range(1, 9):
         looking.look_at("red" if tick % 2 else "blue")
         assert await plain.step() == await looking.step()
@@ -95,28 +92,26 @@ async def test_looking_at_another_team_changes_nothing(match: Level) -> None:
     looking.go_to(3)
     assert await looking.run_until(tick=8) == plain.frame
     assert [tick for tick, _ in looking.history.programs(8)] == [1]
-    await plain.close()
-    await looking.close()
 
 
-async def test_one_program_may_play_every_team(match: Level) -> None:
+async def test_one_program_may_play_every_team(match: Level, play: Play) -> None:
     alone = NOSY[: NOSY.index('Robot(robot_name: "Bo"')]
-    game = Game(match, Program.compile(alone))
+    game = play(alone, match)
     frame = await game.step()
     two, one = {"others": 2, "seen": 2}, {"others": 1, "seen": 1}
     assert frame.memories == {"Ada": two, "Bo": one, "Cy": two}
-    await game.close()
 
 
-async def test_a_team_that_uses_up_its_budget_costs_the_other_nothing(match: Level) -> None:
+async def test_a_team_that_uses_up_its_budget_costs_the_other_nothing(
+    match: Level, play: Play
+) -> None:
     limits = Limits(think_steps=300_000)
-    game = Game(match, teams(SLOW, COUNTER), limits=limits)
+    game = play(teams(SLOW, COUNTER), match, limits=limits)
     frame = await game.run_until(tick=3)
     assert frame.memories["Bo"] == 3
     assert not frame.decisions[1].notices
     assert {notice.kind for notice in frame.decisions[0].notices} == {"failed"}
     assert frame.is_reliable
-    await game.close()
 
 
 FLOOD = """
@@ -126,16 +121,16 @@ Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: Long(memor
 """
 
 
-async def test_a_team_that_floods_its_memory_costs_the_other_nothing(match: Level) -> None:
-    game = Game(match, teams(FLOOD, COUNTER))
-    alone = Game(match, teams(COUNTER, COUNTER))
+async def test_a_team_that_floods_its_memory_costs_the_other_nothing(
+    match: Level, play: Play
+) -> None:
+    game = play(teams(FLOOD, COUNTER), match)
+    alone = play(teams(COUNTER, COUNTER), match)
     for _ in range(15):
         frame, quiet = await game.step(), await alone.step()
         assert frame.memories["Bo"] == quiet.memories["Bo"]
         assert not frame.decisions[1].notices
     assert frame.decisions[0].notices
-    await game.close()
-    await alone.close()
 
 
 def test_the_quick_loop_thinks_alike(match: Level) -> None:
@@ -148,10 +143,10 @@ SCORE = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
 SCORED = "match = {ticks = 8}\n" + MATCH + SCORE
 
 
-async def test_a_match_ends_and_may_go_on(tmp_path: Path) -> None:
+async def test_a_match_ends_and_may_go_on(tmp_path: Path, play: Play) -> None:
     path = tmp_path / "scored.toml"
     path.write_text(SCORED, "utf-8")
-    game = Game(load_level(path), teams(COUNTER, BACKWARDS))
+    game = play(teams(COUNTER, BACKWARDS), load_level(path))
     await game.run_until(tick=50)
     assert game.frame.tick == 8
     found = standing(game.level, game.frame.after)
@@ -164,4 +159,3 @@ async def test_a_match_ends_and_may_go_on(tmp_path: Path) -> None:
     await game.run_until(tick=12)
     assert game.frame.tick == 12
     assert standing(game.level, game.frame.after) == found
-    await game.close()
