@@ -60,6 +60,7 @@ def test_in_a_terminal_it_is_told_in_lines(level: Path, broken: Path) -> None:
     assert "note, line 1, tick 1: The rule of Near" in told.text
 
 
+@pytest.mark.slow
 def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
     page = (CHECKOUT / "docs" / "diagnose.md").read_text()
     example = page.split("```")[3].strip("\n")

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.game.replay import load_replay
+from logical_robots_tui.lab import engines
 from tests.cli.running import Command
 from tests.game.playing import HALL
-from tests.lab.laboratory import exported
+from tests.lab.laboratory import InlineEngine, exported
 
 PLAIN = """\
 Speed() = 1;
@@ -67,10 +68,11 @@ def test_it_is_recorded_verified_and_shown_as_one(command: Command) -> None:
     assert (program["team"], program["text"]) == ("", LIKE_TEAMS)
 
 
-def test_it_is_swept_as_one(command: Command) -> None:
+def test_it_is_swept_as_one(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engines, "LocalEngine", InlineEngine)
     for program in ("plain", "teams"):
         Path("speeds.toml").write_text(EXPERIMENT.format(program=program), "utf-8")
-        told = command("sweep", "speeds.toml", "-o", program, "--workers", 1)
+        told = command("sweep", "speeds.toml", "-o", program)
         assert told.status == 0, told.err
     plain, teams = (exported(Path(each))["runs.csv"].decode() for each in ("plain", "teams"))
     measured = [

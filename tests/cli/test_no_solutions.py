@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING
 
 import pytest
@@ -60,6 +61,7 @@ def test_a_variable_of_the_environment_hides_them_too(
     assert not listed(command, tmp_path) & SOLUTIONS
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", REFERENCES)
 def test_a_solution_can_be_read_when_its_level_is_won(
     name: str, progress: Progress, tmp_path: Path
@@ -103,15 +105,21 @@ def test_commands_read_no_solution(
     assert told.status == 0
 
 
-def test_the_game_in_lines_opens_no_solution(command: Command, tmp_path: Path) -> None:
+def test_the_game_in_lines_opens_and_shows_no_solution(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     told = command(
         "play", "01-first-steps", "first-steps", "--plain", "--no-solutions", "--data-dir", tmp_path
     )
     assert told.status == 2
     assert "a solution of a level that you have not won yet" in told.err
     assert "Win 01-first-steps" in told.err
+    monkeypatch.setattr("sys.stdin", io.StringIO("solution\n"))
+    told = command("play", "01-first-steps", "--plain", "--no-solutions", "--data-dir", tmp_path)
+    assert "You can read the reference programs when you have won this level." in told.out
 
 
+@pytest.mark.slow
 def test_the_game_on_a_screen_shows_no_solution(tmp_path: Path) -> None:
     with in_terminal(
         *("play", "01-first-steps", "--no-solutions", "--data-dir", tmp_path), size=(100, 40)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import signal
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -381,12 +382,13 @@ def test_the_past_is_gone_to_and_another_future_switched_to(
     assert told.endswith("Tick 4.\nTick 4.\nTick 5.\n")
 
 
-def test_a_run_is_ended_by_an_interrupt_and_the_game_goes_on() -> None:
-    with in_terminal("play", "01-first-steps", "--plain") as terminal:
+def test_a_run_is_ended_by_an_interrupt_and_the_game_goes_on(level: Path, ahead: Path) -> None:
+    ahead.write_text(AHEAD.replace("0.5", "-0.5"))
+    with in_terminal("play", level, ahead, "--plain") as terminal:
         terminal.wait_for("Type help for the commands.")
-        terminal.send("run 100000\r")
+        terminal.send("run 1000000\r")
         terminal.wait_for("is blocked by a wall.")
-        terminal.send("\x03")
-        terminal.wait_for(lambda: re.search(r"Tick \d+\.$", terminal.text, re.MULTILINE))
+        terminal.process.send_signal(signal.SIGINT)
+        terminal.wait_for(lambda: re.search(r"^Tick \d{1,6}\.$", terminal.text, re.MULTILINE))
         terminal.send("quit\r")
         assert terminal.finish() == 0

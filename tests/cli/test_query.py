@@ -5,6 +5,8 @@ from __future__ import annotations
 import signal
 from typing import TYPE_CHECKING
 
+import pytest
+
 from tests.cli.running import in_terminal, shown
 
 if TYPE_CHECKING:
@@ -62,6 +64,7 @@ def test_in_a_terminal_it_is_a_table(level: Path, ahead: Path) -> None:
     assert '"Pip"' in told.text
 
 
+@pytest.mark.slow
 def test_a_long_way_to_the_tick_is_shown(level: Path, ahead: Path) -> None:
     with in_terminal("query", level, ahead, "--tick", 10**6, "Robot") as terminal:
         terminal.wait_for("of 1000000")

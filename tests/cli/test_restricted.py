@@ -14,13 +14,15 @@ import pytest
 from logical_robots_tui.cli.play import clear_environment
 from logical_robots_tui.confinement import MOST_FILES
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.player.recovery import MOST_GAMES
+from logical_robots_tui.player.recovery import MOST_GAMES, OpenGames
 from tests.terminal import Terminal
-from tests.waiting import PATIENCE
+from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
+
+    from tests.cli.running import Command
 
 ATTEMPTS = """\
 import ctypes, io, json, os, pathlib, shutil, socket, sqlite3, subprocess, sys
@@ -240,16 +242,10 @@ def test_a_restricted_game_in_lines_is_fenced_in_as_well(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("name", ["../ben", "", ".", "a/b", "x" * 40])
-def test_a_players_name_is_not_a_path(name: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "logical_robots_tui", "play", "--player", name],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
-    assert done.returncode == 2
-    assert "is not a name" in done.stderr
+def test_a_players_name_is_not_a_path(name: str, command: Command) -> None:
+    told = command("play", "--player", name)
+    assert told.status == 2
+    assert "is not a name" in told.err
 
 
 @pytest.mark.slow
@@ -323,6 +319,33 @@ def test_a_player_has_so_many_games_and_no_more(tmp_path: Path) -> None:
             each.communicate(timeout=PATIENCE)
 
 
+def test_a_player_in_lines_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None:
+    own = tmp_path / "players" / "ada"
+    own.mkdir(parents=True)
+    hung = OpenGames(own)
+    with subprocess.Popen(
+        list(map(str, game(tmp_path, "--plain", "02-open-space"))),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as second:
+        assert second.stdin is not None
+        second.stdin.write("yes\n")
+        second.stdin.flush()
+        until(lambda: hung.is_to_end)
+        os.close(hung._handle)
+        told, _ = second.communicate("step\n", PATIENCE)
+    assert "Another game has been open since" in told
+    assert "yes: Yes, end it" in told
+    assert told.endswith("Tick 1.\n")
+    games = [OpenGames(own) for _ in range(MOST_GAMES)]
+    with pytest.raises(InputError, match=f"You have {MOST_GAMES} games open"):
+        OpenGames(own)
+    for each in games:
+        os.close(each._handle)
+
+
+@pytest.mark.slow
 def test_a_player_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None:
     with Terminal(game(tmp_path, "02-open-space")) as hung, ExitStack() as later:
         hung.wait_for("· applied")
@@ -344,6 +367,8 @@ def test_a_player_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None
 FILLS_CACHES = """if True:
     import os, sys
     from pathlib import Path
+
+    from tests.cli.running import Command
     from logical_robots_tui.confinement import MOST_BYTES, MOST_FILES, check_quota, confine
     from logical_robots_tui.game.debugging import matches
     from logical_robots_tui.game.history import recording

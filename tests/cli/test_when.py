@@ -148,6 +148,7 @@ def test_in_a_terminal_it_is_told_in_words(level: Path, counter: Path) -> None:
     assert "1 == 2 never holds in 20 ticks." in told.text
 
 
+@pytest.mark.slow
 def test_a_long_search_shows_how_far_it_has_come_and_can_be_interrupted(
     level: Path, still: Path
 ) -> None:
