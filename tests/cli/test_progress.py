@@ -25,21 +25,15 @@ LEVEL = "01-first-steps"
 GOALS = ("never blocked",)
 
 
-@pytest.fixture(scope="module")
-def won() -> tuple[str, Measures]:
-    """A program that is not the reference program, and what it achieves in the first level."""
-    text = load_program("first-steps").text.replace("distance < 90", "distance < 80")
-    played = play_through(load_level(LEVEL), Program.compile(text), 5000)
-    assert played.won_at is not None
-    return text, Measures(played.won_at, size_of(text), played.distance)
+WON = "Mine() = 1;", Measures(1234, 56, 789.5)
 
 
 @pytest.fixture
-def folder(tmp_path: Path, won: tuple[str, Measures]) -> Path:
+def folder(tmp_path: Path) -> Path:
     """The files of a player who has won the first level, and begun a level of her own."""
     progress = Progress(tmp_path / FILE_NAME)
     progress.begin(LEVEL)
-    progress.win(LEVEL, won[0], won[1]._replace(goals=GOALS))
+    progress.win(LEVEL, WON[0], WON[1]._replace(goals=GOALS))
     progress.win(LEVEL, "Worse() = 1;", Measures(9000, 99, 9e9, 1, 20))
     progress.reveal("02-open-space", 2)
     progress.begin("/maps/cellar.toml")
@@ -54,10 +48,24 @@ def exported(command: Command, folder: Path) -> dict[str, Any]:
     return found
 
 
-def test_each_level_has_a_line(command: Command, folder: Path, won: tuple[str, Measures]) -> None:
+def achieved(level: str, program: str) -> Measures:
+    """What a program achieves in a level."""
+    played = play_through(load_level(level), Program.compile(program), 5000)
+    assert played.won_at is not None
+    return Measures(played.won_at, size_of(program), played.distance)
+
+
+def written(folder: Path, level: str, *victories: dict[str, Any]) -> Path:
+    """An exported file with victories in a level."""
+    file = folder / "export.json"
+    levels = [{"level": level, "victories": victories}]
+    file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
+    return file
+
+
+def test_each_level_has_a_line(command: Command, folder: Path) -> None:
     lines = [line.split() for line in command("progress", "--data-dir", folder).out.splitlines()]
-    ticks, size, *_ = won[1]
-    assert [LEVEL, "won", str(ticks), str(size)] == lines[1][:4]
+    assert lines[1][:4] == [LEVEL, "won", "1234", "56"]
     assert lines[1][-4:] == ["1", "of", "20", "1"]
     assert lines[2] == ["02-open-space", "new", "2"]
     assert lines[-1] == ["/maps/cellar.toml", "started"]
@@ -69,50 +77,34 @@ def test_nothing_is_written_for_who_has_no_progress(command: Command, tmp_path: 
     assert not folder.exists()
 
 
-def test_csv_has_the_best_of_each_measure(
-    command: Command, folder: Path, won: tuple[str, Measures]
-) -> None:
+def test_csv_has_the_best_of_each_measure(command: Command, folder: Path) -> None:
     told = command("progress", "--data-dir", folder, "--csv")
     rows = list(csv.DictReader(io.StringIO(told.out)))
     assert rows[0]["level"] == LEVEL
-    assert int(rows[0]["ticks"]) == won[1].ticks
+    assert rows[0]["ticks"] == "1234"
     assert (rows[0]["goals"], rows[1]["goals"]) == ("never blocked", "")
     assert rows[1]["ticks"] == ""
 
 
-def test_an_export_holds_the_programs_of_the_best_results(
-    command: Command, folder: Path, won: tuple[str, Measures]
-) -> None:
+def test_an_export_holds_the_programs_of_the_best_results(command: Command, folder: Path) -> None:
     first = exported(command, folder)["levels"][0]
-    assert first["best"] == {**won[1]._asdict(), "wins": 1, "starts": 20, "goals": list(GOALS)} | {
+    assert first["best"] == {**WON[1]._asdict(), "wins": 1, "starts": 20, "goals": list(GOALS)} | {
         "rules": None
     }
-    assert {victory["program"] for victory in first["victories"]} == {won[0], "Worse() = 1;"}
+    assert {victory["program"] for victory in first["victories"]} == {WON[0], "Worse() = 1;"}
 
 
 @pytest.mark.slow
-def test_programs_are_played_again(
-    command: Command, tmp_path: Path, won: tuple[str, Measures]
-) -> None:
-    text, measures = won
-    true: dict[str, object] = {
-        "program": text,
-        **measures._asdict(),
-        "wins": 20,
-        "starts": 20,
-    }
-    false: list[dict[str, object]] = [
-        {"ticks": 3},
-        {"size": 1},
-        {"distance": 5.0},
-        {"wins": 3},
+def test_programs_are_played_again(command: Command, tmp_path: Path) -> None:
+    text = load_program("first-steps").text.replace("distance < 90", "distance < 80")
+    measures = achieved(LEVEL, text)
+    true: dict[str, Any] = {"program": text, **measures._asdict(), "wins": 20, "starts": 20}
+    false: list[dict[str, Any]] = [
+        *({"ticks": 3}, {"size": 1}, {"distance": 5.0}, {"wins": 3}),
         {"goals": ["at most 9 ticks"]},
     ]
     victories = [true, *(true | change for change in false)]
-    file = tmp_path / "export.json"
-    levels = [{"level": LEVEL, "victories": victories}]
-    file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
-    told = command("progress", "--check", file)
+    told = command("progress", "--check", written(tmp_path, LEVEL, *victories))
     assert told.status == 1
     _, confirmed, ticks, size, distance, wins, goals = told.out.splitlines()
     assert confirmed.endswith("20 of 20  confirmed")
@@ -128,13 +120,8 @@ def test_a_victory_in_a_labyrinth_of_the_day_is_played_again(
     command: Command, tmp_path: Path
 ) -> None:
     level, text = "daily-2026-11-22-small", load_program("the-long-hall").text
-    played = play_through(load_level(level), Program.compile(text), 5000)
-    assert played.won_at is not None
-    true = {"program": text, "ticks": played.won_at, "size": size_of(text)}
-    victories = [true | {"distance": played.distance}, true | {"distance": 1.0}]
-    file = tmp_path / "export.json"
-    levels = [{"level": level, "victories": victories}]
-    file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
+    true = {"program": text, **achieved(level, text)._asdict()}
+    file = written(tmp_path, level, true, true | {"distance": 1.0})
     told = command("progress", "--check", file, "--json")
     right, wrong = told.data["results"]
     assert right["confirmed"]
@@ -155,10 +142,7 @@ def test_what_can_not_be_confirmed_is_told(
     level: str, program: str, problem: str, command: Command, tmp_path: Path
 ) -> None:
     victory = {"program": program, "ticks": 3, "size": 1, "distance": 5.0}
-    file = tmp_path / "export.json"
-    levels = [{"level": level, "victories": [victory]}]
-    file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
-    told = command("progress", "--check", file, "--json")
+    told = command("progress", "--check", written(tmp_path, level, victory), "--json")
     assert told.status == 1
     assert not told.data["confirmed"]
     (result,) = told.data["results"]

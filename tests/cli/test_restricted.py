@@ -138,13 +138,8 @@ def test_a_restricted_process_reaches_its_own_folder_and_the_game_and_nothing_el
     neighbour = tmp_path / "players" / "ben"
     neighbour.mkdir(parents=True)
     own = tmp_path / "players" / "ada"
-    done = subprocess.run(
-        [sys.executable, "-c", ATTEMPTS, secret, neighbour, own],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=PATIENCE,
-    )
+    done = finished([sys.executable, "-c", ATTEMPTS, secret, neighbour, own])
+    assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     for what, answers in found.pop("answers").items():
         assert len(answers) == 1, (what, answers)
@@ -192,6 +187,22 @@ def game(folder: Path, *arguments: str) -> Sequence[object]:
     return [*command, "--data-dir", folder, "--player", "ada", *arguments]
 
 
+def finished(command: Sequence[object], typed: str = "") -> subprocess.CompletedProcess[str]:
+    """A command in a process of its own after its end."""
+    return subprocess.run(
+        list(map(str, command)),
+        input=typed,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+
+
+def in_lines(folder: Path, script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return finished(game(folder, "--plain", *arguments), script)
+
+
 @pytest.mark.slow
 def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
     secret = tmp_path / "secret.l"
@@ -226,21 +237,6 @@ def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
     assert (tmp_path / "players" / "ada").is_dir()
 
 
-def test_a_restricted_game_in_lines_is_fenced_in_as_well(tmp_path: Path) -> None:
-    def played(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = list(map(str, game(tmp_path, "--plain", *arguments)))
-        return subprocess.run(
-            command, input="step\n", capture_output=True, text=True, check=False, timeout=PATIENCE
-        )
-
-    done = played("02-open-space")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "Tick 1." in done.stdout
-    done = played("02-open-space", "/etc/passwd")
-    assert done.returncode == 2
-    assert "restricted mode allows only your own files" in done.stderr
-
-
 @pytest.mark.parametrize("name", ["../ben", "", ".", "a/b", "x" * 40])
 def test_a_players_name_is_not_a_path(name: str, command: Command) -> None:
     told = command("play", "--player", name)
@@ -252,15 +248,8 @@ def test_a_players_name_is_not_a_path(name: str, command: Command) -> None:
 def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "logical_robots_tui", "play", "02-open-space", "--plain"]
 
-    def played(*arguments: object) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [*command, "--data-dir", str(tmp_path), *map(str, arguments)],
-            input="",
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=PATIENCE,
-        )
+    def played(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return finished([*command, "--data-dir", tmp_path, *arguments])
 
     assert played("--restricted").returncode == 0
     assert played("--restricted", "--player", "ada").returncode == 0
@@ -270,17 +259,6 @@ def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
     assert "LOGICAL_ROBOTS_PLAYER=NAME" in done.stderr
     assert played("--restricted", "--player", "ben").returncode == 0
     assert played().returncode == 0
-
-
-def in_lines(folder: Path, script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        list(map(str, game(folder, "--plain", *arguments))),
-        input=script,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
 
 
 def test_a_folder_that_cant_be_made_is_told_in_a_sentence(tmp_path: Path) -> None:
@@ -399,14 +377,17 @@ def test_caches_leave_a_restricted_player_most_of_the_room(tmp_path: Path) -> No
     )
 
 
-def test_a_full_folder_is_told_in_a_sentence_and_what_was_there_stays(tmp_path: Path) -> None:
+def test_a_game_in_lines_is_fenced_in_and_a_full_folder_is_told_in_a_sentence(
+    tmp_path: Path,
+) -> None:
     programs = tmp_path / "players" / "ada" / "programs"
     programs.mkdir(parents=True)
     for number in range(MOST_FILES):
         (programs / f"p{number}.l").touch()
-    done = in_lines(tmp_path, "save mine\nstep\nquit\n", "02-open-space")
-    assert done.returncode == 0
+    done = in_lines(tmp_path, "save mine\nstep\nopen /etc/passwd\nquit\n", "02-open-space")
+    assert (done.returncode, done.stderr) == (0, "")
     assert f"your folder is full: it holds {MOST_FILES:,} files" in done.stdout
     assert "Tick 1." in done.stdout
+    assert "restricted mode allows only your own files" in done.stdout
     assert not (programs / "mine.l").exists()
     assert len(list(programs.iterdir())) == MOST_FILES
