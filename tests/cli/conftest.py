@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
-from tests.cli.running import Command
+from tests.cli.running import Command, Told
 from tests.short import AHEAD, LEVEL
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture(autouse=True)
@@ -52,3 +50,9 @@ def still(tmp_path: Path) -> Path:
 def command(capsys: pytest.CaptureFixture[str]) -> Command:
     """Runs ``logical-robots`` in this process, without a terminal."""
     return Command(capsys)
+
+
+@pytest.fixture
+def short(command: Command, level: Path, ahead: Path) -> Callable[..., Told]:
+    """Runs a command about the short level and the program that wins it."""
+    return lambda name, *words: command(name, level, ahead, *words)

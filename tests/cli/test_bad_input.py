@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
+from tests.cli.running import Command
 from tests.short import AHEAD, LEVEL
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
 
 LEVELS = {
     "no robots": (LEVEL.partition("[[robots]]")[0], "robots"),

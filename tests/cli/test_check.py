@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.cli.check import diagnostics
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command
 
 BROKEN = """\
 Robot(robot_name:, desire:, memory: "") :-

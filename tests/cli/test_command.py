@@ -7,7 +7,7 @@ import logging
 import re
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -18,9 +18,6 @@ from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.wording import join_names
 from tests.cli.running import Command
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 COMMANDS = (
     *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "help"),

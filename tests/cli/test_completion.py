@@ -7,15 +7,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.cli.running import Command
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from tests.cli.running import Command
 
 SHELLS = {
     "bash": ["bash", "--norc", "--noprofile", "-i"],

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.game import load_program
-from tests.cli.running import shown
+from tests.cli.running import Command, shown
 from tests.installed import CHECKOUT
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
 
 BROKEN = """\
 Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 0;

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import io
 import tomllib
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.caching import FOLDER_VARIABLE
-from tests.cli.running import in_terminal
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command, in_terminal
 
 
 def values(told: object) -> dict[str, str]:

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 from logical_robots_tui.language.reference import REFERENCE
-
-if TYPE_CHECKING:
-    from tests.cli.running import Command
+from tests.cli.running import Command
 
 
 def test_without_a_name_everything_is_listed(command: Command) -> None:

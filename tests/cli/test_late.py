@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command
 
 
 @pytest.mark.parametrize("ticks", [2, 5])

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.progress import FILE_NAME, Progress
-from tests.cli.running import in_terminal
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from tests.cli.running import Command, Told
+from tests.cli.running import Command, Told, in_terminal
 
 LESSON = """\
 starter = "obstacle-avoider"
@@ -62,7 +57,9 @@ def test_answers_are_kept_and_their_questions_marked(
     assert f"> {WRONG}\n      ^\n" in told
     assert "col0\n200\nAt tick 0 your only row is wrong; 1 row is expected.\n" in told
     assert "Right at ticks 0 and 5.\n\n1 of 2 answered.\n" in told
-    assert "Question 2 of 2, answered: How far?" in typed("", options=(*mine, "--question", "2")).out
+    assert (
+        "Question 2 of 2, answered: How far?" in typed("", options=(*mine, "--question", "2")).out
+    )
     progress = Progress(tmp_path / FILE_NAME)
     assert progress.record(str(lesson)).answers == (("How far?", RIGHT),)
     progress.close()

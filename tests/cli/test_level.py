@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from html import escape
-from typing import TYPE_CHECKING
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -13,12 +13,7 @@ import pytest
 from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world.level import alike
-from tests.cli.running import shown
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command, shown
 
 SUBCOMMANDS = ("new", "check", "convert", "show")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -13,12 +13,7 @@ from logical_robots_tui.game.source import hide_solutions, reference_names
 from logical_robots_tui.paths import ARENAS, shipped_folder, shipped_names
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import list_arenas, list_levels, load_level
-from tests.cli.running import in_terminal
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command, in_terminal
 
 REFERENCES = {
     program: name

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
-from tests.cli.running import shown
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command, shown
 
 
 @pytest.fixture

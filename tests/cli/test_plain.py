@@ -6,7 +6,7 @@ import io
 import re
 import signal
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -16,15 +16,9 @@ from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
-from tests.cli.running import in_terminal
+from tests.cli.running import Command, Told, in_terminal
 from tests.cli.test_why import TWO_RULES
 from tests.short import AHEAD
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command, Told
-
 
 RUNS = "The robots will use it from the next tick.\n"
 STILL = AHEAD.splitlines()[0].replace("0.5", "0")

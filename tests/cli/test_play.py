@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import io
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
-from tests.cli.running import in_terminal
+from tests.cli.running import Command, in_terminal
 from tests.terminal import Terminal
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
 
 
 def test_the_size_is_that_of_the_terminal_whatever_the_environment_says(

@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -15,11 +16,7 @@ from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
 from logical_robots_tui.world import load_level
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command
 
 LEVEL = "01-first-steps"
 GOALS = ("never blocked",)

@@ -3,58 +3,54 @@
 from __future__ import annotations
 
 import signal
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
-from tests.cli.running import in_terminal, shown
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Told, in_terminal, shown
 
 
-def test_a_question_is_answered_for_its_tick(command: Command, level: Path, ahead: Path) -> None:
+def test_a_question_is_answered_for_its_tick(short: Callable[..., Told]) -> None:
     query = "Sensor(robot_name:, sensor:), clock == sensor.clock"
-    told = command("query", level, ahead, "--tick", 7, query)
-    assert told.status == 0
-    data = told.data
-    assert data["tick"] == 7
-    clock = data["columns"].index("clock")
-    assert [row[clock] for row in data["rows"]] == [7]
-    assert data["minds"] == ["Pip"]
+    told = short("query", "--tick", 7, query)
+    assert (told.status, told.data["tick"], told.data["minds"]) == (0, 7, ["Pip"])
+    clock = told.data["columns"].index("clock")
+    assert [row[clock] for row in told.data["rows"]] == [7]
 
 
-def test_the_start_can_be_asked(command: Command, level: Path, ahead: Path) -> None:
-    told = command("query", level, ahead, "--tick", 0, "Memory")
-    assert told.data["rows"] == [["Pip", ""]]
-
-
-def test_a_tick_after_victory_can_be_asked(command: Command, level: Path, ahead: Path) -> None:
-    query = "c == AnyValue{sensor.clock :- Sensor(sensor:)}"
-    assert command("query", level, ahead, "--tick", 150, query).data["rows"] == [[150]]
-
-
-def test_no_rows_is_status_1(command: Command, level: Path, ahead: Path) -> None:
-    told = command("query", level, ahead, "--tick", 1, "Sensor(robot_name:), robot_name == 3")
-    assert told.status == 1
-    assert told.data["rows"] == []
-
-
-def test_a_wrong_question_is_told_with_its_place_before_the_run(
-    command: Command, level: Path, ahead: Path
+@pytest.mark.parametrize(
+    ("tick", "query", "rows"),
+    [
+        (0, "Memory", [["Pip", ""]]),  # the start
+        (150, "c == AnyValue{sensor.clock :- Sensor(sensor:)}", [[150]]),  # after victory
+        (1, "Sensor(robot_name:), robot_name == 3", []),
+    ],
+)
+def test_no_rows_is_status_1(
+    tick: int, query: str, rows: list[object], short: Callable[..., Told]
 ) -> None:
-    told = command("query", level, ahead, "--tick", 10**9, "Sensor(robot_nam:)")
-    assert told.status == 2
-    assert "query:1:8: Sensor has no column robot_nam" in told.err
-    assert "Did you mean robot_name?" in told.err
+    told = short("query", "--tick", tick, query)
+    assert (told.status, told.data["rows"]) == (int(not rows), rows)
 
 
-def test_a_failing_question_says_why(command: Command, level: Path, ahead: Path) -> None:
-    told = command("query", level, ahead, "--tick", 1, 'x in ["a"], x.field == 2')
+@pytest.mark.parametrize(
+    ("tick", "query", "messages"),
+    [
+        (
+            10**9,  # told before the run
+            "Sensor(robot_nam:)",
+            ["query:1:8: Sensor has no column robot_nam", "Did you mean robot_name?"],
+        ),
+        (1, 'x in ["a"], x.field == 2', ["neither a record nor a list"]),
+    ],
+)
+def test_a_wrong_question_is_told_with_its_place_and_a_failing_one_with_the_reason(
+    tick: int, query: str, messages: list[str], short: Callable[..., Told]
+) -> None:
+    told = short("query", "--tick", tick, query)
     assert told.status == 2
-    assert "neither a record nor a list" in told.err
+    assert all(message in told.err for message in messages)
 
 
 def test_in_a_terminal_it_is_a_table(level: Path, ahead: Path) -> None:
@@ -65,8 +61,12 @@ def test_in_a_terminal_it_is_a_table(level: Path, ahead: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_long_way_to_the_tick_is_shown(level: Path, ahead: Path) -> None:
-    with in_terminal("query", level, ahead, "--tick", 10**6, "Robot") as terminal:
+@pytest.mark.parametrize("words", [("query", "--tick", 10**6), ("when", "--ticks", 10**6)])
+def test_a_long_way_is_shown_and_can_be_interrupted(
+    words: tuple[object, ...], level: Path, still: Path
+) -> None:
+    name, *more = words
+    with in_terminal(name, level, still, "Robot", *more) as terminal:
         terminal.wait_for("of 1000000")
         terminal.process.send_signal(signal.SIGINT)
         assert terminal.finish() == 130

@@ -6,8 +6,9 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -15,14 +16,9 @@ from logical_robots_tui.cli.play import clear_environment
 from logical_robots_tui.confinement import MOST_FILES
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.recovery import MOST_GAMES, OpenGames
+from tests.cli.running import Command
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE, until
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from tests.cli.running import Command
 
 ATTEMPTS = """\
 import ctypes, io, json, os, pathlib, shutil, socket, sqlite3, subprocess, sys

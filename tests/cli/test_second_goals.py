@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -11,12 +11,8 @@ from logical_robots_tui.cli.run import play_out
 from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
+from tests.cli.running import Command
 from tests.short import AHEAD, LEVEL
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
 
 SIZE, DISTANCE = 11, 24.5
 GOALS = ("at most 9 ticks", "never blocked", "wins from all 20 starts")
@@ -45,12 +41,6 @@ async def test_a_run_says_so_in_words(file: Path) -> None:
     goals = "at most 9 ticks: no; never blocked: yes; wins from all 20 starts: not tried"
     drove = f"The program has {SIZE} symbols; the robots drove {DISTANCE:.0f} units."
     assert f"\n{drove}\nBonus goals: {goals}.\n" in told
-
-
-def test_a_level_without_them_says_nothing_of_them(
-    command: Command, level: Path, ahead: Path
-) -> None:
-    assert command("run", level, ahead).data["second_goals"] == {}
 
 
 def test_the_game_in_lines_names_and_keeps_them(

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from logical_robots_tui.world import load_level
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command
 
 NEAR = """
 Near(robot_name:, d: sensor.forward_distance) :- Sensor(robot_name:, sensor:), sensor.clock > 1;

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import signal
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.mind import Mind
-from tests.cli.running import in_terminal, shown
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
+from tests.cli.running import Command, shown
 
 CLOCK = "Sensor(sensor:), clock == sensor.clock, "
 
@@ -146,14 +140,3 @@ def test_in_a_terminal_it_is_told_in_words(level: Path, counter: Path) -> None:
     told = shown("when", level, counter, "1 == 2", "--ticks", 20)
     assert told.status == 1
     assert "1 == 2 never holds in 20 ticks." in told.text
-
-
-@pytest.mark.slow
-def test_a_long_search_shows_how_far_it_has_come_and_can_be_interrupted(
-    level: Path, still: Path
-) -> None:
-    with in_terminal("when", level, still, "Robot", "--ticks", 10**6) as terminal:
-        terminal.wait_for("of 1000000")
-        terminal.process.send_signal(signal.SIGINT)
-        assert terminal.finish() == 130
-        assert "Traceback" not in terminal.everything

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 
 from logical_robots_tui.lab import engines
 from tests.cli.running import Command
 from tests.lab.laboratory import InlineEngine
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 LocalEngine = engines.LocalEngine
 

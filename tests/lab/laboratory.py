@@ -9,19 +9,14 @@ import sqlite3
 import subprocess
 import sys
 from collections import deque
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.lab import running
-from logical_robots_tui.lab.running import Answer
+from logical_robots_tui.lab.running import Answer, Task
 from logical_robots_tui.paths import shipped_folder
 from tests.waiting import PATIENCE, until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from logical_robots_tui.lab.running import Task
 
 __all__ = [
     "Background",

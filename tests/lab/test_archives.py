@@ -7,7 +7,7 @@ import io
 import stat
 import tarfile
 import zipfile
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 from hypothesis import given, settings
@@ -15,9 +15,6 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.lab.archives import File, Room, unpack
 from tests.lab.test_handins import tarred, zipped
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 MB = 1_000_000
 

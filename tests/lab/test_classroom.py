@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import io
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.classroom import ALIKE, likeness
 from logical_robots_tui.lab.folder import Folder
+from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS, lane, program_text, rows
 from tests.lab.test_running import SENSOR, STILL
 from tests.short import AHEAD
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
 
 ASSIGNMENT = """
 [assignment]

@@ -7,27 +7,22 @@ import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab import coordinating
 from logical_robots_tui.lab import engines as cluster
-from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.coordinating import Coordinator, Tally
 from logical_robots_tui.lab.engines import ClusterEngine
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.sweeping import plan_sweep
+from tests.cli.running import Command
 from tests.lab.laboratory import Background, deadly, exported, recorded, start, write_experiment
 from tests.waiting import PATIENCE, until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from logical_robots_tui.lab.coordinating import Tally
-    from tests.cli.running import Command
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own, at every turn
 

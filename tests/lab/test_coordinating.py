@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.exporting import done_runs
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
-from logical_robots_tui.lab.running import Answer
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from logical_robots_tui.lab.running import Task
+from logical_robots_tui.lab.running import Answer, Task
 
 
 class Whimsical:

@@ -6,7 +6,8 @@ import json
 import os
 import re
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, get_args
+from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -18,13 +19,9 @@ from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.toml_files import TomlFileError
+from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS, rows
 from tests.lab.test_running import SENSOR, STILL
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.cli.running import Command
 
 ASSIGNMENT = """
 [assignment]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,13 +13,11 @@ import pytest
 from logical_robots_tui import lab
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab import Results, coordinating, grade, sweep, tournament
+from logical_robots_tui.lab.coordinating import Coordinator, Engine
 from logical_robots_tui.toml_files import TomlFileError
+from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS, exported, recorded, write_experiment
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from logical_robots_tui.lab.coordinating import Coordinator, Engine
-    from tests.cli.running import Command
 
 
 def experiment(**changes: Any) -> dict[str, Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import msgspec
@@ -15,11 +14,9 @@ from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.exporting import Table, csv_of
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.grading import grades_of
+from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS, lane, rows
 from tests.lab.test_running import SENSOR, STILL
-
-if TYPE_CHECKING:
-    from tests.cli.running import Command
 
 ASSIGNMENT = """
 [assignment]

@@ -5,25 +5,19 @@ from __future__ import annotations
 import io
 import tarfile
 import zipfile
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.handins import entries_of, stems_of
+from logical_robots_tui.lab.folder import Manifest
+from logical_robots_tui.lab.handins import Submission, entries_of, stems_of
 from logical_robots_tui.lab.submissions import account_of, plan_grading
 from logical_robots_tui.toml_files import TomlFileError
+from tests.cli.running import Command
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from logical_robots_tui.lab.folder import Manifest
-    from logical_robots_tui.lab.handins import Submission
-
-    Files = Mapping[str, str | bytes]
-
-    from tests.cli.running import Command
+Files = Mapping[str, str | bytes]
 
 FIRST, SECOND = "01-first-steps", "02-open-space"
 STEMS = stems_of([FIRST, SECOND])

@@ -6,8 +6,9 @@ import re
 import resource
 import shutil
 import sqlite3
+from collections.abc import Callable
 from contextlib import closing, suppress
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -19,10 +20,6 @@ from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.damage import Change, changed, changes
 from tests.lab.laboratory import write_experiment
 from tests.mind.hostile.bounds import bounded_memory, bounded_work
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 WON, LOST = '{"outcome":"won","ticks":3}', '{"outcome":"out of ticks","ticks":3}'
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from statistics import fmean
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -17,9 +18,6 @@ from logical_robots_tui.lab.sweeping import Sample, plan_sweep, sampled
 from logical_robots_tui.toml_files import TomlFileError
 from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, exported
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 CLOCK = "Max{sensor.clock :- Sensor(sensor:)}"
 

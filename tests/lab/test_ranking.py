@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import random
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from logical_robots_tui.lab.competing import _rows, pair_off
 from logical_robots_tui.lab.folder import Manifest, Player
@@ -20,9 +20,6 @@ from logical_robots_tui.lab.ranking import (
     strengths,
 )
 from logical_robots_tui.lab.running import Result
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 NAMES = ["ada", "ben", "cem", "dot", "eve"]
 PAIRS = list(combinations(range(5), 2))

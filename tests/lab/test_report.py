@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import re
 from html import unescape
+from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
-from logical_robots_tui.lab import sweep
+from logical_robots_tui.lab import Results, sweep
 from logical_robots_tui.lab.reporting import lines_of
 from tests.lab.laboratory import FIRST_STEPS
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.lab import Results
 
 PROGRAM = FIRST_STEPS.replace("Near() = 40;", "Near() = 40;\nFar() = 90;").replace(
     "< 90", "< Far()"

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import msgspec
 import pytest
 
 from logical_robots_tui.game.measuring import play_through, start_of
-from logical_robots_tui.lab.running import Asked, Result, Task, _reason, execute, fingerprint
+from logical_robots_tui.lab.running import (
+    Answer,
+    Asked,
+    Result,
+    Task,
+    _reason,
+    execute,
+    fingerprint,
+)
 from logical_robots_tui.mind import Program, Stopped
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, lane, program_text
-
-if TYPE_CHECKING:
-    from logical_robots_tui.lab.running import Answer
 
 STILL = "Robot(robot_name:, desire: {{left_engine: {}, right_engine: 0}}, memory: {}) :- {};"
 SENSOR = "Sensor(robot_name:, sensor:)"

@@ -11,15 +11,15 @@ import signal
 import sqlite3
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.lab import engines
-from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.coordinating import Coordinator, Engine, Tally
 from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.exporting import done_runs, export_runs
 from logical_robots_tui.lab.folder import Entry, Folder
+from logical_robots_tui.lab.running import Answer
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.cli.running import Command, in_terminal
 from tests.lab.laboratory import (
@@ -34,10 +34,6 @@ from tests.lab.laboratory import (
 from tests.lab.test_running import task
 from tests.short import AHEAD, LEVEL
 from tests.waiting import until
-
-if TYPE_CHECKING:
-    from logical_robots_tui.lab.coordinating import Engine, Tally
-    from logical_robots_tui.lab.running import Answer
 
 SHORT = f"Near() = 40;\n{AHEAD}"
 

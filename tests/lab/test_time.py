@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.lab import engines
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Manifest, Student, digest
-from logical_robots_tui.lab.running import Answer, execute
+from logical_robots_tui.lab.running import Answer, Task, execute
+from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS, endless, lane, rows
 from tests.lab.test_running import SENSOR, STILL, only, task
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from logical_robots_tui.lab.running import Task
-    from tests.cli.running import Command
 
 HEAVY = "N(x) :- x in Range(100);\n" + STILL.format(
     "Sum{x * y :- N(x), N(y)} + sensor.clock", '""', SENSOR

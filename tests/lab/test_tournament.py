@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import io
 import shlex
+from collections.abc import Mapping
 from contextlib import redirect_stdout
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.competing import plan_tournament
 from logical_robots_tui.lab.folder import Folder
+from tests.cli.running import Command
 from tests.lab.laboratory import exported, recorded, rows, start
 from tests.waiting import until
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from tests.cli.running import Command
 
 HILL = """
 title = "A hill"
