@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.cli.running import Command
+from tests.cli.running import Command, Told
 from tests.short import AHEAD, LEVEL
 
 LEVELS = {
@@ -16,78 +17,61 @@ LEVELS = {
     "a goal for an unknown robot": (LEVEL.replace('["Pip"]', '["Pop"]'), "areas[0].goal_for"),
     "a switch by an unknown beacon": (LEVEL + 'on_beacon = "Moon"\n', "areas[0].on_beacon"),
     "no TOML": ("walls = = 3", "line 1"),
-    "binary rubbish": ("\x00\x01\udcff\udcfe", "line 1"),
+    "a level of binary rubbish": ("\x00\x01\udcff\udcfe", "line 1"),
 }
-
 PROGRAMS = {
     "nothing": ("", "1:1:"),
     "no Robot": ("Walker(x: 1);\n", "Robot"),
     "a mistake on line 3": (AHEAD + "Oops(x: ;\n", ":3:"),
     "an undefined predicate": (AHEAD.replace("Sensor(", "Senser("), "Senser"),
     "more than 1 MB": (AHEAD + "# " + "x" * 1_000_000, "1 MB"),
-    "binary rubbish": ("\x7fELF\x00\udcff", "line 1"),
+    "a program of binary rubbish": ("\x7fELF\x00\udcff", "line 1"),
 }
 
 
-@pytest.mark.parametrize("wrong", LEVELS)
-def test_a_level_with_something_wrong_is_refused_by_naming_the_place(
-    wrong: str, command: Command, level: Path, ahead: Path
+@pytest.mark.parametrize("wrong", [*LEVELS, *PROGRAMS])
+def test_a_file_with_something_wrong_is_refused_by_naming_the_place(
+    wrong: str, short: Callable[..., Told], level: Path, ahead: Path
 ) -> None:
-    text, place = LEVELS[wrong]
-    level.write_bytes(text.encode("utf-8", "surrogateescape"))
-    told = command("run", level, ahead)
+    file = level if wrong in LEVELS else ahead
+    text, place = {**LEVELS, **PROGRAMS}[wrong]
+    file.write_bytes(text.encode("utf-8", "surrogateescape"))
+    told = short("run")
     assert told.status == 2
-    assert told.err.startswith(f"logical-robots: {level}")
+    assert told.err.startswith(f"logical-robots: {file}")
     assert place in told.err
     assert "Traceback" not in told.err
-    assert str(level) in told.data["error"]["place"]
-    assert told.data["error"]["message"] in told.err
-
-
-@pytest.mark.parametrize("wrong", PROGRAMS)
-def test_a_program_with_something_wrong_is_refused_by_naming_the_place(
-    wrong: str, command: Command, level: Path, ahead: Path
-) -> None:
-    text, place = PROGRAMS[wrong]
-    ahead.write_bytes(text.encode("utf-8", "surrogateescape"))
-    told = command("run", level, ahead)
-    assert told.status == 2
-    assert told.err.startswith(f"logical-robots: {ahead}")
-    assert place in told.err
-    assert "Traceback" not in told.err
-    assert str(ahead) in told.data["error"]["place"]
+    error = told.data["error"]
+    assert str(file) in error["place"]
+    assert wrong in PROGRAMS or error["message"] in told.err
 
 
 def test_mistakes_in_a_program_are_told_as_a_compiler_does(
-    command: Command, level: Path, ahead: Path
+    short: Callable[..., Told], ahead: Path
 ) -> None:
     ahead.write_text(AHEAD + "Oops(x: ;\n")
-    told = command("run", level, ahead, "--json")
-    (found, *_) = told.data["error"]["diagnostics"]
-    assert found["line"] == 3
-    position = f"{ahead}:{found['line']}:{found['column']}: {found['message']}"
+    told = short("run", "--json")
+    (mistake, *_) = told.data["error"]["diagnostics"]
+    assert mistake["line"] == 3
+    position = f"{ahead}:{mistake['line']}:{mistake['column']}: {mistake['message']}"
     assert told.err.splitlines()[0] == f"logical-robots: {position}"
-    assert found["hint"] in told.err
+    assert mistake["hint"] in told.err
 
 
 @pytest.mark.parametrize("which", [0, 1])
-def test_a_missing_file_is_named(which: int, command: Command, level: Path, ahead: Path) -> None:
-    (level, ahead)[which].unlink()
-    told = command("run", level, ahead)
-    assert told.status == 2
-    assert str((level, ahead)[which]) in told.err
-
-
-@pytest.mark.parametrize("which", [0, 1])
-def test_a_folder_is_named(
+def test_a_missing_file_and_a_folder_are_named(
     which: int, command: Command, level: Path, ahead: Path, tmp_path: Path
 ) -> None:
-    given = [level, ahead]
-    given[which] = tmp_path
-    told = command("run", *given)
+    files = [level, ahead]
+    files[which] = tmp_path
+    told = command("run", *files)
     assert told.status == 2
     assert told.err.startswith(f"logical-robots: {tmp_path}")
     assert "folder" in told.err
+    files[which] = tmp_path / ("missing" + files[which].suffix)
+    told = command("run", *files)
+    assert told.status == 2
+    assert str(files[which]) in told.err
 
 
 def test_a_mistyped_name_is_answered_with_one_that_exists(command: Command, ahead: Path) -> None:
@@ -107,9 +91,7 @@ def test_control_characters_in_a_message_are_made_harmless(
 
 
 @pytest.mark.parametrize("ticks", ["0", "-3", "many", "1.5"])
-def test_ticks_must_be_a_whole_number_from_1_up(
-    ticks: str, command: Command, level: Path, ahead: Path
-) -> None:
-    told = command("run", level, ahead, f"--ticks={ticks}")
+def test_ticks_must_be_a_whole_number_from_1_up(ticks: str, short: Callable[..., Told]) -> None:
+    told = short("run", f"--ticks={ticks}")
     assert told.status == 2
     assert "not an integer" in told.err

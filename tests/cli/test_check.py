@@ -7,26 +7,79 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.cli.check import diagnostics
+from logical_robots_tui.game import list_programs, load_program
 from tests.cli.running import Command
 
-BROKEN = """\
+ROBOT = "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}"
+SENSOR = "Sensor(robot_name:, sensor:)"
+BROKEN = f"""\
 Robot(robot_name:, desire:, memory: "") :-
-  Sensor(robot_name:, sensor:),
-\tdesire = {left_engine: sensor.clok, right_engine: Sqrtt(2)};
+  {SENSOR},
+\tdesire = {{left_engine: sensor.clok, right_engine: Sqrtt(2)}};
 """
-DOUBTFUL = """\
-Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}) :- Sensor(robot_name:);
+DOUBTFUL = f"{ROBOT}) :- Sensor(robot_name:);\n"
+HERE = f"{ROBOT},\n  memory: {{order: 1}}) :- Sensor(robot_name:);\n"
+NAMED = f"""\
+Robot(robot_name:, desire: {{left_engine: speed, right_engine: 1}}, memory: "") :-
+  {SENSOR},
+  short = sensor.forward_distance < 60, speed = (if short then 1 else 0);
 """
-HERE = """\
-Robot(robot_name:, desire: {left_engine: 1, right_engine: 1},
-  memory: {order: 1}) :- Sensor(robot_name:);
+SEEKING = f'{ROBOT}, memory: "") :-\n  {SENSOR}, sensor.forward_label != "Hrbour";\n'
+
+BROKEN_IS = """\
+{}:3:32: error: A sensor has no field clok
+   desire = {{left_engine: sensor.clok, right_engine: Sqrtt(2)}};
+                                 ^^^^
+  Did you mean clock?
+{}:3:52: error: Sqrtt is not defined
+   desire = {{left_engine: sensor.clok, right_engine: Sqrtt(2)}};
+                                                     ^^^^^
+  Did you mean Sqrt?
+"""
+HERE_IS = """\
+{}:2:12: warning: order is a word of SQL, which the web platform can't read as a field
+    memory: {{order: 1}}) :- Sensor(robot_name:);
+             ^^^^^
+  Choose another name.
+"""
+NAMED_IS = """\
+{}:3:3: warning: '=' is read before '<': this means (short = sensor.forward_distance) < 60
+    short = sensor.forward_distance < 60, speed = (if short then 1 else 0);
+    ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+  Put the comparison in parentheses: short = (sensor.forward_distance < 60).
+"""
+SEEKING_IS = """\
+{}:2:57: warning: No robot, beacon or solid area of this level is called "Hrbour"
+    Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";
+                                                          ^^^^^^^^
+  Did you mean "Harbour"?
 """
 
 
-def written(folder: Path, name: str, text: str) -> Path:
-    path = folder / name
-    path.write_text(text, encoding="utf-8")
-    return path
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    return tmp_path / "program.l"
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "status", "lines"),
+    [
+        (BROKEN, (), 2, BROKEN_IS),
+        (HERE, (), 0, ""),
+        (HERE, ("--web",), 0, HERE_IS),
+        (NAMED, (), 0, NAMED_IS),
+        (NAMED, ("--web",), 0, NAMED_IS),
+        (NAMED, ("--level", "01-first-steps"), 0, NAMED_IS),
+        (SEEKING, (), 0, ""),
+        (SEEKING, ("--level", "05-lighthouse"), 0, SEEKING_IS),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_line_a_caret_and_a_hint(
+    command: Command, program: Path, text: str, options: tuple[str, ...], status: int, lines: str
+) -> None:
+    program.write_text(text)
+    told = command("check", program, *options)
+    assert (told.status, told.out) == (status, lines.format(program, program))
 
 
 def test_a_program_that_can_run_is_met_with_silence(command: Command, ahead: Path) -> None:
@@ -34,98 +87,21 @@ def test_a_program_that_can_run_is_met_with_silence(command: Command, ahead: Pat
     assert (told.status, told.out, told.err) == (0, "", "")
 
 
-def test_all_that_is_wrong_is_told_with_its_line_a_caret_and_a_hint(
-    command: Command, tmp_path: Path
-) -> None:
-    path = written(tmp_path, "broken.l", BROKEN)
-    told = command("check", path)
-    assert told.status == 2
-    assert told.out.splitlines() == [
-        f"{path}:3:32: error: A sensor has no field clok",
-        "   desire = {left_engine: sensor.clok, right_engine: Sqrtt(2)};",
-        "                                 ^^^^",
-        "  Did you mean clock?",
-        f"{path}:3:52: error: Sqrtt is not defined",
-        "   desire = {left_engine: sensor.clok, right_engine: Sqrtt(2)};",
-        "                                                     ^^^^^",
-        "  Did you mean Sqrt?",
-    ]
-
-
-def test_what_the_web_platform_would_not_do_is_told_on_request(
-    command: Command, tmp_path: Path
-) -> None:
-    path = written(tmp_path, "here.l", HERE)
-    assert command("check", path).out == ""
-    told = command("check", path, "--web")
-    assert told.status == 0
-    assert told.out.splitlines() == [
-        f"{path}:2:12: warning: order is a word of SQL, "
-        "which the web platform can't read as a field",
-        "    memory: {order: 1}) :- Sensor(robot_name:);",
-        "             ^^^^^",
-        "  Choose another name.",
-    ]
-    assert command("check", path, "--web", "--json").data["ok"] is True
-
-
-NAMED = """\
-Robot(robot_name:, desire: {left_engine: speed, right_engine: 1}, memory: "") :-
-  Sensor(robot_name:, sensor:),
-  short = sensor.forward_distance < 60, speed = (if short then 1 else 0);
-"""
-
-
-@pytest.mark.parametrize("options", [(), ("--web",), ("--level", "01-first-steps")])
-def test_a_comparison_that_gets_a_name_without_parentheses_is_told_once(
-    command: Command, tmp_path: Path, options: tuple[str, ...]
-) -> None:
-    path = written(tmp_path, "named.l", NAMED)
-    told = command("check", path, *options)
-    assert told.status == 0
-    assert told.out.splitlines() == [
-        f"{path}:3:3: warning: '=' is read before '<': "
-        "this means (short = sensor.forward_distance) < 60",
-        "    short = sensor.forward_distance < 60, speed = (if short then 1 else 0);",
-        "    ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^",
-        "  Put the comparison in parentheses: short = (sensor.forward_distance < 60).",
-    ]
-
-
-SEEKING = """\
-Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
-  Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";
-"""
-
-
-def test_a_name_that_a_level_lacks_is_told_with_that_level_only(
-    command: Command, tmp_path: Path
-) -> None:
-    path = written(tmp_path, "seeking.l", SEEKING)
-    assert command("check", path).out == ""
-    told = command("check", path, "--level", "05-lighthouse")
-    assert told.status == 0
-    assert told.out.splitlines() == [
-        f'{path}:2:57: warning: No robot, beacon or solid area of this level is called "Hrbour"',
-        '    Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";',
-        "                                                          ^^^^^^^^",
-        '  Did you mean "Harbour"?',
-    ]
-
-
-def test_a_warning_is_told_but_the_program_is_fine(command: Command, tmp_path: Path) -> None:
-    told = command("check", written(tmp_path, "doubtful.l", DOUBTFUL))
+def test_a_warning_is_told_but_the_program_is_fine(command: Command, program: Path) -> None:
+    program.write_text(DOUBTFUL)
+    told = command("check", program)
     assert told.status == 0
     assert ":1:1: warning: Robot sets no memory" in told.out
+    program.write_text(HERE)
+    assert command("check", program, "--web", "--json").data["ok"] is True
 
 
 def test_several_programs_are_checked_and_one_mistake_is_enough(
-    command: Command, tmp_path: Path, ahead: Path
+    command: Command, program: Path, ahead: Path
 ) -> None:
-    broken = written(tmp_path, "broken.l", BROKEN)
-    told = command("check", ahead, broken, "--json")
-    assert told.status == 2
-    assert told.data["ok"] is False
+    program.write_text(BROKEN)
+    told = command("check", ahead, program, "--json")
+    assert (told.status, told.data["ok"]) == (2, False)
     fine, wrong = told.data["programs"]
     assert fine == {"file": str(ahead), "diagnostics": []}
     assert wrong["diagnostics"][0] == {
@@ -138,29 +114,24 @@ def test_several_programs_are_checked_and_one_mistake_is_enough(
     }
 
 
-def test_a_file_that_is_not_there_is_told_in_one_line(command: Command, tmp_path: Path) -> None:
-    told = command("check", tmp_path / "none.l")
+def test_a_file_that_is_not_there_is_told_in_one_line(command: Command, program: Path) -> None:
+    told = command("check", program)
     assert told.status == 2
     assert told.err.count("\n") == 1
 
 
-def test_a_very_long_line_is_shown_around_its_mistake(command: Command, tmp_path: Path) -> None:
-    text = f'A("{"x" * 300}", Wings(1), "{"x" * 300}");\n' + DOUBTFUL
-    lines = command("check", written(tmp_path, "long.l", text)).out.splitlines()
+def test_a_very_long_line_is_shown_around_its_mistake_and_no_codes_reach_the_terminal(
+    command: Command, program: Path
+) -> None:
+    program.write_text(f'A("{"x" * 300}", Wings(1), "{"x" * 300}");\n' + DOUBTFUL)
+    lines = command("check", program).out.splitlines()
     assert max(map(len, lines[1:3])) <= 102
     assert lines[1][lines[2].index("^") :].startswith("Wings")
-
-
-def test_text_of_a_program_can_not_reach_the_terminal_as_codes(
-    command: Command, tmp_path: Path
-) -> None:
-    text = 'A("\x1b[31m", Wings(1));\n' + DOUBTFUL
-    assert "\x1b" not in command("check", written(tmp_path, "nasty.l", text)).out
+    program.write_text('A("\x1b[31m", Wings(1));\n' + DOUBTFUL)
+    assert "\x1b" not in command("check", program).out
 
 
 @pytest.mark.slow
 def test_the_shipped_programs_are_without_a_warning() -> None:
-    from logical_robots_tui.game import list_programs, load_program
-
     for name in list_programs(None):
         assert diagnostics(load_program(name, None).text) == (), name

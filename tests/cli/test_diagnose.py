@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.game import load_program
-from tests.cli.running import Command, shown
+from tests.cli.running import Command, Told, shown
 from tests.installed import CHECKOUT
 
 BROKEN = """\
@@ -17,17 +18,11 @@ Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-
 """
 
 
-@pytest.fixture
-def broken(tmp_path: Path) -> Path:
-    path = tmp_path / "broken.l"
-    path.write_text(BROKEN)
-    return path
-
-
 def test_findings_are_told_with_line_tick_and_what_to_look_at(
-    command: Command, level: Path, broken: Path
+    command: Command, level: Path, ahead: Path
 ) -> None:
-    told = command("diagnose", level, broken, "--ticks", 5)
+    ahead.write_text(BROKEN)
+    told = command("diagnose", level, ahead, "--ticks", 5)
     assert told.status == 0
     data = told.data
     assert (data["first"], data["last"], data["won_at"]) == (1, 5, None)
@@ -36,23 +31,27 @@ def test_findings_are_told_with_line_tick_and_what_to_look_at(
     assert finding["tick"] == 1
     assert "The rule of Near in line 1 never had a row" in finding["message"]
     assert finding["hint"]
-
-
-def test_where_nothing_stands_out_it_says_so(command: Command, level: Path, ahead: Path) -> None:
+    seen = shown("diagnose", level, ahead, "--ticks", "5")
+    assert seen.status == 0
+    assert "Ticks 1 to 5, not won." in seen.text
+    assert "note, line 1, tick 1: The rule of Near" in seen.text
     told = command("diagnose", level, ahead)
+    assert told.status == 0
+    assert told.data["won_at"]
+    severities = {finding["severity"] for finding in told.data["findings"]}
+    assert severities == {"note"}, "of a robot that wins there are only notes"
+
+
+def test_where_nothing_stands_out_it_says_so(
+    short: Callable[..., Told], level: Path, ahead: Path
+) -> None:
+    told = short("diagnose")
     assert told.status == 0
     assert told.data["won_at"]
     assert told.data["findings"] == []
     seen = shown("diagnose", level, ahead)
     assert seen.status == 0
     assert "Nothing stands out." in seen.text
-
-
-def test_in_a_terminal_it_is_told_in_lines(level: Path, broken: Path) -> None:
-    told = shown("diagnose", level, broken, "--ticks", "5")
-    assert told.status == 0
-    assert "Ticks 1 to 5, not won." in told.text
-    assert "note, line 1, tick 1: The rule of Near" in told.text
 
 
 @pytest.mark.slow
@@ -69,10 +68,3 @@ def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
     assert told.status == 1
     for line in example.splitlines():
         assert line in told.lines
-
-
-def test_a_robot_that_wins_has_only_notes(command: Command, level: Path, broken: Path) -> None:
-    told = command("diagnose", level, broken)
-    assert told.status == 0
-    assert told.data["won_at"]
-    assert {finding["severity"] for finding in told.data["findings"]} == {"note"}
