@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -9,57 +10,59 @@ import msgspec
 import pytest
 
 from logical_robots_tui.game.replay import load_replay
-from tests.cli.running import Command
+from tests.cli.running import Command, Told
 
 
 @pytest.fixture
-def recorded(command: Command, level: Path, ahead: Path, tmp_path: Path) -> Path:
-    path = tmp_path / "a.replay"
-    told = command("replay", "record", level, ahead, "-o", path)
+def record(
+    command: Command, level: Path, ahead: Path, tmp_path: Path
+) -> Callable[..., tuple[Told, Path]]:
+    """Records the short level as a file in the folder of the test."""
+
+    def record(name: str, *options: object) -> tuple[Told, Path]:
+        path = tmp_path / name
+        return command("replay", "record", level, ahead, "-o", path, *options), path
+
+    return record
+
+
+@pytest.fixture
+def recorded(record: Callable[..., tuple[Told, Path]]) -> Path:
+    told, path = record("a.replay")
     assert (told.status, told.err) == (0, "")
     assert f"ticks in {path} (" in told.out
     return path
 
 
-def test_the_same_run_makes_the_same_file(
-    command: Command, level: Path, ahead: Path, recorded: Path, tmp_path: Path
+def test_the_same_run_makes_the_same_file_which_is_replaced_only_if_that_is_wished(
+    record: Callable[..., tuple[Told, Path]], recorded: Path
 ) -> None:
-    other = tmp_path / "b.replay"
-    command("replay", "record", level, ahead, "-o", other)
-    assert other.read_bytes() == recorded.read_bytes()
-    assert len(other.read_bytes()) < 2000
-
-
-def test_a_file_is_replaced_only_if_that_is_wished(
-    command: Command, level: Path, ahead: Path, recorded: Path
-) -> None:
-    before = recorded.read_bytes()
-    short = "replay", "record", level, ahead, "-o", recorded, "--ticks", 3
-    told = command(*short)
+    _, other = record("b.replay")
+    before = other.read_bytes()
+    assert before == recorded.read_bytes()
+    assert len(before) < 2000
+    told, _ = record("a.replay", "--ticks", 3)
     assert told.status == 2
     assert "already exists" in told.err
     assert recorded.read_bytes() == before
-    assert command(*short, "--force").status == 0
+    assert record("a.replay", "--ticks", 3, "--force")[0].status == 0
     assert load_replay(recorded).last == 3
 
 
 def test_a_run_too_long_for_a_replay_is_refused_before_it_is_run(
-    command: Command, level: Path, ahead: Path, tmp_path: Path
+    record: Callable[..., tuple[Told, Path]],
 ) -> None:
-    told = command("replay", "record", level, ahead, "-o", tmp_path / "a", "--ticks", 100_001)
+    told, _ = record("a", "--ticks", 100_001)
     assert told.status == 2
     assert "--ticks 100001: a replay has at most 100,000 ticks" in told.err
 
 
-def test_a_replay_is_verified(command: Command, recorded: Path) -> None:
-    told = command("replay", "verify", recorded)
-    assert (told.status, told.out) == (0, f"The same: {load_replay(recorded).last} ticks.\n")
-
-
-def test_what_would_be_different_now_is_named_and_ends_with_status_3(
+def test_a_replay_is_verified_and_what_would_be_different_now_ends_with_status_3(
     command: Command, recorded: Path
 ) -> None:
     replay = load_replay(recorded)
+    told = command("replay", "verify", recorded)
+    assert (told.status, told.out) == (0, f"The same: {replay.last} ticks.\n")
     text = (replay.texts[0].text or "").replace("left_engine: 0.5", "left_engine: 0.4")
     texts = (msgspec.structs.replace(replay.texts[0], text=text),)
     recorded.write_bytes(msgspec.structs.replace(replay, texts=texts).to_bytes())
@@ -69,22 +72,15 @@ def test_what_would_be_different_now_is_named_and_ends_with_status_3(
     assert (data["same"], data["tick"]) == (False, 1)
 
 
-def test_another_start_and_an_end_can_be_chosen(
-    command: Command, level: Path, ahead: Path, tmp_path: Path
+def test_another_start_an_end_and_a_file_without_programs_can_be_chosen(
+    command: Command, record: Callable[..., tuple[Told, Path]]
 ) -> None:
-    path = tmp_path / "third.replay"
-    command("replay", "record", level, ahead, "-o", path, "--start", 3, "--ticks", 5)
+    _, path = record("third.replay", "--start", 3, "--ticks", 5)
     replay = load_replay(path)
     assert replay.last == 5
     assert replay.stages[0].state.robots[0].x != 12
     assert command("replay", "verify", path).status == 0
-
-
-def test_programs_can_be_left_out(
-    command: Command, level: Path, ahead: Path, tmp_path: Path
-) -> None:
-    path = tmp_path / "hidden.replay"
-    command("replay", "record", level, ahead, "-o", path, "--no-programs")
+    _, path = record("hidden.replay", "--no-programs")
     told = command("replay", "verify", path)
     assert told.status == 0
     assert "The programs are not in the replay." in told.out

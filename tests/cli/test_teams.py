@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from io import StringIO
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from logical_robots_tui.cli.main import main
+from tests.cli.running import Command
 from tests.game.playing import BACKWARDS, COUNTER
 from tests.game.test_teams import MATCH
 
@@ -18,19 +16,13 @@ SCORED = (
 )
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(autouse=True)
+def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("match.toml").write_text(SCORED, "utf-8")
     Path("on.l").write_text(COUNTER, "utf-8")
     Path("off.l").write_text(BACKWARDS, "utf-8")
     Path("broken.l").write_text("\n\nRobot(x :- ;\n", "utf-8")
-    return tmp_path
-
-
-def told(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, Any]:
-    status = main([*words, "--json", "--data-dir", "data"])
-    return status, json.loads(capsys.readouterr().out)
 
 
 @pytest.mark.parametrize(
@@ -43,84 +35,68 @@ def told(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, Any]:
     ],
 )
 def test_each_team_is_named_by_order_or_by_name(
-    programs: tuple[str, ...], folder: Path, capsys: pytest.CaptureFixture[str]
+    programs: tuple[str, ...], command: Command
 ) -> None:
-    status, found = told(capsys, "run", "match.toml", *programs)
-    assert (status, found["ticks"], found["won"]) == (0, 60, False)
-    red, blue = found["scores"]["red"], found["scores"]["blue"]
+    told = command("run", "match.toml", *programs)
+    assert (told.status, told.data["ticks"], told.data["won"]) == (0, 60, False)
+    red, blue = told.data["scores"]["red"], told.data["scores"]["blue"]
     assert red[0] > 0
     assert blue == [0]
-    assert [robot["memory"] for robot in found["robots"]] == [60, 60, 60]
+    assert [robot["memory"] for robot in told.data["robots"]] == [60, 60, 60]
 
 
-def test_the_result_for_people_names_the_best_first(
-    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+def test_a_match_is_told_to_people_and_played_in_lines(
+    command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("logical_robots_tui.cli.run.prefers_json", lambda _options: False)
-    assert main(["run", "match.toml", "off.l", "on.l", "--data-dir", "data"]) == 0
-    assert "Hall: after 60 ticks blue " in capsys.readouterr().out
+    told = command("run", "match.toml", "off.l", "on.l")
+    assert told.status == 0
+    assert "Hall: after 60 ticks blue " in told.out
+    monkeypatch.setattr("sys.stdin", StringIO("run\nquit\n"))
+    words = ("match.toml", "on.l", "--team", "blue=off.l", "--plain", "--data-dir", "data")
+    told = command("play", *words)
+    assert told.status == 0
+    assert "The match is over: red " in told.out
 
 
-def test_why_explains_with_the_program_of_the_robot(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_why_explains_with_the_program_of_the_robot(command: Command) -> None:
     words = ("why", "match.toml", "on.l", "off.l", "--tick", "3", "--robot")
-    assert told(capsys, *words, "Bo")[1]["row"]["desire"]["left_engine"] == -1
-    assert told(capsys, *words, "Cy")[1]["row"]["desire"]["left_engine"] == 1
+    assert command(*words, "Bo").data["row"]["desire"]["left_engine"] == -1
+    assert command(*words, "Cy").data["row"]["desire"]["left_engine"] == 1
+
+
+FIRST = "01-first-steps"
 
 
 @pytest.mark.parametrize(
-    ("programs", "said"),
+    ("words", "said"),
     [
-        (("on.l", "off.l", "on.l"), "3 programs are too many: match has 2 teams."),
-        (("on.l", "--team", "bleu=off.l"), "match has no team bleu."),
-        (("on.l", "missing.l"), "There is no such program"),
-        (("on.l", "--team", "red=off.l"), "Two programs are named for red."),
-        ((), "No program is named."),
+        (("match.toml", "on.l", "off.l", "on.l"), "3 programs are too many: match has 2 teams."),
+        (("match.toml", "on.l", "--team", "bleu=off.l"), "match has no team bleu."),
+        (("match.toml", "on.l", "missing.l"), "There is no such program"),
+        (("match.toml", "on.l", "--team", "red=off.l"), "Two programs are named for red."),
+        (("match.toml",), "No program is named."),
+        ((FIRST, "on.l", "off.l"), "01-first-steps has no teams"),
+        ((FIRST, "on.l", "--team", "red=off.l"), "01-first-steps has no team red."),
     ],
 )
-def test_a_wrong_team_is_refused(
-    programs: tuple[str, ...], said: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    status, found = told(capsys, "run", "match.toml", *programs)
-    assert status == 2
-    assert said in found["error"]["message"]
+def test_a_wrong_team_is_refused(words: tuple[str, ...], said: str, command: Command) -> None:
+    told = command("run", *words)
+    assert told.status == 2
+    assert said in told.data["error"]["message"]
 
 
-def test_a_mistake_is_told_with_its_file_and_line(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    status, found = told(capsys, "run", "match.toml", "on.l", "broken.l")
-    assert status == 2
-    assert found["error"]["place"] == "broken.l"
-    assert found["error"]["diagnostics"][0]["line"] == 3
+def test_a_mistake_is_told_with_its_file_and_line(command: Command) -> None:
+    told = command("run", "match.toml", "on.l", "broken.l")
+    assert (told.status, told.data["error"]["place"]) == (2, "broken.l")
+    assert told.data["error"]["diagnostics"][0]["line"] == 3
 
 
-def test_a_level_without_teams_takes_one_program(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    status, found = told(capsys, "run", "01-first-steps", "on.l", "off.l")
-    assert status == 2
-    assert "01-first-steps has no teams" in found["error"]["message"]
-    status, found = told(capsys, "run", "01-first-steps", "on.l", "--team", "red=off.l")
-    assert (status, found["error"]["message"]) == (2, "01-first-steps has no team red.")
-
-
-def test_a_match_is_recorded_with_the_programs_of_all_teams(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = ["replay", "record", "match.toml", "on.l", "off.l", "-o", "m.replay"]
-    assert main([*words, "--data-dir", "data"]) == 0
-    assert "60 ticks" in capsys.readouterr().out
-    assert main(["replay", "verify", "m.replay"]) == 0
-    assert main(["replay", "show", "m.replay", "--json"]) == 0
-    assert COUNTER in capsys.readouterr().out.encode().decode("unicode_escape")
-
-
-def test_a_match_is_played_in_lines(
-    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.stdin", StringIO("run\nquit\n"))
-    words = ["play", "match.toml", "on.l", "--team", "blue=off.l", "--plain"]
-    assert main([*words, "--data-dir", "data"]) == 0
-    assert "The match is over: red " in capsys.readouterr().out
+def test_a_match_is_recorded_with_the_programs_of_all_teams(command: Command) -> None:
+    told = command("replay", "record", "match.toml", "on.l", "off.l", "-o", "m.replay")
+    assert told.status == 0
+    assert "60 ticks" in told.out
+    assert command("replay", "verify", "m.replay").status == 0
+    told = command("replay", "show", "m.replay", "--json")
+    assert told.status == 0
+    assert COUNTER in told.out.encode().decode("unicode_escape")

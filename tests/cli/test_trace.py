@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from logical_robots_tui.world import load_level
-from tests.cli.running import Command
+from tests.cli.running import Command, Told
 
 NEAR = """
 Near(robot_name:, d: sensor.forward_distance) :- Sensor(robot_name:, sensor:), sensor.clock > 1;
@@ -18,8 +19,8 @@ def lines(told: str) -> list[Any]:
     return [json.loads(line) for line in told.splitlines()]
 
 
-def test_every_tick_up_to_victory_is_told(command: Command, level: Path, ahead: Path) -> None:
-    told = command("trace", level, ahead)
+def test_every_tick_up_to_victory_is_told(short: Callable[..., Told]) -> None:
+    told = short("trace")
     found = lines(told.out)
     assert (told.status, told.err) == (0, "")
     assert [line["tick"] for line in found] == list(range(1, len(found) + 1))
@@ -41,11 +42,9 @@ def test_it_ends_after_the_given_ticks(command: Command, level: Path, still: Pat
     assert len(lines(told.out)) == 3
 
 
-def test_the_rows_of_predicates_are_told(command: Command, level: Path, ahead: Path) -> None:
+def test_the_rows_of_predicates_are_told(short: Callable[..., Told], ahead: Path) -> None:
     ahead.write_text(ahead.read_text() + NEAR)
-    first, second = lines(
-        command("trace", level, ahead, "--ticks", 2, "--predicates", "Near, Robot").out
-    )
+    first, second = lines(short("trace", "--ticks", 2, "--predicates", "Near, Robot").out)
     assert first["predicates"]["Near"]["rows"] == []
     near = second["predicates"]["Near"]
     assert near["columns"] == ["robot_name", "d"]
@@ -63,11 +62,9 @@ def test_one_robot_only(command: Command, ahead: Path) -> None:
     assert list(line["sensors"]) == list(line["memories"]) == [second]
 
 
-def test_unknown_names_are_refused_before_the_run(
-    command: Command, level: Path, ahead: Path
-) -> None:
+def test_unknown_names_are_refused_before_the_run(short: Callable[..., Told]) -> None:
     for option, name in (("--robot", "Pop"), ("--predicates", "Robbot")):
-        told = command("trace", level, ahead, option, name)
+        told = short("trace", option, name)
         assert told.status == 2
         assert f"no {option[2:].removesuffix('s')} {name}" in told.err
         assert "There is" in told.err or "There are" in told.err
