@@ -188,7 +188,7 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize(
-    "typed", ["levels", "run 01-first-steps first-steps --json", "run nowhere nothing --json"]
+    "typed", ["levels", "run 01-first-steps first-steps --ticks 5", "run nowhere nothing --json"]
 )
 def test_a_full_disk_is_said_where_output_goes_there(typed: str) -> None:
     command = f"{sys.executable} -m logical_robots_tui {typed} > /dev/full"

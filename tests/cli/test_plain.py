@@ -26,9 +26,9 @@ STILL = AHEAD.splitlines()[0].replace("0.5", "0")
 
 @pytest.fixture
 def typed(
-    command: Command, monkeypatch: pytest.MonkeyPatch, level: Path, tmp_path: Path
+    command: Command, monkeypatch: pytest.MonkeyPatch, level: Path, ahead: Path
 ) -> TypedCommand:
-    return TypedCommand(command, monkeypatch, level, tmp_path / "program.l")
+    return TypedCommand(command, monkeypatch, level, ahead)
 
 
 class TypedCommand:
@@ -40,8 +40,8 @@ class TypedCommand:
         self._command, self._monkeypatch = command, monkeypatch
         self._level, self.program = level, program
 
-    def __call__(self, *lines: str) -> Told:
-        return self.play(*lines, options=(self._level, self.program))
+    def __call__(self, *lines: str, options: tuple[object, ...] = ()) -> Told:
+        return self.play(*lines, options=(self._level, self.program, *options))
 
     def play(self, *lines: str, options: tuple[object, ...] = ()) -> Told:
         self._monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
@@ -59,8 +59,7 @@ def test_a_name_that_the_level_lacks_is_told_at_the_start(typed: TypedCommand) -
     )
 
 
-def test_events_are_told_in_lines(typed: TypedCommand, ahead: Path) -> None:
-    typed.program = ahead
+def test_events_are_told_in_lines(typed: TypedCommand) -> None:
     told = typed("run", "run 200", "back 2", "where", "restart", "step 2")
     lines = told.out.splitlines()
     assert told.status == 0
@@ -78,8 +77,7 @@ def test_events_are_told_in_lines(typed: TypedCommand, ahead: Path) -> None:
     assert lines[-2:] == ["Tick 0.", "Tick 2."]
 
 
-def test_what_can_not_be_done_is_said(typed: TypedCommand, ahead: Path) -> None:
-    typed.program = ahead
+def test_what_can_not_be_done_is_said(typed: TypedCommand) -> None:
     words = ("jump", "step many", "back 3", "stop Nobody", "stop (", "goto", "where 3", "", "quit")
     told = typed(*words, "step").out
     assert "Type goto N.\nType where.\n" in told
@@ -107,7 +105,6 @@ def test_a_run_stops_where_it_is_asked_to(typed: TypedCommand) -> None:
 def test_the_program_is_read_again_and_one_that_does_not_compile_is_mended(
     typed: TypedCommand, ahead: Path
 ) -> None:
-    typed.program = ahead
     assert "The robots will use it from the next tick." in typed("apply").out
     ahead.write_text("Robot(", encoding="utf-8")
     told = typed("run", "line 1 " + AHEAD.replace("\n", " "), "apply", "step")
@@ -139,7 +136,7 @@ def test_a_victory_is_kept_but_for_that_of_the_reference_program(
     typed: TypedCommand, level: Path, ahead: Path, tmp_path: Path
 ) -> None:
     data = ("--data-dir", tmp_path / "data")
-    told = typed.play("run", options=(level, ahead, *data)).out
+    told = typed("run", options=data).out
     assert "The victory is saved in your progress." in told
     by_the_book = typed.play("run", options=("01-first-steps", "first-steps", *data)).out
     assert "Won by a reference program: not counted." in by_the_book
@@ -181,11 +178,10 @@ def test_goals_of_one_name_are_told_apart(level: Path) -> None:
 def test_where_nothing_can_be_kept_no_victory_is_said_to_be_kept(
     typed: TypedCommand, ahead: Path, tmp_path: Path
 ) -> None:
-    typed.program = ahead
     in_the_way = tmp_path / "in the way"
     in_the_way.write_text("")
     data = ("--data-dir", in_the_way / "data")
-    told = typed.play("run", options=(typed._level, ahead, *data)).out
+    told = typed("run", options=data).out
     assert "The victory only counts until you leave" in told
     assert "is kept in your progress" not in told
 
@@ -205,8 +201,7 @@ def lesson(level: Path) -> Path:
     return level
 
 
-def test_every_command_is_in_the_help_and_no_other(typed: TypedCommand, ahead: Path) -> None:
-    typed.program = ahead
+def test_every_command_is_in_the_help_and_no_other(typed: TypedCommand) -> None:
     told = typed("help").out
     for command in COMMANDS:
         assert f"\n{command.typed} " in told
@@ -215,7 +210,6 @@ def test_every_command_is_in_the_help_and_no_other(typed: TypedCommand, ahead: P
 
 @pytest.mark.usefixtures("lesson")
 def test_a_player_learns_in_lines(typed: TypedCommand, ahead: Path) -> None:
-    typed.program = ahead
     told = typed("hint", "lesson", "hint", "hint", "run", "lesson", "results").out
     assert told.count("Hint 1: It is not far.\n") == 1
     assert "Hint 2: It is straight ahead.\nThere are no more.\nIt is not far.\n" in told
@@ -227,12 +221,11 @@ def test_a_player_learns_in_lines(typed: TypedCommand, ahead: Path) -> None:
 
 
 def test_a_player_answers_the_questions_of_a_lesson_in_lines(
-    typed: TypedCommand, ahead: Path, lesson: Path
+    typed: TypedCommand, lesson: Path
 ) -> None:
     answer = "Way(sensor.forward_distance) :- Sensor(sensor:)"
     asked = f'{{ask = "How far?", answer = "{answer}", ticks = [0, 5]}}'
     lesson.write_text(f"questions = [{asked}]\n{lesson.read_text('utf-8')}", "utf-8")
-    typed.program = ahead
     told = typed(
         "lesson",
         "answer 1 Way(43);",
@@ -256,11 +249,9 @@ def test_hints_stay_revealed_and_a_level_without_texts_says_so(
     typed: TypedCommand, ahead: Path, lesson: Path, tmp_path: Path
 ) -> None:
     data = ("--data-dir", tmp_path / "data")
-    typed.play("hint", options=(lesson, ahead, *data))
-    assert "Hint 2: It is straight" in typed.play("hint", options=(lesson, ahead, *data)).out
-    told = typed.play(
-        "level 16-high-ground", "lesson", "hint", "reset", options=(lesson, ahead, *data)
-    )
+    typed("hint", options=data)
+    assert "Hint 2: It is straight" in typed("hint", options=data).out
+    told = typed("level 16-high-ground", "lesson", "hint", "reset", options=data)
     assert "High ground\n" in told.out
 
 
@@ -289,7 +280,6 @@ def test_a_player_inspects_in_lines(typed: TypedCommand) -> None:
 
 
 def test_a_program_is_edited_in_lines(typed: TypedCommand, ahead: Path, tmp_path: Path) -> None:
-    typed.program = ahead
     told = typed("insert 1 # Mine.", "program", "apply", "save edited", "line 1", "apply").out
     assert "Type apply, and the robots will use it.\n1: # Mine.\n2: Robot(" in told
     assert told.count("The robots will use it from the next tick.") == 2
@@ -297,8 +287,7 @@ def test_a_program_is_edited_in_lines(typed: TypedCommand, ahead: Path, tmp_path
     assert file.read_text("utf-8") == f"# Mine.\n{ahead.read_text('utf-8')}"
 
 
-def test_a_mistake_is_told_once_and_the_robots_go_on(typed: TypedCommand, ahead: Path) -> None:
-    typed.program = ahead
+def test_a_mistake_is_told_once_and_the_robots_go_on(typed: TypedCommand) -> None:
     told = typed("line 1 Robot(", "apply", "step", "where").out
     assert told.count("Line 1: ") == 1
     assert "Tick 1.\nPip: at " in told
@@ -308,7 +297,6 @@ def test_a_mistake_is_told_once_and_the_robots_go_on(typed: TypedCommand, ahead:
 def test_earlier_versions_and_the_starter_come_back(
     typed: TypedCommand, ahead: Path, lesson: Path
 ) -> None:
-    typed.program = ahead
     starter = load_program("first-steps-starter").text.splitlines()[0]
     told = typed("reset", "yes", "program", "versions", "versions 1", "program", "versions 77").out
     assert "The starter program is back." in told
@@ -320,8 +308,7 @@ def test_earlier_versions_and_the_starter_come_back(
     assert "There is no version 77." in told
 
 
-def test_a_player_goes_on_to_other_levels_and_programs(typed: TypedCommand, ahead: Path) -> None:
-    typed.program = ahead
+def test_a_player_goes_on_to_other_levels_and_programs(typed: TypedCommand) -> None:
     told = typed(
         "level 01-first-steps",
         "next",
@@ -340,17 +327,17 @@ def test_a_player_goes_on_to_other_levels_and_programs(typed: TypedCommand, ahea
 def test_unsaved_text_is_offered_and_any_other_line_leaves_the_question_open(
     typed: TypedCommand, ahead: Path, level: Path, tmp_path: Path
 ) -> None:
-    options = (level, ahead, "--data-dir", tmp_path / "data")
-    typed.play("line 1 # Unfinished(", options=options)
-    told = typed.play("where", options=options).out
+    options = ("--data-dir", tmp_path / "data")
+    typed("line 1 # Unfinished(", options=options)
+    told = typed("where", options=options).out
     assert "Unsaved text. Continue with your unsaved text of “ahead” from" in told
     assert (
         "Type one of these. yes: Yes, continue; no: No, set it aside; show: Show it.\nPip" in told
     )
-    told = typed.play("show", "yes", "program", options=options).out
+    told = typed("show", "yes", "program", options=options).out
     assert told.count("# Unfinished(") == 2
-    assert typed.play("no", "program", options=options).out.count("# Unfinished(") == 0
-    assert "Unsaved text" not in typed.play("program", options=options).out
+    assert typed("no", "program", options=options).out.count("# Unfinished(") == 0
+    assert "Unsaved text" not in typed("program", options=options).out
 
 
 def test_solutions_are_shown_to_those_who_insist(typed: TypedCommand) -> None:
@@ -363,10 +350,7 @@ def test_solutions_are_shown_to_those_who_insist(typed: TypedCommand) -> None:
     assert first in typed.play("solution", "yes", options=options).out
 
 
-def test_the_past_is_gone_to_and_another_future_switched_to(
-    typed: TypedCommand, ahead: Path
-) -> None:
-    typed.program = ahead
+def test_the_past_is_gone_to_and_another_future_switched_to(typed: TypedCommand) -> None:
     told = typed(
         *("step 5", "goto 2", "where", "goto 77", "other", "line 1", "insert 1 " + STILL, "apply"),
         *("step 2", "other", "step 1"),
