@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -37,22 +38,25 @@ def problems(folder: Path, text: str) -> list[str]:
     return [problem.removeprefix(f"{folder}/") for problem in caught.value.problems]
 
 
-def test_unknown_keys_and_wrong_names_of_an_assignment_are_told_together(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("plan", "text", "lines"),
+    [
+        (
+            plan_grading,
+            '[assignment]\ntitel = "x"\nstarts = -3\n[[level]]\nname = "99-none"\n',
+            ["2", "3", "5"],
+        ),
+        (plan_tournament, '[tournament]\nlevel = "16-nope"\ntitel = "x"\n', ["2", "3"]),
+    ],
+)
+def test_unknown_keys_and_wrong_names_are_told_together(
+    tmp_path: Path, plan: Callable[[Path, Path], object], text: str, lines: list[str]
+) -> None:
     file = tmp_path / "a.toml"
-    file.write_text(
-        '[assignment]\ntitel = "x"\nstarts = -3\n[[level]]\nname = "99-none"\n', "utf-8"
-    )
+    file.write_text(text, "utf-8")
     with pytest.raises(TomlFileError) as caught:
-        plan_grading(file, tmp_path)
-    assert [problem.split(":")[-2] for problem in caught.value.problems] == ["2", "3", "5"]
-
-
-def test_a_tournament_is_refused_for_all_that_is_wrong_with_it(tmp_path: Path) -> None:
-    file = tmp_path / "t.toml"
-    file.write_text('[tournament]\nlevel = "16-nope"\ntitel = "x"\n', "utf-8")
-    with pytest.raises(TomlFileError) as caught:
-        plan_tournament(file, tmp_path)
-    assert [problem.split(":")[-2] for problem in caught.value.problems] == ["2", "3"]
+        plan(file, tmp_path)
+    assert [problem.split(":")[-2] for problem in caught.value.problems] == lines
 
 
 def test_all_that_is_wrong_is_said_with_its_line(tmp_path: Path) -> None:
@@ -74,15 +78,8 @@ won = 3
 [limit]
 """,
     )
-    assert [problem.split(": ")[0] for problem in found] == [
-        "e.toml:2",
-        "e.toml:4",
-        "e.toml:5",
-        "e.toml:8",
-        "e.toml:11",
-        "e.toml:13",
-        "e.toml:14",
-    ]
+    lines = [problem.split(": ")[0].removeprefix("e.toml:") for problem in found]
+    assert lines == ["2", "4", "5", "8", "11", "13", "14"]
     assert '"experiment.program" is missing' in found[0]
     assert 'Did you mean "ticks"?' in found[2]
 
