@@ -40,7 +40,7 @@ def scores(level: Level, programs: list[str]) -> tuple[float, ...]:
     texts = map(program_text, programs)
     program = Program.compile(dict(zip(names, texts, strict=True)))
     played = verdict(level, program, level.match_ticks or 0)
-    assert played.notices == ()
+    assert played.notices == {}
     return played.points
 
 

@@ -32,7 +32,7 @@ def away_from_start(moment: Moment) -> list[float]:
 @pytest.mark.parametrize(("program", "level"), EXAMPLES.items())
 def test_an_example_has_nothing_odd_and_moves_every_robot(program: str, level: str) -> None:
     assert shipped_program(program).warnings == ()
-    assert verdict(load_level(level), shipped_program(program), 100).notices == ()
+    assert verdict(load_level(level), shipped_program(program), 100).noticed(100) == set()
     *_, last = moments(level, program_text(program), 100)
     assert min(away_from_start(last)) > 5
 

@@ -189,7 +189,7 @@ def test_the_printed_program_finds_its_way_through_the_corridor() -> None:
 )
 def test_the_printed_program_thinks_without_failing(level: str) -> None:
     played = verdict(load_level(level), shipped_program(OBSTACLE_AVOIDER), 50)
-    assert "failed" not in played.notices
+    assert "failed" not in played.noticed(50)
 
 
 def test_a_program_begins_by_saying_what_it_shows() -> None:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 LARGEST = 10_000  # bytes of a verdict, with the names of a swarm
 MOST, MOST_BYTES = 4_000, 4_000_000
+HERE = digest_of_code([Path(__file__)], ())
 
 
 class Verdict(NamedTuple):
@@ -39,10 +40,14 @@ class Verdict(NamedTuple):
     circling: tuple[str, ...]
     """Robots that went round in circles at some time."""
     repeats: bool
-    notices: tuple[str, ...]
-    """The kinds of what was remarked of decisions."""
+    notices: dict[str, int]
+    """What was remarked of decisions: each kind, and its first tick."""
     points: tuple[float, ...]
     """What each team has at the end of a match, rounded as the screen does."""
+
+    def noticed(self, ticks: int) -> set[str]:
+        """The kinds of what was remarked in the first ticks."""
+        return {kind for kind, first in self.notices.items() if first <= ticks}
 
     def answers(self, ticks: int) -> bool:
         """Whether more ticks than were played say nothing new about so many."""
@@ -66,8 +71,7 @@ def folder() -> CacheFolder:
 
 def key_of(level: Level, program: Program) -> str:
     """The name of a verdict: a digest of all that it depends on, but for the ticks."""
-    here = digest_of_code([Path(__file__)], ())
-    return hashlib.sha256(here + run_key(level, program, Limits()).encode()).hexdigest()
+    return hashlib.sha256(HERE + run_key(level, program, Limits()).encode()).hexdigest()
 
 
 def read(name: str) -> Verdict | None:
@@ -82,14 +86,15 @@ def read(name: str) -> Verdict | None:
 
 def play(level: Level, program: Program, ticks: int) -> Verdict:
     """Play a level until it is won or repeats itself, for so many ticks at most."""
-    rounds, circling, notices = Rounds(), 0, set[str]()
+    rounds, circling, notices = Rounds(), 0, dict[str, int]()
     repetition = Repetition(level, program)
     last = start_frame(level)
 
     def is_over(frame: Frame, _mind: Mind) -> bool:
         nonlocal circling, last
         circling |= rounds.follow(frame.after.robots)
-        notices.update(notice.kind for each in frame.decisions for notice in each.notices)
+        for kind in (notice.kind for each in frame.decisions for notice in each.notices):
+            notices.setdefault(kind, frame.tick)
         last = frame
         return repetition.is_reached(frame)
 
@@ -101,7 +106,7 @@ def play(level: Level, program: Program, ticks: int) -> Verdict:
         played.is_blocked,
         tuple(robot.name for i, robot in enumerate(level.robots) if circling >> i & 1),
         played.won_at is None and played.ticks < ticks,
-        tuple(sorted(notices)),
+        notices,
         tuple(round(sum(parts), 2) for parts in points(level, last.after).values()),
     )
 
