@@ -77,30 +77,30 @@ def test_a_reference_does_as_well_as_was_measured_and_never_goes_in_circles(
     assert found == expected._replace(wins=None, starts=0, goals=at_once), "run `make measures`"
 
 
-def test_the_table_measures_every_reference_and_each_is_the_best_at_what_it_is_called() -> None:
-    for name in LEVELS:
-        table, solution = reference_table()[name], solution_of(name)
-        assert list(table) == references_of(name)
-        assert len(table) >= 3
-        assert {measures.starts for measures in table.values()} == {STARTS} == {20}
-        assert (measured(name).wins or 0) >= 19, name
-        assert measured(name).ticks * len(load_level(name).robots) < THOUGHTS_OF_A_SOLUTION, name
-        for word, field in RECORDS.items():
-            best = min(getattr(measures, field) for measures in table.values())
-            holder = table.get(f"{solution}-{word}")  # where there is none, another one is best
-            assert holder is None or getattr(holder, field) == best, (name, word)
+@each_level
+def test_every_reference_is_measured_and_the_best_at_what_it_is_called(name: str) -> None:
+    table, solution = reference_table()[name], solution_of(name)
+    assert list(table) == references_of(name)
+    assert len(table) >= 3
+    assert {measures.starts for measures in table.values()} == {STARTS} == {20}
+    assert (measured(name).wins or 0) >= 19
+    assert measured(name).ticks * len(load_level(name).robots) < THOUGHTS_OF_A_SOLUTION
+    for word, field in RECORDS.items():
+        best = min(getattr(measures, field) for measures in table.values())
+        holder = table.get(f"{solution}-{word}")  # where there is none, another one is best
+        assert holder is None or getattr(holder, field) == best, word
 
 
-def test_each_second_goal_is_reached_by_a_reference_and_not_by_the_solution() -> None:
+@each_level
+def test_each_second_goal_is_reached_by_a_reference_and_not_by_the_solution(name: str) -> None:
     """But for that of all starts, which every reference reaches."""
     starts = {SecondGoal("starts").words}
-    for name in LEVELS:
-        goals = {goal.words for goal in load_level(name).second_goals}
-        assert len(goals) == 2, name
-        reached = [set(measures.goals) for measures in reference_table()[name].values()]
-        assert set().union(*reached) == goals, name
-        assert set.intersection(*reached) <= starts, name
-        assert set(measured(name).goals) <= starts, name
+    goals = {goal.words for goal in load_level(name).second_goals}
+    assert len(goals) == 2
+    reached = [set(measures.goals) for measures in reference_table()[name].values()]
+    assert set().union(*reached) == goals
+    assert set.intersection(*reached) <= starts
+    assert set(measured(name).goals) <= starts
 
 
 @pytest.mark.sampled
