@@ -21,6 +21,7 @@ EXPRESSIONS = {
     "Greatest(1, 3, 2)": 3,
     "Least(1, 3, 2)": 1,
     '"a" ++ "b"': "ab",
+    '"it\'s [bold]"': "it's [bold]",
     'Upper("abc")': "ABC",
     'Length("abc")': 3,
     'Substr("hello", 2, 3)': "ell",

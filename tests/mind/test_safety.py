@@ -37,14 +37,6 @@ def test_a_refusal_reaches_the_player_as_a_notice_without_sql(program: Program) 
     )
 
 
-def test_terminal_codes_in_a_memory_stay_data() -> None:
-    mind = Mind(Program.compile(ROBOT + "Memory(robot_name:, memory:), m = memory;"))
-    nasty = "\x1b]0;owned\x07[red]"
-    (decision,) = mind.think([row("Ada")], {"Ada": nasty})
-    mind.close()
-    assert decision.memory == nasty
-
-
 NUMBERS = "WITH RECURSIVE t_0_N(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM t_0_N) "
 BIG = "printf('%1900000s', 'x')"
 ENDLESS = NUMBERS + "SELECT count(*) FROM t_0_N"
@@ -246,10 +238,3 @@ def test_a_text_with_nul_is_read_as_it_was_written(text: str) -> None:
     assert "\N{REPLACEMENT CHARACTER}" in first["written"]
     then: Any = think(program, [row("Ada")], {"Ada": first})[0].memory
     assert then["read"] == first["written"]
-
-
-def test_numbers_beyond_64_bits_are_numbers_still(program: Program) -> None:
-    mind = Mind(Program.compile(ROBOT + "Memory(robot_name:, memory:), m = memory;"))
-    (decision,) = mind.think([row("Ada")], {"Ada": 2**70})
-    assert decision.memory == float(2**70)
-    mind.close()

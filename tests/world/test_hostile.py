@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from typing import TYPE_CHECKING
@@ -82,13 +81,6 @@ def test_files_of_the_kernel_are_neither_levels_nor_programs(path: str) -> None:
         load_level(path)
     with pytest.raises(InputError):
         load_program(path)
-
-
-def test_a_pipe_is_not_a_level_and_is_not_waited_for(tmp_path: Path) -> None:
-    pipe = tmp_path / "level.toml"
-    os.mkfifo(pipe)
-    with pytest.raises(LevelError, match="not a regular file"):
-        load_level(pipe)
 
 
 def test_a_way_to_the_kernel_through_a_link_is_none(tmp_path: Path) -> None:

@@ -100,12 +100,14 @@ def test_a_path_is_never_taken_for_a_name(tmp_path: Path, monkeypatch: pytest.Mo
     assert refusal(Path("02-maze")).message == "There is no such file."
 
 
-def test_a_missing_file_asks_which_one_was_meant(tmp_path: Path) -> None:
+def test_a_missing_file_shows_its_place_and_asks_which_one_was_meant(tmp_path: Path) -> None:
     (tmp_path / "maze.toml").write_text(SMALL)
     error = refusal(tmp_path / "mase.toml")
+    assert isinstance(error, InputError)
     assert error.place == str(tmp_path / "mase.toml")
     assert error.message == "There is no such file."
     assert error.hint == 'Did you mean "maze.toml"?'
+    assert str(error) == f"{error.place}: {error.message} {error.hint}"
 
 
 def test_a_missing_folder_is_a_missing_file(tmp_path: Path) -> None:
@@ -159,13 +161,6 @@ def test_without_a_known_ending_the_first_character_decides(tmp_path: Path) -> N
     (tmp_path / "web").write_text("\n  " + WEB)
     assert load_level(str(tmp_path / "native.txt")).title == "Small"
     assert load_level(tmp_path / "web").name == "web"
-
-
-def test_a_level_error_is_an_input_error_that_shows_place_message_and_hint(tmp_path: Path) -> None:
-    (tmp_path / "maze.toml").write_text(SMALL)
-    error = refusal(tmp_path / "mase.toml")
-    assert isinstance(error, InputError)
-    assert str(error) == f'{tmp_path}/mase.toml: There is no such file. Did you mean "maze.toml"?'
 
 
 def test_a_question_names_what_is_nearest_or_nothing_at_all() -> None:

@@ -162,49 +162,41 @@ def test_a_crowd_of_several_passes_sees_what_the_plain_rays_see(apart: float) ->
     assert world.look() == plain_look(world)
 
 
-def test_a_robot_30_ahead_reads_22() -> None:
-    assert forward(make_level([HERE, Robot("Bob", 80.5, 50.5)])) == (22, "robot", "Bob")
+SOLID = Area("boulder", 80.5, 50.5, 10, impenetrable=True)
+NOTHING = (200, "none", "nothing")
+AHEAD = {
+    "a robot 30 ahead": (make_level([HERE, Robot("Bob", 80.5, 50.5)]), (22, "robot", "Bob")),
+    "a beacon 30 ahead": (
+        make_level([HERE], beacons=[Beacon("lamp", 80.5, 50.5)]),
+        (23, "beacon", "lamp"),
+    ),
+    "a solid area is a wall": (make_level([HERE], areas=[SOLID]), (21, "wall", "boulder")),
+    "a solid area that is off": (
+        make_level([HERE], areas=[replace(SOLID, on_beacon="lamp")]),
+        NOTHING,
+    ),
+    "an area that is not solid": (
+        make_level([HERE], areas=[replace(SOLID, impenetrable=False)]),
+        NOTHING,
+    ),
+    "a solid area without size, even where a robot stands on it": (
+        make_level([HERE], areas=[Area("dot", HERE.x, HERE.y, 0, impenetrable=True)]),
+        NOTHING,
+    ),
+    "a wall at the first step into its cell": (
+        make_level([HERE], walls=[(60, 50)]),
+        (10, "wall", "wall"),
+    ),
+    "199 ahead": (make_level([HERE], walls=[(249, 50)]), (199, "wall", "wall")),
+    "and no further": (make_level([HERE], walls=[(250, 50)]), NOTHING),
+    "the rim of the map": (make_level([HERE], width=70), (20, "wall", "wall")),
+}
 
 
-def test_a_beacon_30_ahead_reads_23() -> None:
-    assert forward(make_level([HERE], beacons=[Beacon("lamp", 80.5, 50.5)])) == (
-        23,
-        "beacon",
-        "lamp",
-    )
-
-
-def test_a_solid_area_is_seen_as_a_wall_with_its_name() -> None:
-    area = Area("boulder", 80.5, 50.5, 10, impenetrable=True)
-    assert forward(make_level([HERE], areas=[area])) == (21, "wall", "boulder")
-
-
-def test_a_solid_area_that_is_off_is_not_seen() -> None:
-    area = Area("boulder", 80.5, 50.5, 10, impenetrable=True, on_beacon="lamp")
-    assert forward(make_level([HERE], areas=[area])) == (200, "none", "nothing")
-
-
-def test_an_area_that_is_not_solid_is_not_seen() -> None:
-    area = Area("field", 80.5, 50.5, 10)
-    assert forward(make_level([HERE], areas=[area])) == (200, "none", "nothing")
-
-
-def test_a_solid_area_without_size_is_not_seen_even_where_a_robot_stands_on_it() -> None:
-    area = Area("dot", HERE.x, HERE.y, 0, impenetrable=True)
-    assert forward(make_level([HERE], areas=[area])) == (200, "none", "nothing")
-
-
-def test_a_wall_is_read_at_the_first_step_into_its_cell() -> None:
-    assert forward(make_level([HERE], walls=[(60, 50)])) == (10, "wall", "wall")
-
-
-def test_a_ray_reaches_199_and_no_further() -> None:
-    assert forward(make_level([HERE], walls=[(249, 50)])) == (199, "wall", "wall")
-    assert forward(make_level([HERE], walls=[(250, 50)])) == (200, "none", "nothing")
-
-
-def test_the_rim_of_the_map_is_seen_as_a_wall() -> None:
-    assert forward(make_level([HERE], width=70)) == (20, "wall", "wall")
+def test_what_is_ahead_is_seen_at_its_distance() -> None:
+    assert {what: forward(level) for what, (level, _) in AHEAD.items()} == {
+        what: seen for what, (_, seen) in AHEAD.items()
+    }
 
 
 def test_a_robot_outside_the_map_sees_walls_at_1_all_around() -> None:
