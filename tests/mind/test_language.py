@@ -70,8 +70,10 @@ NULL = [
 
 
 def test_an_expression_has_its_value_and_null_gives_null() -> None:
-    values = all_remembered([*EXPRESSIONS, *NULL])
-    assert values == {**EXPRESSIONS, **dict.fromkeys(NULL)}
+    expected = {**EXPRESSIONS, **dict.fromkeys(NULL)}
+    for start in range(0, len(expected), 14):  # more in one program are slower
+        some = dict([*expected.items()][start : start + 14])
+        assert all_remembered(some) == some
 
 
 RULES = """

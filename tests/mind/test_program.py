@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.mind import Program, ProgramError, compilation
-from tests.mind.rows import PAPER, ROBOT, remembered, row, think
+from tests.mind.rows import PAPER, ROBOT, remembered
 
 GOOD = ROBOT + "m = 1;"
 M = len(ROBOT) + 1  # column of what follows
@@ -89,19 +89,6 @@ def test_a_program_may_define_what_the_prelude_has() -> None:
     own = "WeightedAverage(pair) = Sum(pair.arg) * 100;"
     assert remembered("WeightedAverage{1 -> x :- x in [5, 6]}", rules=own) == 200
     assert remembered("WeightedAverage{1 -> x :- x in [5, 6]}") == 5.5
-
-
-def test_recursion_reaches_as_deep_as_on_duckdb() -> None:
-    rules = (
-        "Step(0); Step(n + 1) :- Step(n), n < 60;\nFar(m? Max= n) distinct :- Step(n);\n"
-        "TheFar() = m :- Far(m:);"
-    )
-    for text, depth in ((rules, 32), ("@Recursive(Step, 50);" + rules, 50)):
-        (decision,) = think(f"{text}\n{ROBOT}m = TheFar();", [row("Ada")], {})
-        assert decision.memory == depth
-        (notice,) = decision.notices
-        assert notice.kind == "recursion"
-        assert f"recursion of Step was still growing after {depth} steps" in notice.message
 
 
 def test_a_recursion_that_comes_to_its_end_is_met_with_silence() -> None:

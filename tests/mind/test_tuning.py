@@ -120,8 +120,18 @@ def test_sensors_of_another_shape_are_thought_about_too(change: Any) -> None:
     think(text, rows, {})
 
 
-@pytest.mark.parametrize("memory", ["own", "seen", "all"])
-@pytest.mark.parametrize("sensor", ["own", "all"])
+@pytest.mark.parametrize(
+    ("memory", "sensor"),
+    [
+        ("own", "own"),
+        ("seen", "all"),
+        ("all", "own"),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (("own", "all"), ("seen", "own"), ("all", "all"))
+        ),
+    ],
+)
 def test_a_crowd_is_thought_about_as_a_few_are(memory: Any, sensor: Any) -> None:
     text = f"""
     Known(robot_name:, turn: memory.turn) :- Memory(robot_name:, memory:);

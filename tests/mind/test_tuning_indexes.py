@@ -28,8 +28,18 @@ Ahead(robot_name:, far? Min= far) distinct :- Near(robot_name:, label:), Place(l
 """
 
 
-@pytest.mark.parametrize("visible", ["own", "seen", "all"])
-@pytest.mark.parametrize("robots", [3, 33])
+@pytest.mark.parametrize(
+    ("visible", "robots"),
+    [
+        ("own", 3),
+        ("seen", 33),
+        ("all", 3),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (("own", 33), ("seen", 3), ("all", 33))
+        ),
+    ],
+)
 def test_lists_are_joined_as_the_plain_way_does(visible: Any, robots: int) -> None:
     names = [f"R{i}" for i in range(robots)]
     rows = [

@@ -281,7 +281,7 @@ def typed(count: int) -> st.SearchStrategy[list[tuple[str, str]]]:
 @settings(
     max_examples=min(8, settings().max_examples // 2), deadline=None, suppress_health_check=relaxed
 )
-@given(typed(5) | graphs)
+@given(graphs | typed(4))
 def test_random_casts_texts_records_and_recursions_mean_the_same(
     tmp_path: Path, batch: list[tuple[str, str]]
 ) -> None:
