@@ -95,19 +95,33 @@ def test_a_program_that_needs_too_much_memory_to_compile_is_refused() -> None:
     assert Program.compile(ROBOT + "m = 12346;").statements
 
 
+ENDS = {
+    -signal.SIGSEGV: "too much memory",
+    -signal.SIGKILL: "too much memory",
+    compilation.NO_MEMORY: "too much memory",
+    -signal.SIGPROF: "took longer than 30 seconds",
+    -signal.SIGTERM: "gave up",
+}
+
+
+def test_the_end_of_a_compile_process_is_told_by_its_cause() -> None:
+    for status, message in ENDS.items():
+        assert message in str(compilation._ended(status, Limits())), status
+
+
 @pytest.mark.parametrize(
-    ("ended_by", "message"),
+    "ended_by",
     [
-        pytest.param(signal.SIGSEGV, "too much memory", marks=pytest.mark.slow),
-        (signal.SIGKILL, "too much memory"),
-        (signal.SIGTERM, "gave up"),
+        signal.SIGTERM,
+        pytest.param(signal.SIGSEGV, marks=pytest.mark.slow),
+        pytest.param(signal.SIGKILL, marks=pytest.mark.slow),
     ],
 )
 def test_a_compile_process_that_ends_while_compiling_is_told_by_its_cause(
-    ended_by: signal.Signals, message: str
+    ended_by: signal.Signals,
 ) -> None:
     working = process()
-    with pytest.raises(ProgramError, match=message):
+    with pytest.raises(ProgramError, match=ENDS[-ended_by]):
         Program.compile(HEAVY, report=lambda *_: working.send_signal(ended_by))
     assert Program.compile(ROBOT + "m = 779;").statements
 

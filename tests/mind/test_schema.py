@@ -81,6 +81,7 @@ USES = """if True:
 """
 
 
+@pytest.mark.slow
 def test_a_field_that_is_added_to_the_schema_arrives_everywhere(tmp_path: Path) -> None:
     package = Path(logical_robots_tui.__file__).parent
     for folder in (package, package.parent / "docs"):

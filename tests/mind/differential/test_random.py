@@ -235,7 +235,7 @@ relaxed = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 
 
 @settings(
-    max_examples=min(25, settings().max_examples), deadline=None, suppress_health_check=relaxed
+    max_examples=min(20, settings().max_examples // 2), deadline=None, suppress_health_check=relaxed
 )
 @given(columns)
 def test_random_expressions_mean_the_same(tmp_path: Path, expressions: dict[str, str]) -> None:
