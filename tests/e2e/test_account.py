@@ -1,42 +1,27 @@
-"""What docs/ssh.md says of the account for a class, and of file transfers, is so."""
+"""What docs/ssh.md says of the account for a class, and of its bounds, is so."""
 
 from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.e2e.test_class import recipe
-from tests.installed import CHECKOUT
+from tests.e2e.test_class import recipe, words_of
 from tests.sshd import SSHD, Server
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from tests.installed import Installed
-
-pytestmark = pytest.mark.skipif(
-    SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
-)
-
-
-def run(command: list[str]) -> subprocess.CompletedProcess[str]:
-    """Run a client without input."""
-    return subprocess.run(
-        command,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
-
 
 @pytest.mark.slow
+@pytest.mark.skipif(
+    SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
+)
 def test_sshd_prints_nothing_when_the_account_logs_in_to_a_home_it_cannot_change(
     tmp_path: Path,
 ) -> None:
@@ -51,23 +36,51 @@ def test_sshd_prints_nothing_when_the_account_logs_in_to_a_home_it_cannot_change
     config = f"Match User robots\nAuthorizedKeysFile /srv/keys\nForceCommand {command}\n"
     inside = ("unshare", "-m", "sh", "-c", makes, "sh")
     with Server(tmp_path, config, inside=inside) as server:
-        done = run(server.client("-l", "robots"))
+        done = subprocess.run(
+            server.client("-l", "robots"),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE,
+        )
     assert (done.returncode, done.stdout, done.stderr) == (0, "/var/empty\n", "")
 
 
-@pytest.mark.parametrize(
-    ("how", "said"), [("-O", "game needs a terminal"), ("-s", "Connection closed")]
-)
-def test_scp_copies_nothing_and_prints_what_the_page_says(
-    how: str, said: str, installed: Installed, tmp_path: Path
-) -> None:
-    assert said in (CHECKOUT / "docs/ssh.md").read_text()
-    game = f"ForceCommand {installed.command} play --restricted --data-dir {tmp_path / 'srv'}"
-    with Server(tmp_path, f"{game}\n") as server:
-        *options, host = server.client()[3:]
-        options[0] = "-P"
-        copied = tmp_path / "copied"
-        done = run(["scp", how, *options, "-F", "none", f"{host}:/etc/passwd", str(copied)])
-    assert done.returncode != 0
-    assert said in done.stderr
-    assert not copied.exists()
+def test_for_an_account_that_is_not_root_the_recipe_bounds_processes() -> None:
+    setpriv = shutil.which("setpriv")
+    if os.geteuid() != 0:
+        pytest.skip("the attempt to break out looks at it, for this account")
+    if setpriv is None or shutil.which("prlimit") is None:
+        pytest.skip("there is no setpriv or no prlimit, so root can't become somebody else")
+    nobody = [setpriv, "--reuid=64999", "--regid=64999", "--clear-groups"]
+    many = "i=0; while [ $i -lt 100 ]; do sleep 60 & i=$((i+1)); done; echo all"
+    with subprocess.Popen(
+        [*nobody, *words_of("bounds"), "--", "sh", "-c", many],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    ) as shell:
+        assert shell.wait(30) != 0
+        os.killpg(shell.pid, signal.SIGKILL)
+        assert shell.stdout is not None
+        assert "all" not in shell.stdout.read()
+
+
+@pytest.mark.slow
+def test_systemd_bounds_the_processes_of_a_scope() -> None:
+    scope = words_of("scope")
+    if shutil.which(scope[0]) is None:
+        pytest.skip("there is no systemd-run")
+    asks = "cat /sys/fs/cgroup$(cut -d: -f3 /proc/self/cgroup)/pids.max"
+    done = subprocess.run(
+        [*scope, "--", "sh", "-c", asks],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    if done.returncode:
+        pytest.skip(f"no systemd runs for this user: {done.stderr.strip()}")
+    assert done.stdout == "64\n"

@@ -7,7 +7,6 @@ import json
 import os
 import re
 import shutil
-import signal
 import socket
 import subprocess
 import sys
@@ -33,8 +32,7 @@ pytestmark = pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
 )
 
-NAMES = [f"player-{number}" for number in range(44)]
-TWELVE, THIRTY = NAMES[2:14], NAMES[14:]
+NAMES = [f"player-{number}" for number in range(30)]
 
 
 def recipe(kind: str) -> str:
@@ -65,8 +63,17 @@ class School:
         self, *options: str, words: tuple[str, ...] = (), typed: str = ""
     ) -> subprocess.CompletedProcess[str]:
         """A client that wants something else."""
+        return self._run([*self.server.client(*options, player=NAMES[0]), *words], typed)
+
+    def scp(self, how: str, there: str, here: Path) -> subprocess.CompletedProcess[str]:
+        """Copy a file from the machine."""
+        *options, host = self.server.client(player=NAMES[0])[3:]
+        options[0] = "-P"
+        return self._run(["scp", how, *options, "-F", "none", f"{host}:{there}", str(here)])
+
+    def _run(self, command: list[str], typed: str = "") -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [*self.server.client(*options, player=NAMES[0]), *words],
+            command,
             input=typed,
             capture_output=True,
             text=True,
@@ -75,10 +82,9 @@ class School:
         )
 
 
-@pytest.fixture(scope="module")
-def school(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> Iterator[School]:
+@contextmanager
+def school_for(names: list[str], folder: Path, installed: Installed) -> Iterator[School]:
     """A machine on which the recipe was followed; the account is that of these tests."""
-    folder = tmp_path_factory.mktemp("school")
     config = recipe("sshd_config")
     for ours, theirs in (
         ("User robots", f"User {getpass.getuser()}"),
@@ -90,10 +96,17 @@ def school(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> It
         config = config.replace(ours, theirs)
     line = recipe("authorized_keys").strip().replace("ada", "{name}", 1)
     keys = line.replace(line[line.index("ssh-ed25519") :], "{key}")
-    with Server(folder, config, NAMES, keys) as server:
+    with Server(folder, config, names, keys) as server:
         yield School(server, folder / "srv" / "players")
 
 
+@pytest.fixture(scope="module")
+def school(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> Iterator[School]:
+    with school_for(NAMES[:2], tmp_path_factory.mktemp("school"), installed) as school:
+        yield school
+
+
+@pytest.mark.slow
 def test_each_player_has_the_game_and_a_folder_by_the_name_of_their_key(school: School) -> None:
     with school.seat(NAMES[0]) as ada, school.seat(NAMES[1], "-o", "SendEnv=LOGICAL_*") as ben:
         for terminal in (ada, ben):
@@ -110,17 +123,10 @@ def test_a_player_learns_and_inspects_in_lines_of_text(school: School) -> None:
     typed = "hint\nlook\nstep 3\nwhy\norigin\nask Robot\ndiagnose\nline 1 #\napply\nsave mine\nnext"
     done = school.ssh(words=("plain",), typed=typed)
     assert (done.returncode, done.stderr) == (0, "")
-    for words in (
-        *("First steps", "Hint 1: ", "ahead: ", "Robot for Ada at tick 3", "1. Ada's memory = "),
-        *(
-            "IN THE MIND OF",
-            "Ticks 1 to 3, not won.",
-            "will use it",
-            "Saved as mine in",
-            "Open space",
-        ),
-    ):
-        assert words in done.stdout
+    shown = """First steps; Hint 1: ; ahead: ; Robot for Ada at tick 3; 1. Ada's memory = ;
+        IN THE MIND OF; Ticks 1 to 3, not won.; will use it; Saved as mine in; Open space"""
+    for words in shown.split(";"):
+        assert words.strip() in done.stdout
     assert (school.players / NAMES[0] / "programs" / "mine.l").read_text().startswith("#\n")
 
 
@@ -138,6 +144,15 @@ def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
     school.ssh(words=("touch", str(stolen)))
     assert not stolen.exists()
     assert school.ssh("-s", words=("sftp",)).returncode != 0
+
+    said = {"-O": "game needs a terminal", "-s": "Connection closed"}
+    for how, words in said.items():
+        assert words in (CHECKOUT / "docs/ssh.md").read_text()
+        copied = tmp_path / "copied"
+        done = school.scp(how, "/etc/passwd", copied)
+        assert done.returncode != 0
+        assert words in done.stderr
+        assert not copied.exists()
 
     someone_else = "-o", "SetEnv=LOGICAL_ROBOTS_PLAYER=mallory"
     with school.seat(NAMES[0], *someone_else, "-o", "SetEnv=LD_PRELOAD=x.so") as terminal:
@@ -158,9 +173,10 @@ def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
 
 @pytest.mark.slow
 @pytest.mark.proof
-@pytest.mark.parametrize("names", [TWELVE, THIRTY], ids=["12", "30"])
-def test_a_class_plays_at_once(school: School, names: list[str]) -> None:
-    with ExitStack() as stack:
+@pytest.mark.parametrize("count", [12, 30])
+def test_a_class_plays_at_once(count: int, installed: Installed, tmp_path: Path) -> None:
+    names = NAMES[:count]
+    with school_for(names, tmp_path, installed) as school, ExitStack() as stack:
         crowd = Crowd([stack.enter_context(school.seat(name)) for name in names])
         crowd.play()
         crowd.edit()
@@ -297,27 +313,6 @@ def words_of(name: str) -> list[str]:
     return str(found).split()
 
 
-def test_for_an_account_that_is_not_root_the_recipe_bounds_processes() -> None:
-    setpriv = shutil.which("setpriv")
-    if os.geteuid() != 0:
-        pytest.skip("the attempt to break out looks at it, for this account")
-    if setpriv is None or shutil.which("prlimit") is None:
-        pytest.skip("there is no setpriv or no prlimit, so root can't become somebody else")
-    nobody = [setpriv, "--reuid=64999", "--regid=64999", "--clear-groups"]
-    many = "i=0; while [ $i -lt 100 ]; do sleep 60 & i=$((i+1)); done; echo all"
-    with subprocess.Popen(
-        [*nobody, *words_of("bounds"), "--", "sh", "-c", many],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        start_new_session=True,
-    ) as shell:
-        assert shell.wait(30) != 0
-        os.killpg(shell.pid, signal.SIGKILL)
-        assert shell.stdout is not None
-        assert "all" not in shell.stdout.read()
-
-
 @pytest.mark.parametrize("has_systemd", [True, False])
 def test_a_session_runs_in_a_scope_of_systemd_where_there_is_one(
     has_systemd: bool, wall: Path, tmp_path: Path
@@ -347,24 +342,6 @@ def test_a_session_runs_in_a_scope_of_systemd_where_there_is_one(
     assert len(calls) == (2 if has_systemd else 1)
     assert all(call.startswith(" ".join(words_of("scope")[1:])) for call in calls)
     assert not has_systemd or "-- bwrap --unshare-all" in calls[1]
-
-
-@pytest.mark.slow
-def test_systemd_bounds_the_processes_of_a_scope() -> None:
-    scope = words_of("scope")
-    if shutil.which(scope[0]) is None:
-        pytest.skip("there is no systemd-run")
-    asks = "cat /sys/fs/cgroup$(cut -d: -f3 /proc/self/cgroup)/pids.max"
-    done = subprocess.run(
-        [*scope, "--", "sh", "-c", asks],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
-    if done.returncode:
-        pytest.skip(f"no systemd runs for this user: {done.stderr.strip()}")
-    assert done.stdout == "64\n"
 
 
 def leads_anywhere(school: School, option: str, way: str) -> bool:

@@ -143,6 +143,7 @@ def test_on_a_slow_line_little_comes_before_the_effect_of_a_key(
         assert statistics.median(found) <= BEFORE_A_KEY, found
 
 
+@pytest.mark.slow
 def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> None:
     with Line(host.server.port) as line, Tmux(tmp_path, 120, 40) as tmux:
         ssh = host.server.client("-t", port=line.port)

@@ -42,6 +42,22 @@ def draft(text: str, path: str = "/p/mine.l") -> Draft:
     return Draft("program", "mine", path, text)
 
 
+def left(folder: Path, *drafts: Draft) -> None:
+    """Drafts that a session kept which has ended."""
+    session = Drafts(folder)
+    for each in drafts:
+        session.keep(each)
+    session.close()
+
+
+def offered(folder: Path, kind: Kind = "program") -> list[str]:
+    """The texts that the next session adopts."""
+    session = Drafts(folder)
+    texts = [kept.text for kept in session.adopt(kind)]
+    session.close()
+    return texts
+
+
 def held_by_another_process(folder: Path, text: str, *more: str) -> subprocess.Popen[str]:
     process = subprocess.Popen(
         [sys.executable, "-c", HOLD, str(folder), text, *more], stdout=subprocess.PIPE, text=True
@@ -59,17 +75,15 @@ def end(process: subprocess.Popen[str]) -> None:
 
 
 def test_what_a_session_kept_is_adopted_by_the_next(tmp_path: Path) -> None:
-    first = Drafts(tmp_path)
-    first.keep(draft("hello"))
-    first.close()
+    left(tmp_path, draft("hello"))
     second = Drafts(tmp_path)
-    [found] = second.adopt("program")
-    assert found == Draft("program", "mine", "/p/mine.l", "hello", found.saved)
+    [kept] = second.adopt("program")
+    assert kept == Draft("program", "mine", "/p/mine.l", "hello", kept.saved)
     assert second.get(("program", "/p/mine.l")) is None
-    assert second.take(("program", "/p/mine.l")) == found
+    assert second.take(("program", "/p/mine.l")) == kept
     assert second.take(("program", "/p/mine.l")) is None
-    assert second.get(("program", "/p/mine.l")) == found
-    assert Drafts(tmp_path).adopt("program") == []
+    assert second.get(("program", "/p/mine.l")) == kept
+    assert offered(tmp_path) == []
     second.close()
 
 
@@ -79,35 +93,33 @@ def test_kinds_of_one_path_are_kept_apart(tmp_path: Path) -> None:
         session.keep(Draft(kind, "mine", "/p/same", f"a {kind}"))
     session.drop(("level", "/p/same"))
     session.close()
-    other = Drafts(tmp_path)
-    assert [found.text for found in other.adopt("place")] == ["a place"]
-    assert [found.text for found in other.adopt("program")] == ["a program"]
-    assert other.adopt("level") == []
-    other.close()
+    assert offered(tmp_path, "place") == ["a place"]
+    assert offered(tmp_path) == ["a program"]
+    assert offered(tmp_path, "level") == []
 
 
-def test_when_the_clock_goes_backwards_the_draft_kept_last_is_the_newest(tmp_path: Path) -> None:
+def test_the_draft_kept_last_is_the_newest_and_comes_first_whatever_the_clock_says(
+    tmp_path: Path,
+) -> None:
     late, early = (datetime(year, 1, 1, tzinfo=UTC) for year in (2040, 2020))
     for text, saved in (("older", late), ("newest", early)):
-        session = Drafts(tmp_path)
-        session.keep(Draft("program", "mine", "/p/mine.l", text, saved))
-        session.keep(Draft("program", text, f"/p/{text}.l", text, saved))
-        session.close()
-    found = Drafts(tmp_path).adopt("program")
-    assert [each.text for each in found] == ["newest", "newest", "older", "older"]
-    assert [each.path for each in found][:2] == ["/p/newest.l", "/p/mine.l"]
+        mine = Draft("program", "mine", "/p/mine.l", text, saved)
+        left(tmp_path, mine, Draft("program", text, f"/p/{text}.l", text, saved))
+    session = Drafts(tmp_path)
+    kept = session.adopt("program")
+    session.close()
+    assert [each.text for each in kept] == ["newest", "newest", "older", "older"]
+    assert [each.path for each in kept][:2] == ["/p/newest.l", "/p/mine.l"]
 
 
 def test_what_was_adopted_and_not_taken_is_there_for_the_next(tmp_path: Path) -> None:
-    first = Drafts(tmp_path)
-    first.keep(draft("hello"))
-    first.close()
+    left(tmp_path, draft("hello"))
     second = Drafts(tmp_path)
     second.adopt("program")
     second.drop(("program", "/p/mine.l"))
     second.close()
     third = Drafts(tmp_path)
-    assert [found.text for found in third.adopt("program")] == ["hello"]
+    assert [kept.text for kept in third.adopt("program")] == ["hello"]
     third.keep(draft("typed meanwhile"))
     assert third.take(("program", "/p/mine.l")) == third.get(("program", "/p/mine.l"))
     third.close()
@@ -148,9 +160,7 @@ def test_a_session_alive_keeps_its_own_and_a_killed_one_leaves_it(tmp_path: Path
 def test_a_child_that_a_session_forked_does_not_hold_its_drafts(tmp_path: Path) -> None:
     process = held_by_another_process(tmp_path, "typed", "fork")
     end(process)
-    session = Drafts(tmp_path)
-    assert [found.text for found in session.adopt("program")] == ["typed"]
-    session.close()
+    assert offered(tmp_path) == ["typed"]
 
 
 def test_two_sessions_at_once_do_not_take_from_each_other(tmp_path: Path) -> None:
@@ -161,19 +171,7 @@ def test_two_sessions_at_once_do_not_take_from_each_other(tmp_path: Path) -> Non
     assert second.adopt("program") == []
     first.close()
     second.close()
-    third = Drafts(tmp_path)
-    assert [found.text for found in third.adopt("program")] == ["two", "one"]
-    third.close()
-
-
-def test_the_newest_comes_first(tmp_path: Path) -> None:
-    session = Drafts(tmp_path)
-    for number in range(3):
-        session.keep(draft(f"text {number}", f"/p/{number}.l"))
-    session.close()
-    other = Drafts(tmp_path)
-    assert [found.path for found in other.adopt("program")] == ["/p/2.l", "/p/1.l", "/p/0.l"]
-    other.close()
+    assert offered(tmp_path) == ["two", "one"]
 
 
 def test_dropped_and_put_away_drafts_are_not_offered_again(tmp_path: Path) -> None:
@@ -188,7 +186,7 @@ def test_dropped_and_put_away_drafts_are_not_offered_again(tmp_path: Path) -> No
     assert [found.text for found in other.adopt("program")] == ["b"]
     other.put_away(draft("b", "/p/other.l"))
     other.close()
-    assert Drafts(tmp_path).adopt("program") == []
+    assert offered(tmp_path) == []
     [old] = (tmp_path / "old").iterdir()
     assert json.loads(old.read_text())["text"] == "b"
 
@@ -201,14 +199,12 @@ def test_an_earlier_draft_does_not_replace_a_later_one(tmp_path: Path) -> None:
     session.keep(draft("early"), turn)
     assert session.get(("program", "/p/mine.l")) == late
     session.close()
-    assert [found.text for found in Drafts(tmp_path).adopt("program")] == ["late"]
+    assert offered(tmp_path) == ["late"]
 
 
 def test_only_so_many_old_drafts_stay(tmp_path: Path) -> None:
     for number in range(OLD_DRAFTS_KEPT + 5):
-        session = Drafts(tmp_path)
-        session.keep(draft(f"text {number}"))
-        session.close()
+        left(tmp_path, draft(f"text {number}"))
         session = Drafts(tmp_path)
         session.adopt("program")
         session.put_away(draft(f"text {number}"))
@@ -224,10 +220,8 @@ def test_only_so_many_old_drafts_stay(tmp_path: Path) -> None:
 )
 def test_a_file_that_is_not_a_draft_is_put_away(tmp_path: Path, rubbish: bytes) -> None:
     (tmp_path / "2020-x.json").write_bytes(rubbish)
-    session = Drafts(tmp_path)
-    assert session.adopt("program") == []
+    assert offered(tmp_path) == []
     assert len(list((tmp_path / "old").iterdir())) == 1
-    session.close()
 
 
 def test_nothing_is_left_of_a_session_without_drafts(tmp_path: Path) -> None:
@@ -253,28 +247,20 @@ def test_what_could_not_be_written_is_written_when_it_can_be(tmp_path: Path) -> 
     [(unwritten, error)] = drafts.unwritten()
     assert unwritten.text == "another"
     assert error.strerror
+    with pytest.raises(OSError, match="file"):
+        drafts.keep(draft("not wanted any more", "/p/other.l"))
+    drafts.drop(("program", "/p/other.l"))
+    assert [lost.text for lost, _ in drafts.unwritten()] == ["another"]
     (tmp_path / "file").unlink()
     assert drafts.unwritten() == []
     drafts.close()
-    assert [kept.text for kept in Drafts(tmp_path / "file").adopt("program")] == ["another"]
-
-
-def test_what_is_not_wanted_any_more_need_not_be_written(tmp_path: Path) -> None:
-    drafts = Drafts(tmp_path / "file")
-    (tmp_path / "file").write_text("in the way")
-    with pytest.raises(OSError, match="file"):
-        drafts.keep(draft("one"))
-    drafts.drop(("program", "/p/mine.l"))
-    assert drafts.unwritten() == []
+    assert offered(tmp_path / "file") == ["another"]
 
 
 def test_a_disk_that_lets_nothing_be_moved_or_removed_keeps_all_and_raises_nothing(
     tmp_path: Path,
 ) -> None:
-    before = Drafts(tmp_path)
-    before.keep(draft("first", "/p/first.l"))
-    before.keep(draft("second", "/p/second.l"))
-    before.close()
+    left(tmp_path, draft("first", "/p/first.l"), draft("second", "/p/second.l"))
     (tmp_path / "old").write_text("in the way")
     drafts = Drafts(tmp_path)
     assert len(drafts.adopt("program")) == 2
@@ -287,7 +273,7 @@ def test_a_disk_that_lets_nothing_be_moved_or_removed_keeps_all_and_raises_nothi
     drafts.close()
     drafts._file(("program", "/p/second.l")).rmdir()
     (tmp_path / "old").unlink()
-    assert {each.text for each in Drafts(tmp_path).adopt("program")} == {"first", "second"}
+    assert {*offered(tmp_path)} == {"first", "second"}
 
 
 def test_a_session_ends_though_what_it_wrote_can_not_be_removed(tmp_path: Path) -> None:
@@ -312,7 +298,7 @@ def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
     for thread in threads:
         thread.join(PATIENCE)
     session.close()
-    assert [found.text for found in Drafts(tmp_path).adopt("program")] == ["text 39"]
+    assert offered(tmp_path) == ["text 39"]
 
 
 @pytest.mark.parametrize(
@@ -350,23 +336,12 @@ def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
     session.close()
 
 
-def test_a_process_that_is_just_starting_does_not_hold_what_a_session_left(tmp_path: Path) -> None:
+def test_who_has_ended_neither_holds_nor_takes_what_it_left(tmp_path: Path) -> None:
     first = Drafts(tmp_path)
     first.keep(draft("text"))
     assert first._lock is not None
-    inherited = os.dup(first._lock)  # as between its fork and its exec
-    first.close()
-    second = Drafts(tmp_path)
-    assert [found.text for found in second.adopt("program")] == ["text"]
-    second.close()
-    os.close(inherited)
-
-
-def test_a_session_that_has_ended_takes_over_nothing(tmp_path: Path) -> None:
-    first = Drafts(tmp_path)
-    first.keep(draft("text"))
+    inherited = os.dup(first._lock)  # as of a process between its fork and its exec
     first.close()
     assert first.adopt("program") == []  # as a thread does that is late
-    second = Drafts(tmp_path)
-    assert [found.text for found in second.adopt("program")] == ["text"]
-    second.close()
+    assert offered(tmp_path) == ["text"]
+    os.close(inherited)
