@@ -87,10 +87,16 @@ def test_a_replay_without_teams_has_one_program() -> None:
     assert "Robot(" in texts[""]
 
 
-def test_a_tournament_goes_on_with_the_same_results(tmp_path: Path, command: Command) -> None:
+def test_a_tournament_has_its_results(tmp_path: Path, command: Command) -> None:
     folder = tmp_path / "tournament"
     shutil.copytree(HERE / "tournament", folder)
     assert command("lab", "status", folder, "--mixed").out.startswith("The hill: 4 runs done")
+
+
+@pytest.mark.slow
+def test_a_tournament_goes_on_with_the_same_results(tmp_path: Path, command: Command) -> None:
+    folder = tmp_path / "tournament"
+    shutil.copytree(HERE / "tournament", folder)
     with closing(sqlite3.connect(folder / "ledger.db")) as ledger, ledger:
         jobs = set(ledger.execute("SELECT job FROM results"))
         (job,) = ledger.execute("SELECT min(job) FROM results").fetchone()

@@ -96,17 +96,13 @@ async def test_cards_tell_what_was_achieved_and_are_filtered_and_clicked(data_di
         await game.sees("teams: red, gold, blue, green")
         await game.press(*["backspace"] * 5, *"xyzzy")
         await game.sees("Nothing has this name.")
-        await game.press("enter", "right", "down", "escape")
-        await game.until(lambda: game.app.screen is game.main)
-        assert game.session.level.name == "open_room"
-
-        await open_levels(game)
-        await game.press(*"daily")
+        await game.press("enter", "right", "down", *["backspace"] * 5, *"daily")
         await game.sees("◇ today")
         await game.press("enter")
         await game.sees("which size?")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
+        assert game.session.level.name == "open_room"
 
         cards = await open_levels(game)
         await game.click(LevelCards, offset=(cards.card_width + 5, 3))
@@ -114,6 +110,9 @@ async def test_cards_tell_what_was_achieved_and_are_filtered_and_clicked(data_di
         cards = await open_levels(game)
         assert cards.chosen == 1, "the level at hand"
         await game.sees(f"▸ 2 {load_level(NAMES[1]).title}")
+        await game.press(*"xyzzy", "enter", "escape")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.session.level.name == NAMES[1]
 
 
 def names_on(cards: LevelCards) -> list[str]:
