@@ -29,12 +29,16 @@ def opened(file: Path) -> Progress:
     return Progress(file, fail)
 
 
+@pytest.fixture
+def progress(file: Path) -> Progress:
+    return opened(file)
+
+
 def texts(progress: Progress, level: str) -> list[str]:
     return [version.text for version in progress.versions(level)]
 
 
-def test_looking_makes_no_file(file: Path) -> None:
-    progress = opened(file)
+def test_looking_makes_no_file(progress: Progress, file: Path) -> None:
     assert progress.record("one") == NEW
     assert progress.versions("one") == []
     assert progress.newest("one") is None
@@ -43,8 +47,7 @@ def test_looking_makes_no_file(file: Path) -> None:
     assert not file.parent.exists()
 
 
-def test_a_level_is_new_then_in_work_then_won(file: Path) -> None:
-    progress = opened(file)
+def test_a_level_is_new_then_in_work_then_won(progress: Progress) -> None:
     progress.reveal("one", 1)
     assert progress.record("one").state == "new"
     progress.begin("one")
@@ -85,23 +88,20 @@ def test_the_last_answer_to_a_question_is_kept(file: Path) -> None:
     assert second.record("two").answers == (("Who?", "?"),)
 
 
-def test_hints_once_revealed_stay_revealed(file: Path) -> None:
-    progress = opened(file)
+def test_hints_once_revealed_stay_revealed(progress: Progress) -> None:
     progress.reveal("one", 3)
     progress.reveal("one", 1)
     assert progress.record("one").hints == 3
 
 
-def test_each_measure_has_a_best_of_its_own(file: Path) -> None:
-    progress = opened(file)
+def test_each_measure_has_a_best_of_its_own(progress: Progress) -> None:
     progress.win("one", "fast", Measures(ticks=10, size=9, distance=90.0))
     progress.win("one", "short", Measures(ticks=99, size=1, distance=95.0, wins=3, starts=20))
     progress.win("one", "straight", Measures(ticks=50, size=5, distance=20.0, wins=2, starts=3))
     assert progress.record("one").bests == Bests(10, 1, 20.0, 2, 3)
 
 
-def test_measures_that_come_later_join_those_that_were_there(file: Path) -> None:
-    progress = opened(file)
+def test_measures_that_come_later_join_those_that_were_there(progress: Progress) -> None:
     progress.win("one", "text")
     assert progress.record("one").state == "won"
     assert progress.record("one").bests == Bests()
@@ -110,8 +110,7 @@ def test_measures_that_come_later_join_those_that_were_there(file: Path) -> None
     assert progress.versions("one")[0].measures == MEASURED
 
 
-def test_the_same_text_is_kept_once_and_is_the_newest_again(file: Path) -> None:
-    progress = opened(file)
+def test_the_same_text_is_kept_once_and_is_the_newest_again(progress: Progress) -> None:
     for text in ("a", "b", "a"):
         progress.keep("one", text)
     assert texts(progress, "one") == ["a", "b"]
@@ -122,10 +121,9 @@ def test_the_same_text_is_kept_once_and_is_the_newest_again(file: Path) -> None:
 
 
 def test_old_versions_go_but_never_one_that_holds_a_best(
-    file: Path, monkeypatch: pytest.MonkeyPatch
+    progress: Progress, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("logical_robots_tui.progress.progress.MOST_VERSIONS", 3)
-    progress = opened(file)
     progress.win("one", "fast", Measures(1, 9, 9.0))
     progress.win("one", "short", Measures(9, 1, 9.0))
     progress.win("one", "straight", Measures(9, 9, 1.0))
@@ -143,8 +141,7 @@ def test_old_versions_go_but_never_one_that_holds_a_best(
     assert MOST_VERSIONS >= 50
 
 
-def test_second_goals_are_those_of_all_victories_together(file: Path) -> None:
-    progress = opened(file)
+def test_second_goals_are_those_of_all_victories_together(progress: Progress) -> None:
     progress.win("one", "quiet", MEASURED._replace(goals=("never blocked",)))
     progress.win("one", "both", MEASURED._replace(goals=("at most 90 symbols", "never blocked")))
     progress.win("one", "both", MEASURED._replace(goals=()))
@@ -169,8 +166,7 @@ def test_any_texts_come_back_in_the_order_of_their_last_use(uses: list[tuple[str
         assert texts(progress, level) == list(dict.fromkeys(reversed(mine)))
 
 
-def test_half_a_character_does_no_harm(file: Path) -> None:
-    progress = opened(file)
+def test_half_a_character_does_no_harm(progress: Progress) -> None:
     progress.keep("one", "a\ud800b")
     assert texts(progress, "one") == ["a?b"]
     assert progress.holds("a\ud800b")
@@ -203,12 +199,11 @@ def test_bests_are_the_least_and_the_most(found: list[Measures]) -> None:
 
 
 def test_a_level_whose_path_is_not_utf_8_is_kept_as_any_other() -> None:
-    progress = Progress(None, fail)
-    progress.begin("/tmp/\udcdcbung/own.toml")
-    progress.reveal("/tmp/\udcdcbung/own.toml", 1)
-    progress.keep("/tmp/\udcdcbung/own.toml", "text")
-    progress.win("/tmp/\udcdcbung/own.toml", "text", Measures(1, 2, 3.0, 4, 20))
-    assert progress.record("/tmp/\udcdcbung/own.toml").hints == 1
-    assert progress.newest("/tmp/\udcdcbung/own.toml") == "text"
-    assert progress.measures("/tmp/\udcdcbung/own.toml", "text") is not None
-    assert len(progress.versions("/tmp/\udcdcbung/own.toml")) == 1
+    progress, level = Progress(None, fail), "/tmp/\udcdcbung/own.toml"
+    progress.begin(level)
+    progress.reveal(level, 1)
+    progress.keep(level, "text")
+    progress.win(level, "text", Measures(1, 2, 3.0, 4, 20))
+    assert progress.record(level).hints == 1
+    assert texts(progress, level) == [progress.newest(level)] == ["text"]
+    assert progress.measures(level, "text") is not None

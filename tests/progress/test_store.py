@@ -128,6 +128,7 @@ def test_two_games_write_at_once_and_nothing_is_lost(file: Path) -> None:
     assert is_whole(file)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("lines", [1, 5, 11])
 def test_what_was_written_before_a_kill_is_there_and_the_file_is_whole(
     file: Path, lines: int
@@ -196,12 +197,6 @@ def test_a_database_that_breaks_while_it_is_open_is_set_aside(file: Path, told: 
     assert len(aside(file)) == len(told) == 1
 
 
-def test_an_empty_file_is_a_fresh_one(file: Path) -> None:
-    file.touch()
-    Progress(file, pytest.fail).keep("level", "text")
-    assert kept(file) == {"text"}
-
-
 def test_two_games_that_find_damage_at_once_set_it_aside_once(file: Path, told: list[str]) -> None:
     one, two = Progress(file, told.append), Progress(file, told.append)
     one.keep("level", "lost")
@@ -213,9 +208,11 @@ def test_two_games_that_find_damage_at_once_set_it_aside_once(file: Path, told: 
     assert len(aside(file)) == len(told) == 1
 
 
-def test_a_file_that_was_removed_is_made_anew(file: Path) -> None:
+def test_a_file_that_is_empty_is_filled_and_one_that_was_removed_is_made_anew(file: Path) -> None:
+    file.touch()
     progress = Progress(file, pytest.fail)
     progress.keep("level", "one")
+    assert kept(file) == {"one"}
     file.unlink()
     assert progress.newest("level") is None
     progress.keep("level", "two")
