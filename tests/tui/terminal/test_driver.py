@@ -1,18 +1,19 @@
-"""What the game sends while a terminal answers, and when it does not."""
+"""What the driver sends while a terminal answers, and when it does not, and what it hears."""
 
 from __future__ import annotations
 
+import asyncio
+import os
 import signal
-import sys
 from typing import TYPE_CHECKING
 
 import pytest
 from textual import events
+from textual.app import App
 
 from logical_robots_tui.tui.terminal import diff_app as sparing
-from tests.terminal import Terminal
+from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
 from tests.tui.conftest import opened
-from tests.waiting import until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,41 +65,23 @@ async def test_what_is_sent_to_a_terminal_depends_on_its_answers(
         await game.until(lambda: written)
 
 
-SOON_GONE = """if True:
-    import sys
-    from logical_robots_tui.tui.terminal import diff_app
-    diff_app._ASK_EVERY, diff_app._SILENT, diff_app._GONE = 0.2, 1.0, 3.0
-    from logical_robots_tui import supervisor
-    sys.exit(supervisor.main())
-"""
-
-
-@pytest.mark.slow
-def test_a_terminal_that_falls_silent_ends_a_restricted_game_and_the_text_is_kept(
-    tmp_path: Path,
+async def test_a_mistake_of_ours_in_the_thread_that_reads_ends_the_app(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    play = [sys.executable, "-c", SOON_GONE, "play", "01-first-steps", "--restricted"]
-    with Terminal([*play, "--data-dir", tmp_path]) as terminal:
-        terminal.wait_for("· applied")
-        terminal.send("2# typed by ada")
-        terminal.wait_for("not applied")
-        until(lambda: terminal.process.poll() is not None)  # nothing is read, nothing answered
-    drafts = [path.read_text() for path in tmp_path.rglob("drafts/*.json")]
-    assert any("# typed by ada" in draft for draft in drafts)
+    def take(*_: object) -> None:
+        raise LookupError("made by a test")
 
+    async def hear(terminal: int) -> None:
+        app: App[None] = App()
+        async with app.run_test():
+            driver = ListeningDriver(app)
+            driver.fileno = terminal
+            await asyncio.to_thread(driver.run_input_thread)
 
-DEAF = """if True:
-    import signal, sys
-    take = signal.signal
-    signal.signal = lambda at, how: None if at == signal.SIGWINCH else take(at, how)
-    from logical_robots_tui import supervisor
-    sys.exit(supervisor.main())
-"""
-
-
-def test_a_size_whose_signal_was_lost_is_noticed(tmp_path: Path) -> None:
-    play = [sys.executable, "-c", DEAF, "play", "01-first-steps", "--data-dir", tmp_path]
-    with Terminal(play, size=(120, 40)) as terminal:
-        terminal.wait_for("╭─ Inspector")
-        terminal.resize(80, 24)
-        terminal.wait_for(" 1 Map   2 Program")
+    monkeypatch.setattr(InputFilter, "take", take)
+    ours, theirs = os.pipe()
+    os.write(theirs, b"n")
+    with pytest.raises(LookupError, match="made by a test"):
+        await hear(ours)
+    os.close(ours)
+    os.close(theirs)

@@ -1,22 +1,20 @@
-"""A real terminal that sends junk, or claims to be huge: the game answers the next key."""
+"""A real terminal that sends junk, claims to be huge, falls silent or goes: the game copes."""
 
 from __future__ import annotations
 
-import asyncio
 import os
 import re
 import select
+import subprocess
 import sys
 from pathlib import Path
 from time import monotonic
 
 import pytest
-from textual.app import App
 
-from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
 from tests.memory_use import memory_use
 from tests.terminal import Terminal
-from tests.waiting import PATIENCE
+from tests.waiting import PATIENCE, until
 
 FLOODS = {
     "keys beyond Unicode": b"\x1b[1114112u\x1b[99999999999u\x1b[97;1:9;1114112u",
@@ -75,28 +73,6 @@ def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Pa
         assert memory_use(terminal.game) < 600 * 1024**2
 
 
-async def test_a_mistake_of_ours_in_the_thread_that_reads_ends_the_app(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def take(*_: object) -> None:
-        raise LookupError("made by a test")
-
-    async def hear(terminal: int) -> None:
-        app: App[None] = App()
-        async with app.run_test():
-            driver = ListeningDriver(app)
-            driver.fileno = terminal
-            await asyncio.to_thread(driver.run_input_thread)
-
-    monkeypatch.setattr(InputFilter, "take", take)
-    ours, theirs = os.pipe()
-    os.write(theirs, b"n")
-    with pytest.raises(LookupError, match="made by a test"):
-        await hear(ours)
-    os.close(ours)
-    os.close(theirs)
-
-
 FAILS = """if True:
     import sys
     from logical_robots_tui.cli.main import main
@@ -122,3 +98,93 @@ def test_a_mistake_of_ours_in_the_thread_that_reads_ends_the_game_in_order(tmp_p
         assert "Traceback" not in terminal.everything
     logs = [path for path in (tmp_path / "state").rglob("*") if path.is_file()]
     assert any("made by a test" in path.read_text(errors="replace") for path in logs)
+
+
+SOON_GONE = """if True:
+    import sys
+    from logical_robots_tui.tui.terminal import diff_app
+    diff_app._ASK_EVERY, diff_app._SILENT, diff_app._GONE = 0.2, 1.0, 3.0
+    from logical_robots_tui import supervisor
+    sys.exit(supervisor.main())
+"""
+
+
+@pytest.mark.slow
+def test_a_terminal_that_falls_silent_ends_a_restricted_game_and_the_text_is_kept(
+    tmp_path: Path,
+) -> None:
+    play = [sys.executable, "-c", SOON_GONE, "play", "01-first-steps", "--restricted"]
+    with Terminal([*play, "--data-dir", tmp_path]) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send("2# typed by ada")
+        terminal.wait_for("not applied")
+        until(lambda: terminal.process.poll() is not None)  # nothing is read, nothing answered
+    drafts = [path.read_text() for path in tmp_path.rglob("drafts/*.json")]
+    assert any("# typed by ada" in draft for draft in drafts)
+
+
+DEAF = """if True:
+    import signal, sys
+    take = signal.signal
+    signal.signal = lambda at, how: None if at == signal.SIGWINCH else take(at, how)
+    from logical_robots_tui import supervisor
+    sys.exit(supervisor.main())
+"""
+
+
+def test_a_size_whose_signal_was_lost_is_noticed(tmp_path: Path) -> None:
+    play = [sys.executable, "-c", DEAF, "play", "01-first-steps", "--data-dir", tmp_path]
+    with Terminal(play, size=(120, 40)) as terminal:
+        terminal.wait_for("╭─ Inspector")
+        terminal.resize(80, 24)
+        terminal.wait_for(" 1 Map   2 Program")
+
+
+# Signals can't get through, as to a thread that began to wait for a lock in the wrong moment.
+STUCK = """\
+import signal, sys, threading
+from pathlib import Path
+from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
+
+signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
+end_on_hangup(lambda: Path(sys.argv[1]).write_text("kept"), lambda: None)
+lock = threading.Lock()
+lock.acquire()
+print("stuck", flush=True)
+lock.acquire()
+"""
+
+# A busy machine: when a thread has its first turn, the terminal is gone already.
+BUSY = """\
+import select, threading
+
+def run(thread, run=threading.Thread.run):
+    terminal = select.poll()
+    terminal.register(0, 0)
+    terminal.poll()
+    run(thread)
+
+threading.Thread.run = run
+"""
+
+
+@pytest.mark.parametrize(
+    "before", ["", pytest.param(BUSY, marks=pytest.mark.slow)], ids=["idle", "busy"]
+)
+def test_a_main_thread_that_hears_no_signal_does_not_outlive_its_terminal(
+    tmp_path: Path, before: str
+) -> None:
+    ours, theirs = os.openpty()
+    kept = tmp_path / "kept"
+    command = [sys.executable, "-c", before + STUCK, str(kept)]
+    process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs)
+    os.close(theirs)
+    try:
+        with os.fdopen(os.dup(ours)) as terminal:  # to its end: who is still writing would fail
+            assert terminal.readline() == "stuck\n"
+        os.close(ours)
+        assert process.wait(PATIENCE) == 129
+        assert kept.read_text() == "kept"
+    finally:
+        process.kill()
+        process.wait(PATIENCE)

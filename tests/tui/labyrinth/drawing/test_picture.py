@@ -24,6 +24,7 @@ _names = st.one_of(
     st.sampled_from(("機械人形", "👩\u200d🚀", "a\x1b[2J", "\u202eabc", "é" * 30)),
 )
 _colours = st.sampled_from(("red", "#fff", "#12345678", "", "no colour", "auto", "hsl(10,50%,50%)"))
+_truths = st.booleans()
 _looks = st.builds(
     Look,
     drawing=st.sampled_from(Drawing),
@@ -40,57 +41,27 @@ def scenes(draw: st.DrawFn) -> tuple[Level, Frame]:
     """Draw a level and a frame that no loader and no world would give."""
     width, height = draw(st.integers(1, 300)), draw(st.integers(1, 200))
     walls = np.random.default_rng(draw(st.integers(0, 99))).random((height, width))
-    robots = draw(
-        st.lists(st.builds(Robot, _names, _numbers, _numbers, _numbers, _colours), max_size=4)
+    a_robot = st.builds(Robot, _names, *[_numbers] * 3, _colours)
+    a_beacon = st.builds(Beacon, _names, *[_numbers] * 2, st.booleans())
+    winners = st.sampled_from(((), ("a",)))
+    an_area = st.builds(
+        Area, *(_names, *[_numbers] * 3, _colours), victory_robots=winners, impenetrable=_truths
     )
-    beacons = draw(st.lists(st.builds(Beacon, _names, _numbers, _numbers, st.booleans())))
-    areas = draw(
-        st.lists(
-            st.builds(
-                Area,
-                _names,
-                _numbers,
-                _numbers,
-                _numbers,
-                _colours,
-                victory_robots=st.sampled_from(((), ("a",))),
-                impenetrable=st.booleans(),
-            ),
-            max_size=4,
-        )
-    )
+    robots, areas = draw(st.lists(a_robot, max_size=4)), draw(st.lists(an_area, max_size=4))
+    things = tuple(robots), tuple(draw(st.lists(a_beacon))), tuple(areas)
     level = Level(
-        "weird",
-        "Weird",
-        width,
-        height,
-        walls < draw(st.sampled_from((0, 0.3, 1))),
-        tuple(robots),
-        tuple(beacons),
-        tuple(areas),
+        "weird", "Weird", width, height, walls < draw(st.sampled_from((0, 0.3, 1))), *things
     )
     states = tuple(
-        RobotState(
-            robot.name,
-            robot.x,
-            robot.y,
-            robot.angle,
-            1.0,
-            blocked=draw(st.booleans()),
-            dead=draw(st.booleans()),
-        )
+        RobotState(robot.name, robot.x, robot.y, robot.angle, 1.0, blocked=blocked, dead=dead)
         for robot in robots
+        for blocked, dead in (draw(st.tuples(_truths, _truths)),)
     )
-    state = WorldState(1, states, tuple(AreaState(a.name, draw(st.booleans())) for a in areas))
-    ray = st.tuples(
-        st.floats(-4, 4),
-        st.integers(0, 200),
-        st.sampled_from(("wall", "robot", "beacon", "none", "news")),
-    )
+    state = WorldState(1, states, tuple(AreaState(area.name, draw(_truths)) for area in areas))
+    kinds = st.sampled_from(("wall", "robot", "beacon", "none", "news"))
+    ray = st.tuples(st.floats(-4, 4), st.integers(0, 200), kinds)
     sensors = tuple(
-        seeing(robot.name, draw(st.lists(ray, max_size=31)))
-        for robot in robots
-        if draw(st.booleans())
+        seeing(robot.name, draw(st.lists(ray, max_size=31))) for robot in robots if draw(_truths)
     )
     return level, Frame(1, state, state, sensors, {}, (), {}, 0.0)
 
@@ -112,31 +83,21 @@ def changes_of(
     return picture.draw(level, frame, view, look, hurried=hurried).changes(before)
 
 
-@given(st.data(), scenes(), _looks)
-def test_any_scene_fills_every_line_exactly(
-    data: st.DataObject, scene: tuple[Level, Frame], look: Look
-) -> None:
-    level, frame = scene
-    view = data.draw(views(level))
-    picture = Picture()
-    picture.draw(level, frame, view, look)
-    assert picture.cells.text.shape == (view.rows, view.columns)
-    for row in range(view.rows):
-        strip = picture.cells.strip(row)
-        assert strip.cell_length == view.columns
-        assert sum(cell_len(segment.text) for segment in strip) == view.columns
-        assert all(segment.style is not None for segment in strip)
-        assert strip.text.isprintable()
-
-
-@given(st.data(), st.lists(st.tuples(scenes(), _looks), min_size=2, max_size=3))
-def test_drawing_on_gives_what_drawing_anew_gives(
+@given(st.data(), st.lists(st.tuples(scenes(), _looks), min_size=1, max_size=3))
+def test_any_scene_fills_every_line_exactly_and_drawing_on_is_as_drawing_anew(
     data: st.DataObject, scenes_and_looks: list[tuple[tuple[Level, Frame], Look]]
 ) -> None:
     picture = Picture()
     for (level, frame), look in scenes_and_looks:
         view = data.draw(views(level))
         assert draws_as_anew(picture, level, frame, view, look)
+        assert picture.cells.text.shape == (view.rows, view.columns)
+        for row in range(view.rows):
+            strip = picture.cells.strip(row)
+            assert strip.cell_length == view.columns
+            assert sum(cell_len(segment.text) for segment in strip) == view.columns
+            assert all(segment.style is not None for segment in strip)
+            assert strip.text.isprintable()
 
 
 @pytest.mark.sampled
