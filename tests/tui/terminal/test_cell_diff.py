@@ -70,7 +70,7 @@ def fitting(pieces: list[tuple[int, int, list[Segment]]]) -> list[tuple[int, int
 
 
 @given(st.lists(_pieces, min_size=1, max_size=4))
-def test_differences_show_what_everything_would_show(
+def test_differences_show_what_everything_would_show_and_are_sent_once(
     updates: list[list[tuple[int, int, list[Segment]]]],
 ) -> None:
     console = Console(color_system="truecolor", force_terminal=True)
@@ -83,6 +83,7 @@ def test_differences_show_what_everything_would_show(
         for row, column, strip in fitting(update):
             theirs.feed(f"\x1b[{row + 1};{column + 1}H{strip.render(console)}")
             ours.feed(send(difference, [(row, column, list(strip))]))
+            assert send(difference, [(row, column, list(strip))]) == ""
         assert looks(one) == looks(other)
 
 
@@ -102,16 +103,6 @@ def test_a_character_that_lost_a_half_is_sent_again() -> None:
     send(difference, [(0, 0, [Segment("機機")])])
     send(difference, [(0, 1, [Segment("ab")])])
     assert send(difference, [(0, 0, [Segment("機機")])]) == "\x1b[1;1H機機"
-
-
-@given(_pieces)
-def test_what_is_there_already_is_not_sent_again(
-    pieces: list[tuple[int, int, list[Segment]]],
-) -> None:
-    difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
-    for row, column, strip in fitting(pieces):
-        send(difference, [(row, column, list(strip))])
-        assert send(difference, [(row, column, list(strip))]) == ""
 
 
 @given(_pieces)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import random
-from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.tui.terminal.driver import MOST_PASTED, InputFilter, Pasted, TolerantParser
+from tests.memory_use import memory_use
 
 CHUNK = 4096
 
@@ -148,11 +147,6 @@ def hostile(size: int, seed: int) -> bytes:
     return bytes(parts[:size])
 
 
-def resident_bytes() -> int:
-    """What this process holds."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-
 @pytest.mark.parametrize(
     ("size", "seed"),
     [
@@ -164,11 +158,11 @@ def resident_bytes() -> int:
 def test_ten_million_hostile_bytes_are_no_error_and_take_no_memory(size: int, seed: int) -> None:
     found = Input()
     data = hostile(size, seed)
-    before = resident_bytes()
+    before = memory_use("self")
     for begin in range(0, size, CHUNK):
         found.take(data[begin : begin + CHUNK])
         found.keys.clear()
-    assert resident_bytes() - before < 50_000_000
+    assert memory_use("self") - before < 50_000_000
     for key in (b"\x1b[201~", b"\x1b[A", b"\x1b[A", b"n"):
         found.now += 5
         found.take(key)
