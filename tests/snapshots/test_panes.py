@@ -18,7 +18,7 @@ from tests.snapshots.conftest import LOOKS, Show, Shown
 if TYPE_CHECKING:
     from textual.widget import Widget
 
-STEPS = 20
+STEPS = 10
 
 
 def bars(shown: Shown) -> list[Widget]:

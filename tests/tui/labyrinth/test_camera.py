@@ -164,8 +164,8 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int])
             assert viewport is not None
             return viewport.cell(robot.x, robot.y)
 
-        game.session.run_until(100)
-        await game.until(lambda: game.tick == 100 and view._frame is game.session.frame)
+        game.session.run_until(60)
+        await game.until(lambda: game.tick == 60 and view._frame is game.session.frame)
         assert cell_in(whence) is None
         assert cell_in(view.view) is not None
 
