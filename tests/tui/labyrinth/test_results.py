@@ -99,6 +99,7 @@ async def test_a_victory_ticks_the_goals_that_it_reaches(
         await game.sees("✓ at most 11 symbols")
         await game.sees("☐ at most 20 ticks")
         await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
 
         # What is measured before the results are mounted is shown.
         results = Results(game.main.recorder, "Won", [("restart", "Once more")])
