@@ -43,6 +43,14 @@ LOOKS = {
 ALL_COLOURS = {"TERM": "xterm-256color", "COLORTERM": "truecolor"}
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Draw all snapshots anew, not a tenth of them."""
+    for item in items:
+        if config.getoption("--update-snapshots") and item.path.parent == HERE:
+            item.own_markers = [mark for mark in item.own_markers if mark.name != "sampled"]
+
+
 class Shown:
     """A game and the terminal in which it is shown; notes where that differs from snapshots."""
 
