@@ -56,16 +56,6 @@ def test_every_page_is_registered_once_under_the_name_of_its_module() -> None:
     assert len({entry.load() for entry in PAGES}) == len(PAGES)
 
 
-async def test_pages_are_loaded_soon_after_the_start(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(pane, "_LOADING_DELAY", 0.2)
-    async with opened(data_dir) as game:
-        assert not game.inspector.query(PredicatePage)
-        await game.later(0.3)
-        assert game.inspector.query(PredicatePage)
-
-
 async def test_the_inspector_follows_the_tick_the_program_and_a_run(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -186,19 +176,6 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
         assert not any(line.node.values == ("Q",) for line in proof.lines)
 
 
-async def test_a_predicate_with_more_rows_than_are_shown_says_so(data_dir: Path) -> None:
-    async with opened(data_dir, text=f"Big(x) :- x in Range(1500);\n{STILL}") as game:
-        await game.ready()
-        await inspect(game, "Big")
-        await game.sees("Big · tick 0 · first 1,000 rows, there are more")
-        table = game.main.query_one("#rows", ValueTable)
-        assert "these first 1,000; / asks" in table.missing
-        table.focus()
-        await game.press("J")
-        await game.until(lambda: "950 more rows side by side; J shows" in table.missing)
-        await pressed(game, "c", sees="side by side")
-
-
 async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
     data_dir: Path,
 ) -> None:
@@ -225,7 +202,7 @@ async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
         await game.until(lambda: table.pointed and table.pointed[0] == "i")
 
 
-async def test_a_slow_predicate_does_not_hold_up_the_game(
+async def test_a_slow_predicate_holds_up_nothing_and_a_long_one_says_that_it_goes_on(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rows = Questions.rows
@@ -236,8 +213,17 @@ async def test_a_slow_predicate_does_not_hold_up_the_game(
         return await rows(questions, predicate, robot, frame)
 
     monkeypatch.setattr(Questions, "rows", late)
-    async with opened(data_dir, text=STILL) as game:
+    async with opened(data_dir, text=f"Big(x) :- x in Range(1500);\n{STILL}") as game:
         await run_beside(game, "Robot")
+        await game.press("space")
+        await inspect(game, "Big")
+        await game.sees(f"Big · tick {game.tick} · first 1,000 rows, there are more")
+        table = game.main.query_one("#rows", ValueTable)
+        assert "these first 1,000; / asks" in table.missing
+        table.focus()
+        await game.press("J")
+        await game.until(lambda: "950 more rows side by side; J shows" in table.missing)
+        await pressed(game, "c", sees="side by side")
 
 
 @pytest.mark.slow
@@ -265,10 +251,16 @@ async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[in
         await game.sees(f"! Solo: {message[:20]}")
 
 
-async def test_a_row_that_names_no_robot_says_in_whose_mind_it_holds(data_dir: Path) -> None:
+async def test_pages_are_loaded_soon_and_say_in_whose_mind_a_row_holds_that_names_no_robot(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pane, "_LOADING_DELAY", 0.2)
     own = '@Visible(Sensor, "own");\n@Visible(Memory, "own");\n'
     text = f"{own}{STILL}Clock(t) :- Sensor(sensor:), t = sensor.clock;\n"
     async with opened(data_dir, level="team_goal", text=text) as game:
+        assert not game.inspector.query(PredicatePage)
+        await game.later(0.3)
+        assert game.inspector.query(PredicatePage)
         await game.ready()
         await inspect(game, "Clock")
         await game.sees("in the mind of")
