@@ -25,7 +25,7 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.theme.themes import INK
-from tests.tui.conftest import PAPER, opened
+from tests.tui.conftest import opened
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
@@ -193,39 +193,6 @@ async def test_the_palette_shows_keys_in_their_colour_and_finds_commands(
 
 
 @pytest.mark.slow
-async def test_what_keys_do_in_the_editor_the_palette_does_from_anywhere(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-
-        async def ask_for(words: str, shown: str) -> None:
-            await game.press("ctrl+p")
-            await game.sees("Find a command")
-            await game.press(*words)
-            await game.until(lambda: shown in " ".join(game.screen().split()))
-            await game.press("enter")
-            await game.until(lambda: game.app.screen is game.main)
-
-        await ask_for("commentlines", "Comment lines ^_")
-        await game.until(lambda: game.editor.text == f"# {PAPER}")
-        assert game.editor.has_focus
-        await ask_for("undointhe", "Undo in the program ^Z")
-        await game.until(lambda: game.editor.text == PAPER)
-        await game.press("escape")
-        await ask_for("redointhe", "Redo in the program ^Y")
-        await game.until(lambda: game.editor.text == f"# {PAPER}")
-        game.editor.put(f"Fr\n{PAPER}")
-        game.editor.move_cursor((0, 2))
-        await game.press("escape")
-        await ask_for("completethe", "Complete the word ^space")
-        await game.until(lambda: game.editor.completion.display)
-        assert "FreedomMotion" in game.editor.completion.names
-        await game.press("escape")
-        await game.until(lambda: not game.editor.completion.display)
-        await ask_for("copy", "Copy ^C")
-        await game.sees("Select something to copy first.")
-
-
-@pytest.mark.slow
 async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
@@ -269,6 +236,8 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
             editor.completion.close()
             await game.press("escape")
             await game.until(lambda: not editor.has_focus)
+        game.main.action_command("copy")
+        await game.sees("Select something to copy first.")
 
 
 async def test_the_help_lists_every_command_and_begins_with_what_the_player_works_in(

@@ -14,7 +14,6 @@ from textual.widgets import Button, Input
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.player.drafts import Draft, Drafts
-from logical_robots_tui.tui.commands.help import Help
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.library.save_dialog import SaveAs
@@ -71,7 +70,7 @@ async def asked(game: Opened, name: str = "mine") -> Question:
     return question
 
 
-async def test_typed_text_is_on_disk_soon_and_offered_until_it_is_wanted(data_dir: Path) -> None:
+async def test_typed_text_is_on_disk_soon_and_offered_at_the_next_start(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("2", "x")
         await game.until(lambda: list((data_dir / "drafts").glob("*.json")))
@@ -80,17 +79,24 @@ async def test_typed_text_is_on_disk_soon_and_offered_until_it_is_wanted(data_di
         await game.press(*"hello")
     async with opened(data_dir) as game:
         await asked(game)
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
-        await game.press("2", "x", "backspace")
-        await game.until(lambda: game.editor.text == PAPER)
-    async with opened(data_dir) as game:
-        await asked(game)
         await game.press("s")
         await game.sees("helloFreedomMotion")
         await game.press("y")
         await game.until(lambda: game.editor.text == "hello" + PAPER)
         assert game.app.screen is game.main
+    assert texts(data_dir) == ["hello" + PAPER]
+
+
+@pytest.mark.slow
+async def test_a_question_left_unanswered_is_asked_again(data_dir: Path) -> None:
+    leave_behind(data_dir, mine="hello" + PAPER)
+    for _ in range(2):
+        async with opened(data_dir) as game:
+            await asked(game)
+            await game.press("escape")
+            await game.until(lambda: game.app.screen is game.main)
+            await game.press("2", "x", "backspace")
+            await game.until(lambda: game.editor.text == PAPER)
     assert texts(data_dir) == ["hello" + PAPER]
 
 
@@ -149,14 +155,14 @@ async def test_a_question_waits_for_the_dialog_over_the_game_and_may_be_settled_
     async with opened(data_dir, name="third") as game:
         try:
             await game.until(lambda: hold.has_begun)
-            await game.press("question_mark")
-            await game.until(lambda: isinstance(game.app.screen, Help))
+            await game.press("s")
+            await game.until(lambda: isinstance(game.app.screen, SaveAs))
             game.main.library.open_program(load_program(data_dir / "programs" / "mine.l"))
         finally:
             hold.release()
         await game.ready()
         await game.settled()
-        assert isinstance(game.app.screen, Help)
+        assert isinstance(game.app.screen, SaveAs)
         await game.press("escape")
         await asked(game, "other")
         assert game.editor.text == "hello" + PAPER
@@ -266,32 +272,32 @@ def type_hello(terminal: Terminal) -> None:
     terminal.wait_for("helloFreedomMotion")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM, signal.SIGKILL])
-def test_a_signal_ends_the_game_with_the_text_kept(data_dir: Path, number: signal.Signals) -> None:
-    with Played(data_dir) as terminal:
-        type_hello(terminal)
-        if number == signal.SIGKILL:
-            until(lambda: list((data_dir / "drafts").glob("*.json")))
-        terminal.process.send_signal(number)
-        terminal.finish()
-    assert texts(data_dir) == ["hello" + PAPER]
+def ways_to_end() -> list[object]:
+    """Signals, after which the terminal may be gone; the quick choice has both in one."""
+    signals: list[signal.Signals | None] = [signal.SIGHUP, signal.SIGTERM, signal.SIGKILL]
+    slow = [(number, False) for number in signals] + [(None, True)]
+    # A session leader with a terminal of its own is told by the kernel that it is gone.
+    return [(signal.SIGHUP, True), *(pytest.param(*way, marks=pytest.mark.slow) for way in slow)]
 
 
-@pytest.mark.parametrize(
-    "told", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["told", "not told"]
-)
-def test_a_terminal_that_is_closed_ends_the_game_and_all_it_started(
-    data_dir: Path, told: bool
+@pytest.mark.parametrize(("number", "is_closed"), ways_to_end())
+def test_a_signal_or_a_closed_terminal_ends_the_game_and_all_it_started_with_the_text_kept(
+    data_dir: Path, number: signal.Signals | None, is_closed: bool
 ) -> None:
     with Played(data_dir) as terminal:
         type_hello(terminal)
         group = os.getpgid(terminal.process.pid)
-        os.close(terminal._ours)
-        terminal._ours = os.open(os.devnull, os.O_RDWR)
-        if told:  # as the kernel does for a session leader with a terminal of its own
-            terminal.process.send_signal(signal.SIGHUP)
-        terminal.process.wait(PATIENCE)
+        if number == signal.SIGKILL:
+            until(lambda: list((data_dir / "drafts").glob("*.json")))
+        if is_closed:
+            os.close(terminal._ours)
+            terminal._ours = os.open(os.devnull, os.O_RDWR)
+        if number is not None:
+            terminal.process.send_signal(number)
+        if is_closed:
+            terminal.process.wait(PATIENCE)
+        else:
+            terminal.finish()
         until(lambda: not alive(group))
     assert texts(data_dir) == ["hello" + PAPER]
 
