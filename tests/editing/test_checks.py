@@ -51,21 +51,18 @@ def test_nothing_is_wrong_with_a_closed_hall() -> None:
     assert check(wall_with_gap(hall(), 2 * RADIUS)) == []
 
 
+def test_a_goal_behind_a_wall_or_a_narrow_gap_is_told() -> None:
+    text = 'Ann can\'t reach the goal "home".'
+    assert check(wall_with_gap(hall(), 0)) == [LevelFinding(text, 350, 100)]
+    text = 'Ann can reach the goal "home" only through gaps narrower than a robot.'
+    for gap in (2 * RADIUS - 2, 1):
+        assert check(wall_with_gap(hall(), gap)) == [LevelFinding(text, 350, 100)]
+
+
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", list_levels())
 def test_nothing_is_wrong_with_our_own_levels(name: str) -> None:
     assert check(load_level(name)) == []
-
-
-def test_a_goal_behind_a_wall_can_not_be_reached() -> None:
-    found = check(wall_with_gap(hall(), 0))
-    assert found == [LevelFinding('Ann can\'t reach the goal "home".', 350, 100)]
-
-
-def test_a_goal_behind_a_gap_that_a_robot_does_not_fit_through_is_told() -> None:
-    text = 'Ann can reach the goal "home" only through gaps narrower than a robot.'
-    assert check(wall_with_gap(hall(), 2 * RADIUS - 2)) == [LevelFinding(text, 350, 100)]
-    assert check(wall_with_gap(hall(), 1)) == [LevelFinding(text, 350, 100)]
 
 
 def test_a_point_slips_between_walls_that_touch_at_a_corner() -> None:
@@ -89,11 +86,6 @@ def test_a_solid_area_is_in_the_way_unless_something_switches_it_off() -> None:
         level = hall(beacons=(Beacon("lamp", 60, 60),), areas=(goal(), area))
         found = texts(check(wall_with_gap(level, 18)))
         assert ('Ann can\'t reach the goal "home".' not in found) == is_open
-
-
-def test_nobody_can_be_inside_a_goal_that_is_always_solid() -> None:
-    found = check(hall(areas=(goal(impenetrable=True),)))
-    assert texts(found) == ['No robot can be inside the goal "home": it is solid.']
 
 
 def test_an_open_rim_lets_robots_drive_round_walls() -> None:
@@ -135,6 +127,16 @@ def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
     ]
 
 
+def test_goals_that_are_solid_and_shared_names_that_nothing_shares_are_told() -> None:
+    assert texts(check(hall(areas=(goal(impenetrable=True),)))) == [
+        'No robot can be inside the goal "home": it is solid.'
+    ]
+    level = hall(beacons=(Beacon("lamp", 60, 60),), areas=(goal(name="lamp"),))
+    assert texts(check(replace(level, shared_names=("lamp",)))) == [
+        '"lamp" is a shared name, but no two beacons or areas have it.'
+    ]
+
+
 def test_switches_and_goals_that_name_nothing_are_told() -> None:
     area = goal(victory_robots=("Ann", "ann"), on_beacon="lamb", off_beacon="xyz")
     assert texts(check(hall(beacons=(Beacon("lamp", 60, 60),), areas=(area,)))) == [
@@ -158,13 +160,6 @@ def test_names_used_twice_are_told_and_those_of_robots_forbid_loading() -> None:
     twins = replace(level, robots=level.robots * 2, shared_names=("Ann",))
     text = '2 robots are called "Ann"; each needs a unique name.'
     assert check(twins)[0] == LevelFinding(text, 50.5, 100.5, forbids=True)
-
-
-def test_a_shared_name_that_nothing_shares_is_told() -> None:
-    level = hall(beacons=(Beacon("lamp", 60, 60),), areas=(goal(name="lamp"),))
-    assert texts(check(replace(level, shared_names=("lamp",)))) == [
-        '"lamp" is a shared name, but no two beacons or areas have it.'
-    ]
 
 
 @pytest.mark.parametrize(
