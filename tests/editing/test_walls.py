@@ -23,21 +23,15 @@ INSIDE = st.floats(0, 79.9)
 MAPS = st.tuples(st.integers(1, 12), st.integers(1, 12)).flatmap(lambda s: arrays(np.bool_, s))
 
 
-def test_a_dab_of_the_brush_is_as_wide_as_the_brush() -> None:
+def test_a_dab_of_the_brush_is_as_wide_as_the_brush_and_round_and_a_line_is_straight() -> None:
+    level = paint(drawn("." * 7, *["." * 7] * 6), [(3.5, 3.5)], width=5)
+    assert sketch(level)[1:6] == ["..###..", ".#####.", ".#####.", ".#####.", "..###.."]
+    line = paint(room(), [(10, 40.9), (90, 40.1)]).walls
+    assert line.sum() == 81
+    assert line[40, 10:91].all()
     for width in range(1, 9):
         walls = paint(room(), [(40.2, 30.7)], width=width).walls
         assert walls.any(axis=0).sum() == walls.any(axis=1).sum() == width
-
-
-def test_a_wide_brush_is_round() -> None:
-    level = paint(drawn("." * 7, *["." * 7] * 6), [(3.5, 3.5)], width=5)
-    assert sketch(level)[1:6] == ["..###..", ".#####.", ".#####.", ".#####.", "..###.."]
-
-
-def test_a_line_of_one_unit_is_straight_and_one_wide() -> None:
-    level = paint(room(), [(10, 40.9), (90, 40.1)])
-    assert level.walls.sum() == 81
-    assert level.walls[40, 10:91].all()
 
 
 @settings(deadline=None)
@@ -83,11 +77,8 @@ def test_a_rectangle_has_both_corners_and_a_border_inwards() -> None:
     assert ring[10:31, 20:60].any(axis=1).all()
     assert not ring[13:28, 23:57].any()
     assert paint_rectangle(room(), (59, 30), (20, 10)).walls.sum() == 40 * 21
-
-
-def test_a_rectangle_that_reaches_out_of_the_map_has_no_border_at_the_rim() -> None:
     walls = paint_rectangle(room(), (-50, 20), (500, 40), border=2).walls
-    assert walls[20:22].all()
+    assert walls[20:22].all()  # there is no border at the rim of the map
     assert walls[39:41].all()
     assert not walls[22:39].any()
 
@@ -111,16 +102,11 @@ def test_what_changes_nothing_is_the_level_itself() -> None:
     assert paint(level, [(5, 5)]) is level
     assert paint(level, [(-50, 5)]) is level
     assert paint_rectangle(level, (-9, -9), (-2, -2)) is level
+    assert not paint(level, [(9, 9)]).walls.flags.writeable
+    assert level.walls.sum() == 1  # the level before stays as it was
     assert fill(level, -1, 5) is level
     assert fill(level, 5, 5) is level
     assert fill(level, 50, 5, wall=False) is level
-
-
-def test_the_level_before_stays_as_it_was() -> None:
-    before = room()
-    after = paint(before, [(5, 5)])
-    assert not before.walls.any()
-    assert not after.walls.flags.writeable
 
 
 @pytest.mark.parametrize(
