@@ -224,8 +224,8 @@ class Bench:
         await self.until(lambda: any(text in message for message in self.ui.said))
         self.ui.said.clear()
 
-    async def drag(self, *points: tuple[float, float]) -> None:
-        """Drag along points of the map, and let the game follow."""
+    async def stroke(self, *points: tuple[float, float]) -> None:
+        """Drag along points of the map, and wait until the game has followed."""
         self.editor.press(*points[0], 1.0)
         for point in points[1:]:
             self.editor.drag(*point)

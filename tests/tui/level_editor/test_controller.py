@@ -39,7 +39,7 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         await b.run_to(10)
         before = session.frame
         b.command("brush")
-        await b.drag((85, 20), (85, 80))
+        await b.stroke((85, 20), (85, 80))
         assert session.level.walls[50, 85]
         assert session.game is not None
         assert session.game.history.marks.at(10)[0].kind == "edit"
@@ -47,7 +47,7 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         await b.until(lambda: session.frame.after.robots[0].blocked)
         b.command("hand")
         body = session.frame.after.robots[0]
-        await b.drag((body.x, body.y), (150, 50))
+        await b.stroke((body.x, body.y), (150, 50))
         await b.until(lambda: session.frame.after.robots[0].x > 140)
         session.pause()
         await b.until(lambda: not session.busy)
@@ -76,7 +76,7 @@ async def test_undoing_brings_a_robot_back_to_where_it_was_taken(
         await b.run_to(10)
         x = b.session.frame.after.robots[0].x
         assert x > 44
-        await b.drag((x, 50), (180, 60))
+        await b.stroke((x, 50), (180, 60))
         assert b.session.frame.after.robots[0].x > 170
         b.command("undo")
         assert b.session.frame.after.robots[0].x == x
@@ -92,14 +92,14 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
         b.command("save_level")
         await b.says("It is already saved")
         assert said(room_file) == ROOM
-        await b.drag((200, 30), (180, 30))
+        await b.stroke((200, 30), (180, 30))
         b.command("save_level")
         await b.says("Saved as room")
         assert said(room_file) == ROOM.replace("x = 200", f"x = {b.level.beacons[0].x:g}")
         assert b.controller.levels.is_saved
         say(room_file, ROOM.replace("A room", "Another room", 1))
         b.command("brush")
-        await b.drag((100, 50))
+        await b.stroke((100, 50))
         b.command("save_level")
         await b.says("was changed by another program")
         await b.settled()
@@ -135,10 +135,10 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
     saving = SlowSaving()
     monkeypatch.setattr("logical_robots_tui.editing.files.save_level", saving)
     async with bench(data_dir, room_file) as b:
-        await b.drag((200, 30), (180, 30))
+        await b.stroke((200, 30), (180, 30))
         b.command("save_level")
         await b.until(lambda: saving.hold.has_begun)
-        await b.drag((180, 30), (120, 30))
+        await b.stroke((180, 30), (120, 30))
         newest = b.level.beacons
         sources = {"": b.session.source}
         b.session.open_level(load_level("02-open-space"), sources, AHEAD)
@@ -157,7 +157,7 @@ async def test_a_file_of_the_platform_is_replaced_only_if_the_player_says_so(
 ) -> None:
     async with bench(data_dir, web_file) as b:
         before = said(web_file)
-        await b.drag((200, 30), (180, 30))
+        await b.stroke((200, 30), (180, 30))
         b.command("save_level")
         await b.says("was not made by this game")
         await b.settled()
@@ -167,7 +167,7 @@ async def test_a_file_of_the_platform_is_replaced_only_if_the_player_says_so(
         await b.says("Saved as garden.json")
         assert load_level(web_file).beacons[0].x == b.level.beacons[0].x
         assert b.controller.levels.is_saved
-        await b.drag((180, 30), (120, 30))
+        await b.stroke((180, 30), (120, 30))
         b.command("save_level")  # by now it was made here
         await b.says("Saved as garden.json")
         assert b.controller.levels.is_saved

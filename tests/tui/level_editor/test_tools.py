@@ -38,7 +38,7 @@ async def test_walls_are_painted_with_each_tool(data_dir: Path, room_file: Path)
         ]:
             b.command(*commands.split())
             if points:
-                await b.drag(*points)
+                await b.stroke(*points)
             assert all(b.level.walls[y, x] for x, y in walls), commands
             assert not any(b.level.walls[y, x] for x, y in floors), commands
             await b.until(lambda: np.array_equal(b.session.level.walls, b.level.walls))
@@ -53,32 +53,32 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         def bodies() -> tuple[RobotState, ...]:
             return b.session.frame.after.robots
 
-        await b.drag((40, 50), (100, 60))
+        await b.stroke((40, 50), (100, 60))
         pip = b.level.robots[0]
         assert pip.x == pytest.approx(100, abs=1)
         assert b.editor.selected == Ref("robots", 0)
         assert bodies()[0].x == pip.x
-        await b.drag((pip.x + 18, pip.y), (pip.x, pip.y + 30))
+        await b.stroke((pip.x + 18, pip.y), (pip.x, pip.y + 30))
         angle = b.level.robots[0].angle
         assert angle == pytest.approx(math.pi / 2, abs=0.4)
         b.command("turn_right", "turn_left", "turn_left")
         assert b.level.robots[0].angle < angle
-        await b.drag((200, 30), (180, 30))
+        await b.stroke((200, 30), (180, 30))
         assert b.level.beacons[0].x == pytest.approx(180, abs=1)
         area = b.level.areas[0]
-        await b.drag((area.x, area.y + 5), (area.x - 30, area.y + 5))
+        await b.stroke((area.x, area.y + 5), (area.x - 30, area.y + 5))
         area = b.level.areas[0]
         assert area.x == pytest.approx(210, abs=1)
-        await b.drag((area.x + area.radius, area.y), (area.x + 30, area.y))
+        await b.stroke((area.x + area.radius, area.y), (area.x + 30, area.y))
         assert b.level.areas[0].radius == pytest.approx(30, abs=1)
         b.command("robot")
-        await b.drag((60, 30))
+        await b.stroke((60, 30))
         assert [robot.name for robot in b.level.robots] == ["Pip", "Robot 1"]
         assert [robot.name for robot in bodies()] == ["Pip", "Robot 1"]
         b.command("beacon")
-        await b.drag((60, 70))
+        await b.stroke((60, 70))
         b.command("area")
-        await b.drag((140, 50), (160, 50))
+        await b.stroke((140, 50), (160, 50))
         assert b.level.beacons[1].name == "Beacon 1"
         assert b.level.areas[1].radius == pytest.approx(20, abs=1)
         b.command("duplicate")
@@ -99,6 +99,7 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
     replace_in(room_file, "Door", name)
     async with studio(data_dir, room_file) as s:
         await s.drag((40, 50), (60, 50))
+        await s.settled()
         assert s.level.robots[0].x == pytest.approx(60, abs=s.units)
         await s.press("u", "b")
         await s.drag((100, 30), (100, 70))
@@ -115,32 +116,42 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
         await s.press("enter")
         await s.game.until(lambda: s.editor.cursor == (200, 30))
         await s.press("u")
+        await s.settled()
         s.editor.cursor = (140, 50)
         await s.press("enter", "right", "right", "down", "enter", "right")
+        await s.settled()
         walls = s.level.walls
         assert s.is_wall(140, 50)
         assert walls[50:60, 140:170].any()
         await s.press("r", "v", "enter", "shift+left", "down", "enter")
+        await s.settled()
         assert s.level.walls.sum() > walls.sum()
         await s.press("u")
+        await s.settled()
         assert np.array_equal(s.level.walls, walls)
         await s.press("l", "enter", "right", "escape")
+        await s.settled()
         assert s.editor.stroke is None
         assert s.controller.is_on
         await s.press("U")
+        await s.settled()
         assert s.level.walls.sum() > walls.sum()
         await s.press("shift+left", "shift+left")
+        await s.settled()
         assert s.editor.cursor[0] == 0
         line = s.game.main.query_one(CommandBar).render().plain
         assert all(words in line for words in ("enter Use", "esc Leave", "space Run"))
         await s.press("u", "u", "h")
         s.editor.selected = None
         await s.press("tab")
+        await s.settled()
         assert s.editor.cursor == (40, 50)
         await s.press("enter", "right", "right", "enter", "right")
+        await s.settled()
         assert s.level.robots[0].x == 60
         assert s.editor.edits.can_undo == "move"
         await s.press("c", "shift+right", "enter", "enter")
+        await s.settled()
         assert len(s.level.beacons) == 2
         await s.press("tab")
         await s.game.sees(f"Area {name}")
@@ -151,6 +162,7 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
         await s.game.click(ToolLine, offset=(lines[row].index("Fill"), row))
         await s.game.until(lambda: s.editor.settings.tool is Tool.FILL)
         await s.press("g", "G")
+        await s.settled()
         assert not s.editor.settings.is_grid_shown
         assert s.editor.settings.grid == 20
         await s.press("z", "z")

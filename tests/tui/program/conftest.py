@@ -69,14 +69,14 @@ class Desk:
         self.editor.move_cursor((row, column))
         await virtual_loop().settled()
 
-    async def press(self, *keys: str) -> None:
-        """Press keys one after the other, so slowly that nobody takes them for a paste."""
+    async def type(self, *keys: str) -> None:
+        """Press keys so slowly that nobody takes them for a paste; each has been answered."""
         for key in keys:
             await later(0.1)
             await self.at_once(key)
 
     async def at_once(self, *keys: str) -> None:
-        """Press keys without a pause between them."""
+        """Press keys without a pause between them, and wait until they have been answered."""
         for key in keys:
             character = CHARACTERS.get(key, key if len(key) == 1 else None)
             self.app.post_message(events.Key(key, character))

@@ -136,22 +136,22 @@ async def test_the_list_of_words_opens_by_key_follows_what_is_typed_and_closes()
         await desk.at_once(*"Wei", "ctrl+space")
         assert completion.display
         await desk.until(lambda: "WeightedAverage{" in desk.screen())
-        await desk.press("enter")
+        await desk.type("enter")
         assert editor.text == "WeightedAverage"
         assert not completion.display
         await desk.load("")
         await desk.at_once("S", "ctrl+space")
         assert completion.option_count > 1
-        await desk.press("q")
+        await desk.type("q")
         await desk.until(lambda: completion.option_count == 1)
-        await desk.press("escape")
+        await desk.type("escape")
         assert not completion.display
         assert desk.app.focused is editor
         await desk.at_once("tab")
         assert editor.text == "Sq  "
         await desk.at_once(*"Sqr", "ctrl+space")
         assert completion.display
-        await desk.press("t")
+        await desk.type("t")
         assert editor.text == "Sq  Sqrt"
         assert not completion.display
 
@@ -160,28 +160,28 @@ async def test_a_dot_or_a_capital_letter_opens_the_list_and_a_number_does_not() 
     async with writing() as desk:
         for typed, first in [("sensor.", "clock"), ("S", "Sensor")]:
             await desk.load("")
-            await desk.press(*typed[:-1])
+            await desk.type(*typed[:-1])
             assert not desk.completion.display
-            await desk.press(typed[-1])
+            await desk.type(typed[-1])
             assert desk.completion.display
             assert desk.completion.names[0] == first
-            await desk.press("escape")
+            await desk.type("escape")
         await desk.load("")
-        await desk.press("0", ".", "5")
+        await desk.type("0", ".", "5")
         assert desk.editor.text == "0.5"
         assert not desk.completion.display
         await desk.load("")
         await desk.at_once(*"x == sensor.")
         await desk.until(lambda: desk.completion.display)
         assert desk.editor.text == "x == sensor."
-        await desk.press("escape")
+        await desk.type("escape")
         await desk.load("")
         await desk.at_once(*"S(x); y")
         await later(1)
         assert not desk.completion.display
         desk.editor.completes = False
         await desk.load("")
-        await desk.press("S")
+        await desk.type("S")
         assert desk.editor.text == "S"
         assert not desk.completion.display
 
@@ -208,8 +208,8 @@ async def test_tab_completes_what_is_begun_and_indents_elsewhere(
 ) -> None:
     async with writing() as desk:
         await desk.load(text, 0, len(text))
-        await desk.press("tab")
+        await desk.type("tab")
         assert desk.completion.display == (len(keys) > 1)
-        await desk.press(*keys[1:])
+        await desk.type(*keys[1:])
         assert desk.editor.text.startswith(completed)
         assert len(keys) > 1 or desk.editor.text == completed

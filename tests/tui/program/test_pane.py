@@ -53,7 +53,7 @@ async def test_letters_right_behind_the_key_for_the_editor_are_typed(
         await game.until(lambda: game.editor.text)
         assert game.editor.text == "squid"
         await game.press("enter", "tab", *"qrnlo", "space", "plus", "question_mark")
-        assert game.editor.text == "squid\n  qrnlo +?"
+        await game.until(lambda: game.editor.text == "squid\n  qrnlo +?")
         assert game.app.screen is game.main
         assert game.tick == 0
         await game.press("ctrl+c")
