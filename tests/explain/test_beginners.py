@@ -207,10 +207,6 @@ def lines(explanation: Explanation) -> str:
     )
 
 
-def test_there_are_at_least_twenty() -> None:
-    assert len({each.body for each in MISTAKES}) >= 20
-
-
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda each: each.body)
 def test_a_mistake_is_marked_or_explained(mistake: Mistake) -> None:
     text = text_of(mistake)

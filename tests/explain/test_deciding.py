@@ -68,7 +68,7 @@ def deciding(text: str, name: str) -> tuple[object, list[Node]]:
     return row_asked[0], [each for each in nodes if each.said.startswith(("chosen", "is the"))]
 
 
-@pytest.mark.parametrize("examples", [8, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("examples", [5, pytest.param(100, marks=pytest.mark.slow)])
 def test_the_element_that_decides_has_the_value_of_the_result(examples: int) -> None:
     @given(questions())
     @settings(max_examples=examples)

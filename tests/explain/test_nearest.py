@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import closing
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import pytest
@@ -25,124 +24,95 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :-
 """
 
 
-@dataclass(frozen=True)
-class Case:
-    """A rule that gives nothing, and what is missed."""
-
-    rules: str
-    said: str
-    change: str
-
-
 SEES = "Sensor(robot_name:, sensor:), ray in sensor.radar"
 
 CASES = {
-    "a threshold": Case(
+    "a threshold": (
         f"Near(robot_name:) :- {SEES}, ray.distance < 20;",
         "Change `20` to `37` in line 1: `ray.distance` is 36, 16 too much.",
-        "37",
     ),
-    "a threshold on the left": Case(
+    "a threshold on the left": (
         f"Near(robot_name:) :- {SEES}, 20.5 > ray.distance;",
         "Change `20.5` to `36.1` in line 1: `ray.distance` is 36, 15.5 too much.",
-        "36.1",
     ),
-    "parentheses around a comparison": Case(
+    "parentheses around a comparison": (
         "Near(robot_name:) :- Sensor(robot_name:, sensor:), n = sensor.forward_distance < 60,\n"
         "  n == false || Sqrt(n) > 0;",
         "Put `sensor.forward_distance < 60` in line 1 in parentheses: `=` is read before `<`.",
-        "(sensor.forward_distance < 60)",
     ),
-    "a threshold in a function": Case(
+    "a threshold in a function": (
         "IsFar(x) :- x > 500;\n"
         "Near(robot_name:) :- Sensor(robot_name:, sensor:), IsFar(sensor.forward_distance);",
         "Change `500` to `199` in line 1: `x` is 200, 300 too little.",
-        "199",
     ),
-    "a threshold that is a constant": Case(
+    "a threshold that is a constant": (
         f"Close() = 20;\nNear(robot_name:) :- {SEES}, ray.distance < Close();",
         "Change `20` to `37` in line 1: `ray.distance` is 36, 16 too much.",
-        "37",
     ),
-    "exactly the limit": Case(
+    "exactly the limit": (
         f"Near(robot_name:) :- {SEES}, ray.distance < 36;",
         "Change `<` to `<=` in line 1: `ray.distance` is 36, exactly the limit.",
-        "<=",
     ),
-    "upper case": Case(
+    "upper case": (
         f'Near(robot_name:) :- {SEES}, ray.label == "green";',
         'Change `"green"` to `"Green"` in line 1: `ray.label` is "Green".',
-        '"Green"',
     ),
-    "a text for a number": Case(
+    "a text for a number": (
         'Near(robot_name:) :- Memory(robot_name:, memory:), memory.place == "3";',
         'Change `"3"` to `3` in line 1: `memory.place` is the number 3.',
-        "3",
     ),
-    "a text for a truth": Case(
+    "a text for a truth": (
         'Near(robot_name:) :- Memory(robot_name:, memory:), memory.flag == "true";',
         'Change `"true"` to `true` in line 1: `memory.flag` is a Boolean, not a string.',
-        "true",
     ),
-    "another field": Case(
+    "another field": (
         "Near(robot_name:) :- Memory(robot_name:, memory:), memory.places == 3;",
         "Change `places` to `place` in line 1: the memory has no field places, but place.",
-        "place",
     ),
-    "the field beside it": Case(
+    "the field beside it": (
         f'Near(robot_name:) :- {SEES}, ray.object == "Green";',
         'Change `object` to `label` in line 1: `label` is "Green".',
-        "label",
     ),
-    "the field beside one in a call": Case(
+    "the field beside one in a call": (
         f'Post("Green");\nNear(robot_name:) :- {SEES}, Post(ray.object);',
         'Change `object` to `label` in line 2: `label` is "Green".',
-        "label",
     ),
-    "a text within an expression": Case(
+    "a text within an expression": (
         'Near(robot_name:) :- Memory(robot_name:, memory:), now in ["out", "home"], '
         'now == Coalesce(memory.gone, "Out");',
         'Change `"Out"` to `"out"` in line 1: `now` is "out".',
-        '"out"',
     ),
-    "a text in a call": Case(
+    "a text in a call": (
         'Kind(robot_name:, kind: "out") :- Sensor(robot_name:);\n'
         'Near(robot_name:) :- Kind(robot_name:, kind: "aut");',
         'Change `"aut"` to `"out"` in line 2: Kind has kind "out".',
-        '"out"',
     ),
-    "a text in a call by place": Case(
+    "a text in a call by place": (
         'Kind("out", 1);\nNear(robot_name:) :- Sensor(robot_name:), Kind("aut", 1);',
         'Change `"aut"` to `"out"` in line 2: Kind has "out".',
-        '"out"',
     ),
-    "a column of a join too many": Case(
+    "a column of a join too many": (
         "Place(robot_name:, at: 5) :- Sensor(robot_name:);\n"
         "Near(robot_name:) :- Sensor(robot_name:), at in [1], Place(robot_name:, at:);",
         "Remove `at:` in line 2: Place fails in the column at alone, which has 5.",
-        "",
     ),
-    "a denial": Case(
+    "a denial": (
         "Seen(robot_name:) :- Sensor(robot_name:);\n"
         "Near(robot_name:) :- Sensor(robot_name:), ~Seen(robot_name:);",
         "Remove `~` in line 2: `Seen(robot_name:)` has rows.",
-        "",
     ),
-    "a denial that is missing": Case(
+    "a denial that is missing": (
         "Seen(robot_name:) :- Sensor(robot_name:), 1 == 2;\n"
         "Near(robot_name:) :- Sensor(robot_name:), Seen(robot_name:);",
         "Put `~` before `Seen(robot_name:)` in line 2: there is no such row.",
-        "~",
     ),
-    "one of two operands": Case(
+    "one of two operands": (
         "Near(robot_name:) :- Memory(robot_name:, memory:), memory.flag && memory.place > 5;",
         "Change `5` to `2` in line 1: `memory.place` is 3, 2 too little.",
-        "2",
     ),
-    "a condition that nothing else helps": Case(
+    "a condition that nothing else helps": (
         "Near(robot_name:) :- Memory(robot_name:, memory:), memory.place == 30;",
         "Remove `memory.place == 30` in line 1: all the rest of the rule holds.",
-        "",
     ),
 }
 
@@ -192,10 +162,12 @@ def has_row(text: str, robot: str) -> bool:
     return any(robot in row for row in table.rows)
 
 
-@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
-def test_the_nearest_miss_is_named_and_with_each_change_alone_there_is_a_row(case: Case) -> None:
-    text, found = ask(case.rules)
-    assert (case.said, case.change) in [(each.text, each.change) for each in found]
+@pytest.mark.parametrize(("rules", "sentence"), CASES.values(), ids=CASES)
+def test_the_nearest_miss_is_named_and_with_each_change_alone_there_is_a_row(
+    rules: str, sentence: str
+) -> None:
+    text, found = ask(rules)
+    assert sentence in [each.text for each in found]
     assert len(found) <= MOST
     assert not has_row(text, "Ada")
     for each in found:
@@ -221,10 +193,6 @@ def test_the_smallest_change_comes_first() -> None:
     assert [each.change for each in found][:1] == ['"wall"']
 
 
-def test_a_rule_that_gave_a_row_misses_nothing() -> None:
-    assert ask("Near(robot_name:) :- Sensor(robot_name:);")[1] == ()
-
-
 def test_of_a_row_with_certain_values_the_changes_are_told_that_give_that_row() -> None:
     rules = (
         'Post(name: "Mine", far: 30); Post(name: "Well", far: 90);\n'
@@ -235,14 +203,16 @@ def test_of_a_row_with_certain_values_the_changes_are_told_that_give_that_row() 
     assert ask(rules, name="Mine")[1] == ()
 
 
-def test_a_rule_misses_nothing_if_the_shortest_of_its_alternatives_holds() -> None:
-    rules = "Near(robot_name:) :- Sensor(robot_name:), (x == 1 | x == 2, x > 1, x > 9);"
-    assert ask(rules)[1] == ()
-
-
-def test_what_no_single_change_would_have_helped_gets_no_suggestion() -> None:
-    rules = "Near(robot_name:) :- Memory(robot_name:, memory:), memory.place > 5, memory.place < 1;"
-    assert ask(rules)[1] == ()
+@pytest.mark.parametrize(
+    "body",
+    [
+        "Sensor(robot_name:)",  # gives a row
+        "Sensor(robot_name:), (x == 1 | x == 2, x > 1, x > 9)",  # its shortest alternative holds
+        "Memory(robot_name:, memory:), memory.place > 5, memory.place < 1",  # takes two changes
+    ],
+)
+def test_what_no_single_change_would_have_helped_misses_nothing(body: str) -> None:
+    assert ask(f"Near(robot_name:) :- {body};")[1] == ()
 
 
 def test_it_is_asked_in_the_reasoning_of_one_robot() -> None:

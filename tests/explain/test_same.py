@@ -51,7 +51,7 @@ def last_tick(name: str) -> int:
     return TICKS if len(load_level(level_for(name)).robots) < CROWD else 2
 
 
-QUICK = "breadcrumbs"
+QUICK = "steering"
 PROGRAMS = [
     pytest.param(name, marks=[pytest.mark.slow] * (name != QUICK)) for name in list_programs()
 ]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from logical_robots_tui.game import Game
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import load_level
@@ -52,7 +54,17 @@ async def test_who_has_just_got_stuck_is_not_on_its_way(tmp_path: Path) -> None:
         assert ("unfinished" in kinds, "blocked" in kinds) == (is_on_way, False)
 
 
-async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("last", "kind"),
+    [
+        (0, "circle"),
+        pytest.param(1, "blocked", marks=pytest.mark.slow),
+        pytest.param(2, "still", marks=pytest.mark.slow),
+    ],
+)
+async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(
+    tmp_path: Path, last: int, kind: str
+) -> None:
     rules = [
         f'Robot(robot_name:, memory: "", desire:) :- Sensor(robot_name:),\n  desire = {desire};'
         for desire in (
@@ -61,11 +73,10 @@ async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(tmp_path: Pa
             "{left_engine: 0, right_engine: 0}",
         )
     ]
-    for last, kind in ((0, "circle"), (1, "blocked"), (2, "still")):
-        text = "\n".join([*rules[:last], *rules[last + 1 :], rules[last]])
-        finding = the(await without_door(tmp_path, text), kind)
-        assert finding.span is not None
-        assert finding.span.line == 6, kind
+    text = "\n".join([*rules[:last], *rules[last + 1 :], rules[last]])
+    finding = the(await without_door(tmp_path, text), kind)
+    assert finding.span is not None
+    assert finding.span.line == 6
 
 
 COPIES = """Near(ray) :- ray.distance < 0;

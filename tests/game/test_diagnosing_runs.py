@@ -54,24 +54,22 @@ async def of_game(level: Level) -> Diagnosis:
         await game.close()
 
 
-async def test_a_run_that_is_computed_or_stored_is_diagnosed_as_that_of_a_game(
+async def test_a_run_is_diagnosed_as_that_of_a_game_and_what_was_found_is_kept(
     level: Level,
 ) -> None:
     there = await of_game(level)
     assert len(there.findings) > 2
-    await of_run(level, TICKS + 1)
-    found, _ = await of_run(level)
+    more, shown = await of_run(level, TICKS + 1)  # computed
+    assert more.examined is None
+    assert shown
+    for early in shown:  # what is sure is shown first and stays
+        assert early.examined is not None
+        assert early.findings[: early.sure] == more.findings[: early.sure]
+    found, shown = await of_run(level)  # stored
+    assert shown
     assert found.findings == there.findings
     assert extent(found) == extent(there) == f"Ticks 1 to {TICKS}, not won."
-
-
-async def test_what_was_found_is_kept_until_run_or_program_are_others(level: Level) -> None:
-    found, shown = await of_run(level)
-    assert shown
     assert await of_run(level) == (found, [])
-    fewer, shown = await of_run(level, TICKS - 1)
-    assert shown
-    assert fewer.last == TICKS - 1
 
 
 async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level: Level) -> None:
@@ -89,7 +87,7 @@ async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level:
     assert found.last == found.won_at == frame.after.won_at
 
 
-@pytest.mark.parametrize("error", [OSError, RuntimeError])
+@pytest.mark.parametrize("error", [OSError, pytest.param(RuntimeError, marks=pytest.mark.slow)])
 async def test_without_the_second_process_it_takes_longer(
     level: Level, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
 ) -> None:
@@ -100,15 +98,6 @@ async def test_without_the_second_process_it_takes_longer(
 
     monkeypatch.setattr(scanning, "Helper", refuse)
     assert (await of_run(level))[0].findings == expected.findings
-
-
-async def test_what_is_sure_is_shown_first_and_stays(level: Level) -> None:
-    found, shown = await of_run(level)
-    assert shown
-    for early in shown:
-        assert early.examined is not None
-        assert early.findings[: early.sure] == found.findings[: early.sure]
-    assert found.examined is None
 
 
 async def test_what_was_found_before_it_is_stopped_is_kept(

@@ -12,24 +12,21 @@ from logical_robots_tui.game import Frame, Game, NoSuchTickError, Superseded
 from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.mind.limits import Limits
-from tests.game.playing import COUNTER, SLOW, game
+from tests.game.playing import COUNTER, SLOW
 from tests.virtual_time import VirtualClock, later, virtual_loop
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from tests.game.playing import Play
 
 
-async def test_the_start_shows_what_the_robots_see_before_anybody_thinks(hall_game: Game) -> None:
+async def test_a_game_begins_before_anybody_thinks_and_each_step_senses_thinks_and_acts_once(
+    hall_game: Game,
+) -> None:
     start = hall_game.frame
     assert (start.tick, start.decisions, start.memories) == (0, (), {"Ada": "", "Bo": ""})
     assert [r["robot_name"] for r in start.sensors] == ["Ada", "Bo"]
     assert start.sensors[0]["sensor"]["clock"] == 0
-
-
-async def test_a_step_senses_thinks_and_acts_once(hall_game: Game) -> None:
     frame = await hall_game.step()
     assert frame is hall_game.frame
     assert (frame.tick, frame.sensors[0]["sensor"]["clock"]) == (1, 1)
@@ -38,11 +35,14 @@ async def test_a_step_senses_thinks_and_acts_once(hall_game: Game) -> None:
     assert frame.memories == {"Ada": 1, "Bo": 1}
 
 
-async def test_running_ends_with_victory_and_tells_the_tick(hall_game: Game) -> None:
+async def test_running_ends_with_victory_and_goes_on_when_asked_to(hall_game: Game) -> None:
     await hall_game.run()
-    assert hall_game.won_at == hall_game.frame.tick
+    won_at = hall_game.won_at
+    assert won_at == hall_game.frame.tick
     assert not hall_game.running
     assert hall_game.frame.after.areas[0].visitors == ("Ada", "Bo")
+    await hall_game.run_until(tick=won_at + 5)
+    assert (hall_game.won_at, hall_game.frame.tick) == (won_at, won_at + 5)
 
 
 async def test_a_run_that_is_taken_back_between_two_ticks_ends_with_victory_again(
@@ -63,15 +63,6 @@ async def test_a_run_that_is_taken_back_between_two_ticks_ends_with_victory_agai
     assert (hall_game.frame.tick, beyond) == (won_at, 1)
 
 
-async def test_a_won_game_goes_on_when_asked_to(hall_game: Game) -> None:
-    await hall_game.run_until(tick=200)
-    won_at = hall_game.won_at
-    await hall_game.run_until(tick=won_at + 5 if won_at else 0)
-    assert hall_game.won_at == won_at
-    assert won_at is not None
-    assert hall_game.frame.tick == won_at + 5
-
-
 async def test_every_tick_of_a_run_is_restored_exactly(hall_game: Game) -> None:
     frames = [hall_game.frame]
     hall_game.listen(frames.append)
@@ -80,26 +71,6 @@ async def test_every_tick_of_a_run_is_restored_exactly(hall_game: Game) -> None:
     for expected in reversed(frames[:-1]):
         assert hall_game.back() == expected
     assert hall_game.back() == frames[0]
-
-
-async def test_stepping_again_after_going_back_gives_the_same_frames(hall_game: Game) -> None:
-    await hall_game.run_until(tick=20)
-    first = [hall_game.frame_at(t) for t in range(21)]
-    hall_game.go_to(7)
-    await hall_game.run_until(tick=20)
-    assert [hall_game.frame_at(t) for t in range(21)] == first
-
-
-async def test_two_games_of_the_same_program_are_the_same(tmp_path: Path) -> None:
-    runs: list[list[Frame]] = []
-    for _ in range(2):
-        played = game(tmp_path)
-        frames: list[Frame] = []
-        played.listen(frames.append)
-        await played.run_until(tick=25)
-        await played.close()
-        runs.append(frames)
-    assert runs[0] == runs[1]
 
 
 async def test_restarting_begins_anew_with_the_same_program(hall_game: Game) -> None:
@@ -156,15 +127,14 @@ async def test_cancelling_a_step_leaves_the_game_where_it_was(play: Play) -> Non
     assert (await slow.step()).tick == 1
 
 
-async def test_a_query_speaks_of_the_frame_that_was_asked_for(hall_game: Game) -> None:
+async def test_a_query_speaks_of_the_frame_that_was_asked_for_or_says_why_it_has_no_rows(
+    hall_game: Game,
+) -> None:
     await hall_game.run_until(tick=10)
     answer = await hall_game.query("Robot", hall_game.frame_at(4))
     assert [row[2] for row in answer.rows] == [4, 4]
     memory = await hall_game.query("Memory", hall_game.frame_at(4))
     assert memory.rows == (("Ada", 3), ("Bo", 3))
-
-
-async def test_a_query_for_what_has_no_rows_says_why(hall_game: Game) -> None:
     with pytest.raises(QueryError, match="no predicate Wings"):
         await hall_game.query("Wings")
     with pytest.raises(QueryError, match="function of its arguments"):

@@ -284,8 +284,13 @@ async def every_tick_backward_and_forward(name: str, ticks: int) -> None:
 THOUGHTS = 2_500
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("name", list_levels())
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name != "06-breadcrumbs"))
+        for name in list_levels()
+    ],
+)
 async def test_back_and_forward_again_is_the_same_in_every_tick(name: str) -> None:
     robots = len(load_level(name).robots)
     await every_tick_backward_and_forward(name, min(200, max(80, THOUGHTS // robots)))

@@ -35,32 +35,13 @@ async def sought(game: Game, begin: int, way: int, query: str = HERE) -> int | N
     return (await search_ticks(game, query, 1 if way > 0 else -1)).tick
 
 
-@pytest.mark.parametrize(
-    ("begin", "way", "found"),
-    [
-        (0, 1, 10),
-        (9, 1, 10),
-        (10, 1, 40),
-        (11, 1, 40),
-        (12, 1, 40),
-        (41, 1, 77),
-        (77, 1, None),
-        (100, -1, 77),
-        (77, -1, 41),
-        (41, -1, 12),
-        (40, -1, 12),
-        (39, -1, 12),
-        (13, -1, 12),
-        (11, -1, None),
-        (10, -1, None),
-        (100, 1, None),
-        (0, -1, None),
-    ],
-)
-async def test_the_nearest_tick_beside_those_around_here_is_found(
-    game: Game, begin: int, way: int, found: int | None
-) -> None:
-    assert await sought(game, begin, way) == found
+FORWARD = {0: 10, 9: 10, 10: 40, 11: 40, 12: 40, 41: 77, 77: None, 100: None}
+BACKWARD = {100: 77, 77: 41, 41: 12, 40: 12, 39: 12, 13: 12, 11: None, 10: None, 0: None}
+
+
+async def test_the_nearest_tick_beside_those_around_here_is_found(game: Game) -> None:
+    assert {begin: await sought(game, begin, 1) for begin in FORWARD} == FORWARD
+    assert {begin: await sought(game, begin, -1) for begin in BACKWARD} == BACKWARD
 
 
 async def test_it_is_known_how_far_was_looked_and_whether_it_holds_here(game: Game) -> None:

@@ -73,19 +73,17 @@ async def test_every_tick_of_a_match_comes_back_from_history_recording_and_repla
         assert other.go_to(50).after == seen[50]
 
 
-@pytest.mark.parametrize("wrong", [(), ((1, 2),), ((1, 2), (1,)), ((-1, 0), (0, 0))])
-async def test_a_replay_with_other_tallies_is_refused(
-    tmp_path: Path, wrong: tuple[tuple[int, ...], ...], play: Play
-) -> None:
+async def test_a_replay_with_other_tallies_is_refused(tmp_path: Path, play: Play) -> None:
     game = play(COUNTER, LEVEL)
     await game.run_until(tick=5)
     replay = await kept(game)
     (stage,) = replay.stages
-    state = WorldState(0, stage.state.robots, stage.state.areas, None, wrong)
-    stage = msgspec.structs.replace(stage, state=state)
-    file = written(msgspec.structs.replace(replay, stages=(stage,)), tmp_path)
-    with pytest.raises(InputError, match="does not fit the level"):
-        load_replay(file)
+    for wrong in ((), ((1, 2),), ((1, 2), (1,)), ((-1, 0), (0, 0))):
+        state = WorldState(0, stage.state.robots, stage.state.areas, None, wrong)
+        stages = (msgspec.structs.replace(stage, state=state),)
+        file = written(msgspec.structs.replace(replay, stages=stages), tmp_path)
+        with pytest.raises(InputError, match="does not fit the level"):
+            load_replay(file)
 
 
 async def test_a_replay_from_before_there_were_scores_is_still_read(play: Play) -> None:

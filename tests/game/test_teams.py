@@ -55,8 +55,8 @@ async def test_each_team_follows_its_own_program(match: Level, play: Play) -> No
     assert [decision.robot_name for decision in frame.decisions] == ["Ada", "Bo", "Cy"]
 
 
-async def test_nothing_of_another_team_is_visible(match: Level, play: Play) -> None:
-    """Not even to a program that asks to see all, and that commands the other's robots."""
+async def test_nothing_but_the_team_looked_at_is_visible(match: Level, play: Play) -> None:
+    """Not even to a program that asks to see all, and that commands the others' robots."""
     game = play(teams(NOSY, COUNTER), match)
     frame = await game.run_until(tick=3)
     assert frame.memories == {
@@ -68,11 +68,6 @@ async def test_nothing_of_another_team_is_visible(match: Level, play: Play) -> N
     (ada, bo, _) = frame.decisions
     assert [notice.kind for notice in ada.notices] == ["unknown robot"]
     assert not bo.notices
-
-
-async def test_answers_are_those_of_the_team_looked_at(match: Level, play: Play) -> None:
-    game = play(teams(NOSY, COUNTER), match)
-    await game.run_until(tick=2)
     assert len((await game.query("Sensor")).rows) == 2
     assert {row[0] for row in (await game.query("Memory")).rows} == {"Ada", "Cy"}
     here = game.frame
