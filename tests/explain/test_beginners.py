@@ -223,7 +223,8 @@ def test_a_mistake_is_marked_or_explained(mistake: Mistake) -> None:
         assert not mistake.explained
         return
     run(text)
-    told_why = lines(why(text, memories={"Ada": ""}))
     assert mistake.mark or mistake.explained
-    for piece in mistake.explained:
-        assert piece in told_why, told_why
+    if mistake.explained:
+        told_why = lines(why(text, memories={"Ada": ""}))
+        for piece in mistake.explained:
+            assert piece in told_why, told_why

@@ -50,8 +50,8 @@ def find_nothing_false(
 @pytest.mark.parametrize(
     ("made", "questions", "first"),
     [
-        (one_robot, 20, 3),
-        (a_team, 10, 0),
+        (one_robot, 20, 14),
+        (a_team, 10, 6),
         pytest.param(one_robot, 200, 0, marks=pytest.mark.slow),
         pytest.param(a_team, 120, 0, marks=pytest.mark.slow),
         *(pytest.param(made, 2_500, 0, marks=pytest.mark.proof) for made in (one_robot, a_team)),

@@ -160,9 +160,9 @@ async def test_a_program_is_measured_in_a_process_that_tells_how_far_it_is(level
     assert [trial.tried for trial in told] == list(range(1, 21))
 
 
-async def test_what_is_known_of_the_given_start_is_not_played_again(level: Level) -> None:
+def test_what_is_known_of_the_given_start_is_not_played_again(level: Level) -> None:
     known = Measures(ticks=55, size=7, distance=1.0)
-    found = await measure(level, Program.compile(AHEAD), known)
+    found = measuring._measure(level, Program.compile(AHEAD), known)
     assert found is not None
     assert (found.ticks, found.size, found.distance, found.starts) == (55, 7, 1.0, 20)
 

@@ -115,13 +115,8 @@ def played(
     return int(most), set(kinds)
 
 
-@pytest.mark.parametrize(
-    "what",
-    [
-        pytest.param(what, marks=[pytest.mark.slow] * (what != "short enough long texts"))
-        for what in HUNGRY
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("what", HUNGRY)
 def test_one_robot_s_memories_stay_within_bounds(what: str) -> None:
     most, _ = played("01-first-steps", ROBOT + HUNGRY[what] + ";", 130)
     assert most < MOST - SCREEN
@@ -134,7 +129,7 @@ def test_one_robot_fills_the_history_and_the_oldest_ticks_are_dropped() -> None:
     assert most < MOST - SCREEN
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "what",
     [

@@ -105,6 +105,7 @@ def test_another_rule_is_named_with_the_condition_that_chose_it(level: Level) ->
     assert Two(level, DRIVE, other).condition() == ("Fresh(robot_name:)", "there")
 
 
+@pytest.mark.slow
 def test_where_a_rule_is_lacking_the_call_that_finds_nothing_is_named(level: Level) -> None:
     lines = DRIVE.splitlines(keepends=True)
     two = Two(level, "".join([*lines[:2], *lines[3:]]), DRIVE)
@@ -114,6 +115,7 @@ def test_where_a_rule_is_lacking_the_call_that_finds_nothing_is_named(level: Lev
     assert holds == [False, True]
 
 
+@pytest.mark.slow
 def test_a_rule_in_place_of_another_one_is_no_edited_one(level: Level) -> None:
     lines = DRIVE.splitlines(keepends=True)
     new = "Drive(robot_name:, left: 5, right: 5) :- Sensor(robot_name:, sensor:), sensor.clock < 9;"
@@ -231,6 +233,7 @@ def test_what_decides_an_aggregate_is_gone_into_before_its_value_counts(level: L
     assert two.texts == ("Ahead(ray) :- Abs(ray.angle) < 0.5", "Ahead(ray) :- Abs(ray.angle) < 1.5")
 
 
+@pytest.mark.slow
 def test_what_only_one_aggregate_goes_over_is_told_by_its_new_rule(level: Level) -> None:
     text = """
     Near(robot_name:, d: 7) :- Sensor(robot_name:), Memory(robot_name:, memory:), memory == "x";

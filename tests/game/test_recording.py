@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from tests.game.playing import hall
-from tests.game.test_run import TICKS, entry, frames, known
+from tests.game.test_run import entry, frames, known
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from logical_robots_tui.world import Level
+
+TICKS = 40  # a piece and some
 
 
 @pytest.fixture(autouse=True)
@@ -36,14 +38,14 @@ def level(tmp_path: Path) -> Level:
 async def test_a_damaged_recording_is_dropped(
     level: Level, folder: Path, part: float, damage: str
 ) -> None:
-    expected = await frames(level)
+    expected = await frames(level, TICKS)
     path = entry(folder)
     content = path.read_bytes()
     at = int(part * len(content))
     if damage == "changed":
         content = content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
     path.write_bytes(content[:at] if damage == "cut" else content + b"more" * (damage == "longer"))
-    assert await frames(level) == expected
+    assert await frames(level, TICKS) == expected
     assert await known(level) == TICKS
     assert (
         path.read_bytes()[:64]
@@ -123,13 +125,13 @@ def nested(depth: int) -> list[Any]:
 async def test_a_false_recording_is_dropped(
     level: Level, folder: Path, change: Callable[[list[Any]], object]
 ) -> None:
-    expected = await frames(level)
+    expected = await frames(level, TICKS)
     path = entry(folder)
     key, pieces, moments = content_of(path)
     change(pieces[1])
     written = [zlib.compress(json.dumps(piece).encode()) for piece in pieces]
     path.write_bytes(forged(key, written, moments))
-    assert await frames(level) == expected
+    assert await frames(level, TICKS) == expected
 
 
 PIECES = {
@@ -142,27 +144,27 @@ PIECES = {
 
 @pytest.mark.parametrize("piece", PIECES.values(), ids=PIECES)
 async def test_a_damaged_piece_is_discarded(level: Level, folder: Path, piece: bytes) -> None:
-    expected = await frames(level)
+    expected = await frames(level, TICKS)
     path = entry(folder)
     key, pieces, moments = content_of(path)
     for at in (0, -1):
         written = [zlib.compress(json.dumps(each).encode()) for each in pieces]
         written[at] = piece
         path.write_bytes(forged(key, written, moments))
-        assert await frames(level) == expected
+        assert await frames(level, TICKS) == expected
 
 
 async def test_a_damaged_index_is_discarded(level: Level, folder: Path) -> None:
-    expected = await frames(level)
+    expected = await frames(level, TICKS)
     path = entry(folder)
     for index in (b"{}", b"null", b"[]", b'{"key": 1, "moments": "x", "pieces": 7}'):
         path.write_bytes(hashlib.sha256(index).hexdigest().encode() + b"\n" + index + b"\n")
-        assert await frames(level) == expected
+        assert await frames(level, TICKS) == expected
         assert await known(level) == TICKS
 
 
 async def test_a_piece_is_text(level: Level, folder: Path) -> None:
-    await frames(level)
+    await frames(level, TICKS)
     _, (first, *_), _ = content_of(entry(folder))
     assert first[0][1] == ["Ada", "Bo"]
 
@@ -190,7 +192,7 @@ Robot(robot_name:, desire: {left_engine: 1, right_engine: 1},
 
 
 async def test_an_endless_number_is_kept(level: Level, folder: Path) -> None:
-    expected = await frames(level, text=ENDLESS)
+    expected = await frames(level, TICKS, ENDLESS)
     assert await known(level, ENDLESS) == TICKS
-    assert repr(await frames(level, text=ENDLESS)) == repr(expected)
+    assert repr(await frames(level, TICKS, ENDLESS)) == repr(expected)
     assert "inf" in repr(expected[-1].memories)

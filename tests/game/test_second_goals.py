@@ -44,10 +44,13 @@ def file(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("text", "reached"),
-    [(AHEAD, (*AT_ONCE, LATER)), (BACKWARDS, (LATER,)), ("A(1);\n" + AHEAD, (*AT_ONCE[1:], LATER))],
+    [
+        (AHEAD, (*AT_ONCE, LATER)),
+        pytest.param(BACKWARDS, (LATER,), marks=pytest.mark.slow),
+        pytest.param("A(1);\n" + AHEAD, (*AT_ONCE[1:], LATER), marks=pytest.mark.slow),
+    ],
 )
 async def test_a_game_and_a_measuring_process_find_the_same(
     file: Path, text: str, reached: tuple[str, ...], play: Play
