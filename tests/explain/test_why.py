@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import Any
 
 import pytest
 
-from logical_robots_tui.mind import QueryError
+from logical_robots_tui.mind import Mind, Program, QueryError
 from tests.explain.asking import REST, below, find, stop, texts, the_rule, why
 from tests.mind.rows import row
 
@@ -91,6 +92,23 @@ def test_every_rule_is_told_and_one_about_another_robot_says_so() -> None:
     assert mine.rows == 1
     assert (other.rows, other.node.said) == (0, "does not apply to these values")
     assert [(n.text, n.values) for n in other.node.children][:1] == [("robot_name", ("Bo",))]
+
+
+def test_of_several_rows_of_robot_the_last_one_is_explained_because_it_counts() -> None:
+    rules = "".join(
+        f"Robot(robot_name:, desire: {{left_engine: {n}, right_engine: 0}}, memory: {n}) :- "
+        "Sensor(robot_name:);\n"
+        for n in (1, 2)
+    )
+    explanation = why(rules)
+    with closing(Mind(Program.compile(rules))) as mind:
+        (decision,) = mind.think([row("Ada")], {})
+    assert explanation.row is not None
+    assert explanation.row["memory"] == decision.memory == 2
+    assert [rule.node.said for rule in explanation.rules] == [
+        "gives 1 row, but not the last",
+        "gives 1 row; this is the last",
+    ]
 
 
 def test_what_holds_for_others_only_is_told_where_all_is_visible() -> None:
