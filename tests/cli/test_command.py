@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import logging
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -17,6 +18,7 @@ from logical_robots_tui.cli import listing
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.wording import join_names
 from tests.cli.running import Command
+from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
 COMMANDS = (
@@ -57,14 +59,13 @@ def test_a_command_that_is_loaded_alone_takes_what_it_takes_among_the_others() -
         assert any(set(alone) <= {name, *module} for module in shared)  # these share a module
 
 
-@pytest.mark.parametrize("name", ["play", "run"])
-def test_the_help_of_a_game_has_examples_and_exit_statuses(name: str, command: Command) -> None:
-    told = command(name, "--help").out
-    assert "examples:" in told
-    assert "exit status:" in told
-
-
-def test_the_version_is_told(command: Command) -> None:
+def test_the_help_of_a_game_has_examples_and_exit_statuses_and_the_version_is_told(
+    command: Command,
+) -> None:
+    for name in ("play", "run"):
+        told = command(name, "--help").out
+        assert "examples:" in told
+        assert "exit status:" in told
     assert command("--version").out == f"logical-robots {logical_robots_tui.__version__}\n"
 
 
@@ -80,26 +81,20 @@ def test_without_a_terminal_the_game_says_so_in_one_line_and_points_to_run(
     assert "logical-robots run LEVEL PROGRAM" in told.err
 
 
-def begun_after(script: str) -> subprocess.CompletedProcess[str]:
-    """Begin the game in a process of its own, after a script."""
-    begin = "import logical_robots_tui.cli.main as m; raise SystemExit(m.main([]))"
-    return subprocess.run(
-        [sys.executable, "-c", f"{script}; {begin}"],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
-
-
 def test_a_dumb_terminal_is_not_a_terminal() -> None:
-    done = begun_after("import os; os.environ['TERM'] = 'dumb'")
-    assert (done.returncode, "needs a terminal" in done.stderr) == (2, True)
+    command = [sys.executable, "-m", "logical_robots_tui"]
+    with Terminal(command, env={"TERM": "dumb"}) as terminal:
+        assert terminal.finish() == 2
+    assert "needs a terminal" in terminal.text
 
 
-def test_a_stream_that_is_not_a_terminal_is_named() -> None:
-    done = begun_after("import sys; sys.stdin.isatty = sys.stdout.isatty = lambda: True")
-    assert (done.returncode, "for standard error too." in done.stderr) == (2, True)
+def test_a_stream_that_is_not_a_terminal_is_named(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for stream in (sys.stdin, sys.stdout):
+        monkeypatch.setattr(stream, "isatty", lambda: True)
+    told = command()
+    assert (told.status, "for standard error too." in told.err) == (2, True)
 
 
 def test_an_unknown_command_is_refused(command: Command) -> None:
@@ -150,7 +145,7 @@ def test_shipped_and_own_programs_are_listed(command: Command, tmp_path: Path) -
     assert str(own / "mine.l") in command("programs", "--data-dir", tmp_path).out
 
 
-def test_a_mistake_of_ours_is_kept_in_a_log_file_and_not_shown(
+def test_a_mistake_of_ours_is_told_and_kept_in_a_log_file_if_one_can_be_written(
     command: Command, home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(listing, "columns", None)
@@ -161,13 +156,8 @@ def test_a_mistake_of_ours_is_kept_in_a_log_file_and_not_shown(
     (log,) = home.rglob("crash-*.log")
     assert str(log) in told.err
     assert "TypeError: 'NoneType' object is not callable" in log.read_text()
-
-
-def test_a_mistake_of_ours_is_told_even_when_no_log_can_be_written(
-    command: Command, home: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    shutil.rmtree(home / ".local")
     (home / ".local").write_text("a file where a folder should be")
-    monkeypatch.setattr(listing, "columns", None)
     told = command("levels")
     assert told.status == 70
     assert "could not be written to a log file" in told.err

@@ -12,7 +12,7 @@ from tests.cli.running import Command, in_terminal
 from tests.terminal import Terminal
 
 
-def test_the_size_is_that_of_the_terminal_whatever_the_environment_says(
+def test_the_size_is_that_of_the_terminal_and_quitting_gives_the_screen_back(
     level: Path, ahead: Path, tmp_path: Path
 ) -> None:
     command = [sys.executable, "-m", "logical_robots_tui", "play", level, ahead]
@@ -20,6 +20,11 @@ def test_the_size_is_that_of_the_terminal_whatever_the_environment_says(
     with Terminal([*command, "--data-dir", tmp_path], size=(120, 40), env=exported) as terminal:
         terminal.wait_for("tick 0")
         terminal.wait_for(lambda: "Quit" in terminal.screen.display[-1])
+        terminal.wait_for("· applied")
+        terminal.send("q")
+        assert terminal.finish() == 0
+    entered, left = (terminal.everything.rfind(f"\x1b[?1049{how}") for how in "hl")
+    assert 0 <= entered < left
 
 
 def test_what_can_not_be_opened_is_told_after_the_prompt_and_not_in_the_game(ahead: Path) -> None:
@@ -27,17 +32,6 @@ def test_what_can_not_be_opened_is_told_after_the_prompt_and_not_in_the_game(ahe
         assert terminal.finish() == 2
     assert terminal.text.startswith("logical-robots: nowhere.toml: ")
     assert "\x1b[?1049h" not in terminal.everything
-
-
-def test_quitting_ends_with_status_0_and_gives_the_screen_back(
-    level: Path, ahead: Path, tmp_path: Path
-) -> None:
-    with in_terminal("play", level, ahead, "--data-dir", tmp_path) as terminal:
-        terminal.wait_for("· applied")
-        terminal.send("q")
-        assert terminal.finish() == 0
-    entered, left = (terminal.everything.rfind(f"\x1b[?1049{how}") for how in "hl")
-    assert 0 <= entered < left
 
 
 def test_the_labyrinth_of_a_day_is_played(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.mind import Mind
-from tests.cli.running import Command, shown
+from tests.cli.running import Command, Told, shown
 
 CLOCK = "Sensor(sensor:), clock == sensor.clock, "
 
@@ -25,11 +26,16 @@ def counter(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture
+def when(command: Command, level: Path, counter: Path) -> Callable[..., Told]:
+    """Asks about the run of the program that counts."""
+    return lambda *words: command("when", level, counter, *words)
+
+
 def test_the_stretches_are_the_ticks_in_which_there_are_rows(
-    command: Command, level: Path, counter: Path
+    when: Callable[..., Told],
 ) -> None:
-    question = f"{CLOCK}clock in [3, 4, 5, 9, 11, 12]"
-    told = command("when", level, counter, question)
+    told = when(f"{CLOCK}clock in [3, 4, 5, 9, 11, 12]")
     assert told.status == 0
     data = told.data
     assert (data["first"], data["last"], data["holds_in"]) == (3, 12, 6)
@@ -37,12 +43,13 @@ def test_the_stretches_are_the_ticks_in_which_there_are_rows(
     assert data["failed_in"] == []
 
 
-def test_it_holds_where_query_has_rows(command: Command, level: Path, counter: Path) -> None:
-    data = command("when", level, counter, "Third", "--ticks", 12).data
-    rows = [
-        bool(command("query", level, counter, "Third", "--tick", t).data["rows"]) for t in range(13)
-    ]
-    assert [any(a <= t <= b for a, b in data["stretches"]) for t in range(13)] == rows
+def test_it_holds_where_query_has_rows(
+    when: Callable[..., Told], command: Command, level: Path, counter: Path
+) -> None:
+    stretches = when("Third", "--ticks", 7).data["stretches"]
+    asked = ("query", level, counter, "Third", "--tick")
+    rows = [bool(command(*asked, tick).data["rows"]) for tick in range(8)]
+    assert [any(a <= tick <= b for a, b in stretches) for tick in range(8)] == rows
     assert any(rows)
 
 
@@ -53,13 +60,8 @@ def test_the_run_ends_with_victory_or_after_the_ticks(
     assert won["won_at"] == won["ticks"] == won["last"]
     data = command("when", level, still, "Robot", "--ticks", 40).data
     assert (data["ticks"], data["won_at"], data["stretches"]) == (40, None, [[1, 40]])
-
-
-def test_what_never_holds_is_status_1(command: Command, level: Path, still: Path) -> None:
     told = command("when", level, still, "Memory(memory: 7)", "--ticks", 9)
-    assert told.status == 1
-    assert told.data["first"] is None
-    assert told.data["stretches"] == []
+    assert (told.status, told.data["first"], told.data["stretches"]) == (1, None, [])
 
 
 @pytest.mark.parametrize(
@@ -73,9 +75,9 @@ def test_what_never_holds_is_status_1(command: Command, level: Path, still: Path
     ],
 )
 def test_an_expression_holds_where_it_is_true(
-    command: Command, level: Path, counter: Path, question: str, stretches: list[list[int]]
+    when: Callable[..., Told], question: str, stretches: list[list[int]]
 ) -> None:
-    assert command("when", level, counter, question, "--ticks", 12).data["stretches"] == stretches
+    assert when(question, "--ticks", 12).data["stretches"] == stretches
 
 
 def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
@@ -100,35 +102,32 @@ def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
 
 
 def test_a_wrong_query_is_reported_with_its_place_before_the_run(
-    command: Command, level: Path, ahead: Path, monkeypatch: pytest.MonkeyPatch
+    when: Callable[..., Told], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Mind, "think", None)
-    told = command("when", level, ahead, "Sensor(robot_nam:)")
+    told = when("Sensor(robot_nam:)")
     assert told.status == 2
     assert "query:1:8: Sensor has no column robot_nam" in told.err
 
 
-def test_the_ticks_in_which_it_fails_are_told(command: Command, level: Path, counter: Path) -> None:
+def test_the_ticks_in_which_it_fails_are_told(when: Callable[..., Told]) -> None:
     question = f'{CLOCK}x in ["a"], (if clock in [2, 3] then x.field else 1) == 1'
-    told = command("when", level, counter, question, "--ticks", 5)
+    told = when(question, "--ticks", 5)
     assert told.status == 0
     assert told.data["stretches"] == [[1, 1], [4, 5]]
     assert told.data["failed_in"] == [[2, 3]]
     assert "neither a record nor a list" in told.data["failure"]
-
-
-def test_what_fails_in_every_tick_is_status_2(command: Command, level: Path, ahead: Path) -> None:
-    told = command("when", level, ahead, 'x in ["a"], x.field == 2')
+    told = when('x in ["a"], x.field == 2')
     assert told.status == 2
     assert "It failed in every tick: This failed" in told.err
 
 
 def test_the_second_time_nothing_is_thought_again(
-    command: Command, level: Path, counter: Path, monkeypatch: pytest.MonkeyPatch
+    when: Callable[..., Told], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    first = command("when", level, counter, "Third").data
+    first = when("Third").data
     monkeypatch.setattr(Mind, "think", None)
-    assert command("when", level, counter, "Third").data == first
+    assert when("Third").data == first
 
 
 def test_in_a_terminal_it_is_told_in_words(level: Path, counter: Path) -> None:
