@@ -154,21 +154,25 @@ def test_workers_of_another_version_are_refused(
         worked(machines, Folder(tmp_path / "out"), write_experiment(tmp_path))
 
 
-def test_a_scheduler_that_is_not_there_gets_a_sentence(
-    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("is_installed", "said"),
+    [
+        (True, "The Dask scheduler can't be reached"),
+        (False, "pip install 'logical-robots-tui[dask]'"),
+    ],
+)
+def test_without_a_scheduler_or_the_extra_a_cluster_says_what_is_missing(
+    tmp_path: Path,
+    command: Command,
+    monkeypatch: pytest.MonkeyPatch,
+    said: str,
+    *,
+    is_installed: bool,
 ) -> None:
     monkeypatch.setattr(cluster, "_CONNECT_SECONDS", 1.0)
+    if not is_installed:
+        monkeypatch.setitem(sys.modules, "distributed", None)
     file = write_experiment(tmp_path)
     told = command("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
     assert told.status == 2
-    assert "The Dask scheduler can't be reached" in told.err
-
-
-def test_without_the_extra_a_cluster_says_what_is_missing(
-    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    file = write_experiment(tmp_path)
-    told = command("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
-    assert told.status == 2
-    assert "pip install 'logical-robots-tui[dask]'" in told.err
+    assert said in told.err

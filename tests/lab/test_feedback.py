@@ -54,7 +54,7 @@ def assignment(tmp_path: Path) -> tuple[Path, Path]:
     return tmp_path / "a.toml", folder
 
 
-def test_late_by_some_time_with_extensions_and_points_by_hand(
+def test_points_are_told_by_part_with_extensions_and_points_by_hand(
     assignment: tuple[Path, Path], command: Command
 ) -> None:
     out = assignment[1].parent / "out"
@@ -70,6 +70,20 @@ def test_late_by_some_time_with_extensions_and_points_by_hand(
     assert "Ada ended at (" in lost
     assert "and had stood there since tick 0." in lost
     assert "logical-robots play 01-first-steps YOUR-PROGRAM" in lost
+    # Each part of the points is told with its number and the reference.
+    text = ASSIGNMENT.replace("by_hand", "#") + "[points]\nwon = 5\nticks = 3\nsize = 2\n"
+    assignment[0].write_text(text.replace("keep = 0.5", ""))
+    assert command("grade", *assignment, "-o", out).status == 0
+    won, lost = ((out / f"feedback/{name}.md").read_text() for name in ("ben", "cem"))
+    first = reference_table()["01-first-steps"]["first-steps"]
+    size = size_of(FIRST_STEPS)
+    assert "- 5 of 5 points for winning: won from the given start.\n" in won
+    ticks = f"{first.ticks:,} ticks; the reference program has {first.ticks:,}.\n"
+    assert f"- 3 of 3 points for ticks: {ticks}" in won
+    points = f"{2 * min(1, first.size / size):.2f}".rstrip("0").rstrip(".")
+    symbols = f"{size} symbols; the reference program has {first.size}.\n"
+    assert f"- {points} of 2 points for size: {symbols}" in won
+    assert "- 0 of 3 points for ticks: not won from the given start.\n" in lost
 
 
 def test_what_was_not_won_is_asked_about_and_drawn(
@@ -94,11 +108,8 @@ def test_what_was_not_won_is_asked_about_and_drawn(
     for page in pages.values():
         assert not any(outside in page for outside in ("<script", "href=", "src=", "url("))
     data = json.loads((out / "feedback/cem.json").read_text())
-    assert [each[:7] for each in data["levels"][0]["questions"]] == [
-        "Line 1:",
-        "Line 2:",
-        "Line 2:",
-    ]
+    questions = [question[:7] for question in data["levels"][0]["questions"]]
+    assert questions == ["Line 1:", "Line 2:", "Line 2:"]
     text = ASSIGNMENT.replace("starts = 0", 'starts = 0\nshow = ["size"]')
     assignment[0].write_text(text)
     assert command("grade", *assignment, "-o", out).status == 0
@@ -122,25 +133,6 @@ def test_code_in_feedback_is_as_it_was_and_nothing_else_is_markup(said: str, wri
 def test_there_is_a_question_about_each_kind_of_finding() -> None:
     assert {*QUESTIONS} == {*get_args(FindingKind)}
     assert all(question.endswith("?") for question in QUESTIONS.values())
-
-
-def test_each_part_of_the_points_is_told_with_its_number_and_the_reference(
-    assignment: tuple[Path, Path], command: Command
-) -> None:
-    out = assignment[1].parent / "out"
-    text = ASSIGNMENT.replace("by_hand", "#") + "[points]\nwon = 5\nticks = 3\nsize = 2\n"
-    assignment[0].write_text(text.replace("keep = 0.5", ""))
-    assert command("grade", *assignment, "-o", out).status == 0
-    won, lost = ((out / f"feedback/{name}.md").read_text() for name in ("ben", "cem"))
-    first = reference_table()["01-first-steps"]["first-steps"]
-    size = size_of(FIRST_STEPS)
-    assert "- 5 of 5 points for winning: won from the given start.\n" in won
-    ticks = f"{first.ticks:,} ticks; the reference program has {first.ticks:,}.\n"
-    assert f"- 3 of 3 points for ticks: {ticks}" in won
-    points = f"{2 * min(1, first.size / size):.2f}".rstrip("0").rstrip(".")
-    symbols = f"{size} symbols; the reference program has {first.size}.\n"
-    assert f"- {points} of 2 points for size: {symbols}" in won
-    assert "- 0 of 3 points for ticks: not won from the given start.\n" in lost
 
 
 def test_how_a_run_ended_is_said_in_sentences(
