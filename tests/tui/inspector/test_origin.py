@@ -209,7 +209,8 @@ async def test_any_value_of_a_table_and_of_a_proof_is_traced_to_its_rays(data_di
             await game.press("w")
             await pointed_at(game, text)
             await game.press("less_than_sign")
-            await game.until(lambda name=name: links(game).pointed and name in pointed(game).name)  # type: ignore[misc]
+            await game.until(lambda: links(game).plain and links(game).pointed)
+            assert name in pointed(game).name
             assert f"{robot}'s ray " in links(game).plain
             await pressed(game, "escape", until=lambda: game.inspector.inspected == "why")
 

@@ -79,15 +79,12 @@ async def test_one_key_says_why_in_a_tree_that_folds_and_stays_folded(data_dir: 
         place = await go_to(game, CALL)
         assert view(game).lines[place].depth < view(game).lines[place + 1].depth
         before = told(game)
-        await game.press("left")
-        assert not view(game).is_open(place)
+        await pressed(game, "left", until=lambda: not view(game).is_open(place))
         assert PROVED not in told(game)
-        await game.press("right")
-        assert told(game) == before
-        await game.press("right")
-        assert view(game).line is view(game).lines[place + 1]
+        await pressed(game, "right", until=lambda: told(game) == before)
+        await pressed(game, "right", until=lambda: view(game).line is view(game).lines[place + 1])
         await game.press("left", "left", "left")  # fold it, go up, fold that
-        assert not view(game).is_open(place)
+        await game.until(lambda: not view(game).is_open(place))
         assert view(game).line is view(game).lines[place]
 
         # The rule that did not give the row is folded below.
@@ -115,9 +112,10 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
         place = told(game).index(CALL)
         depth = view(game).lines[place].depth
         await game.click(WhyView, offset=(2 * depth, place))
-        assert not view(game).is_open(place)
+        await game.until(lambda: not view(game).is_open(place))
         for number in (place + 1, place):
             await game.click(WhyView, offset=(2 * depth + 6, number))
+            await game.settled()
             assert view(game).line is view(game).lines[number]
         await game.click(WhyView, offset=(2 * depth + 6, place))
         await game.until(lambda: told(game)[:1] == [PROVED])
@@ -145,8 +143,8 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
             if leave:
                 leave()
                 await game.until(lambda: not game.editor.selected_text)
-        await game.press("e", "x")
-        assert game.editor.text == TWO_RULES.replace("d == s", "xd == s", 1)
+        edited = TWO_RULES.replace("d == s", "xd == s", 1)
+        await pressed(game, "e", "x", until=lambda: game.editor.text == edited)
 
 
 def chain(depth: int, conditions: int) -> str:
@@ -202,7 +200,7 @@ async def test_a_proof_goes_as_deep_as_there_is_room_and_on_where_it_is_opened(
         view(game).open(2)
         view(game).open(1)
         for start in ("Close(d) :-", "Low(d) :-"):
-            await game.until(lambda start=start: any(t.startswith(start) for t in told(game)))  # type: ignore[misc]
+            await game.until(lambda start=start: any(t.startswith(start) for t in told(game)))  # type: ignore[misc]  # a default
 
 
 NEAREST = """\

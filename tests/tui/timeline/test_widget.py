@@ -218,7 +218,7 @@ async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, sho
         # A restart under the same program goes through what is known, past the one that is off.
         await pressed(game, "r", tick=0)
         await pressed(game, "space", until=lambda: game.tick > 16)
-        await game.press("space")
+        await pressed(game, "space", until=lambda: not game.session.busy)
         assert game.session.history is not None
         assert game.session.history.other is None
 
