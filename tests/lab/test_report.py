@@ -78,7 +78,7 @@ def test_series_are_shown_with_medians_and_bands(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_many_values_are_taken_together(tmp_path: Path) -> None:
     near = {"constant": "Near", "between": [20.0, 80.0]}
-    results, page, lines = run(tmp_path, near, sample={"count": 20})
+    results, page, lines = run(tmp_path, near, sample={"count": 50})
     values = results.to_pandas()["Near"]
     labels = re.findall(r"^([\d.]+) to ([\d.]+) ", lines, re.M)
     assert len({*labels}) == 10
