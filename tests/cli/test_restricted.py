@@ -15,6 +15,7 @@ import pytest
 from logical_robots_tui.cli.play import clear_environment
 from logical_robots_tui.confinement import MOST_FILES
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.player.drafts import release
 from logical_robots_tui.player.recovery import MOST_GAMES, OpenGames
 from tests.cli.running import Command
 from tests.terminal import Terminal
@@ -307,7 +308,7 @@ def test_a_player_in_lines_is_told_of_another_game_and_can_end_it(tmp_path: Path
         second.stdin.write("yes\n")
         second.stdin.flush()
         until(lambda: hung.is_to_end)
-        os.close(hung._handle)
+        release(hung._handle)
         told, _ = second.communicate("step\n", PATIENCE)
     assert "Another game has been open since" in told
     assert "yes: Yes, end it" in told
@@ -316,7 +317,7 @@ def test_a_player_in_lines_is_told_of_another_game_and_can_end_it(tmp_path: Path
     with pytest.raises(InputError, match=f"You have {MOST_GAMES} games open"):
         OpenGames(own)
     for each in games:
-        os.close(each._handle)
+        release(each._handle)
 
 
 @pytest.mark.slow
