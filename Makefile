@@ -34,7 +34,7 @@ else
 endif
 
 # What touches Textual's private parts, and what a terminal shows.
-LOWEST = tests/tui/terminal tests/snapshots
+LOWEST = tests/tui/terminal tests/tui/app/test_key_queue.py tests/snapshots
 
 lowest: $(VENV)/.dev ## Run the tests that depend on Textual's version with the lowest one
 	@$(PIP) install --quiet --no-deps --upgrade --target $(VENV)/lowest \
