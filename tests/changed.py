@@ -12,14 +12,11 @@ import json
 import subprocess
 import sys
 from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tests.import_graph import module_of, modules_imported
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from collections.abc import Set as AbstractSet
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "logical_robots_tui"

@@ -5,13 +5,14 @@ from __future__ import annotations
 import fcntl
 import logging
 import shutil
+import sqlite3
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import date
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -23,10 +24,6 @@ from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.progress import store
 from tests import costs
 from tests.installed import Installed, build, install
-
-if TYPE_CHECKING:
-    import sqlite3
-    from collections.abc import Iterator
 
 SHARE = 10
 """One of how many sampled cases a quick run takes."""

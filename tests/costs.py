@@ -10,19 +10,16 @@ import os
 import resource
 import subprocess
 from collections import Counter
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from _pytest.terminal import TerminalReporter
 
 from logical_robots_tui.mind.compilation import _Compiler
 from logical_robots_tui.world import World
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Iterator
-
-    from _pytest.terminal import TerminalReporter
 
 __all__ = ["BOUNDS", "Bound", "Costs", "folder_of", "register"]
 

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import select
+from collections.abc import Callable, Sequence
 from time import monotonic
-from typing import TYPE_CHECKING
 
+from tests.terminal import Terminal
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from tests.terminal import Terminal
 
 __all__ = ["Crowd"]
 

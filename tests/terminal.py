@@ -9,18 +9,16 @@ import struct
 import subprocess
 import termios
 from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from fcntl import ioctl
 from pathlib import Path
 from time import monotonic, perf_counter
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import pyte
 
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
 
 __all__ = ["Terminal", "looks"]
 

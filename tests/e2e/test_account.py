@@ -6,16 +6,13 @@ import os
 import shutil
 import signal
 import subprocess
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from tests.e2e.test_class import recipe, words_of
 from tests.sshd import SSHD, Server
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.mark.slow

@@ -10,23 +10,18 @@ import shutil
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from tests.crowd import Crowd
-from tests.installed import CHECKOUT
+from tests.installed import CHECKOUT, Installed
 from tests.sshd import SSHD, Server
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE, until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from tests.installed import Installed
 
 pytestmark = pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import shutil
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 
 import pytest
 
 from docs.debugging import LEVEL, PAGE, PICTURES, PROGRAM, page, play
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from contextlib import AbstractContextManager
-
-    from tests.e2e.conftest import Player
+from tests.e2e.conftest import Player
 
 
 @pytest.mark.slow

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 from logical_robots_tui.world import load_level
+from tests.e2e.conftest import Player
 from tests.e2e.tmux import place_of
 from tests.waiting import until
-
-if TYPE_CHECKING:
-    from tests.e2e.conftest import Player
 
 
 @pytest.mark.slow

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 
 import pytest
 
-from tests.e2e.conftest import TYPED
+from tests.e2e.conftest import TYPED, Player
 from tests.waiting import until
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from contextlib import AbstractContextManager
-
-    from tests.e2e.conftest import Player
 
 SLOW = """\
 N(x) :- x in Range(3000);

@@ -6,17 +6,14 @@ import random
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.progress import FILE_NAME, Progress
 from tests.short import AHEAD, LEVEL
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 KEEPS = """if True:
     import itertools, sys

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 from logical_robots_tui import list_levels, load_level
-from tests.e2e.conftest import tick_on
+from tests.e2e.conftest import Player, tick_on
 from tests.e2e.tmux import PROMPT
 from tests.short import AHEAD
 from tests.waiting import until
-
-if TYPE_CHECKING:
-    from tests.e2e.conftest import Player
 
 STILL = AHEAD.replace("0.5", "0")
 PASTED = '\n# pasted\nThought(robot_name:, idea: "left") :- Sensor(robot_name:);\n'

@@ -6,24 +6,19 @@ import contextlib
 import os
 import re
 import signal
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import FILE_NAME, Progress
-from tests.e2e.conftest import tick_on
+from tests.e2e.conftest import Player, tick_on
 from tests.waiting import until
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from contextlib import AbstractContextManager
-
-    from tests.e2e.conftest import Player
-
-    Seat = Callable[..., AbstractContextManager[Player]]
+Seat = Callable[..., AbstractContextManager[Player]]
 
 FIRST, SECOND = (load_level(name) for name in list_levels()[:2])
 

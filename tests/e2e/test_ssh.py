@@ -6,22 +6,18 @@ import os
 import re
 import shlex
 import statistics
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from tests.e2e.tmux import PROMPT, Tmux, runs
+from tests.installed import Installed
 from tests.sshd import SSHD, Line, Server
 from tests.terminal import Terminal
 from tests.waiting import until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from tests.installed import Installed
 
 pytestmark = pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"

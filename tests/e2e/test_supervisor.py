@@ -8,9 +8,9 @@ import signal
 import subprocess
 import sys
 import termios
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -18,9 +18,6 @@ from logical_robots_tui.player.drafts import Drafts
 from tests.memory_use import memory_use
 from tests.terminal import Terminal
 from tests.waiting import until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 GETS_STUCK = """if True:
     import ctypes, itertools, os, sys, threading

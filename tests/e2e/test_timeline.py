@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
-if TYPE_CHECKING:
-    from tests.e2e.conftest import Player
+from tests.e2e.conftest import Player
 
 
 def timeline(screen: str) -> str:

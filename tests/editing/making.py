@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hypothesis import strategies as st
 
@@ -15,9 +16,6 @@ from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
 from logical_robots_tui.world.level import LevelQuestion, SecondGoal
 from tests.world.making import make_level
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["CONFORMANCE", "EDITS", "SHIPPED", "Edit", "drawn", "room", "sketch"]
 

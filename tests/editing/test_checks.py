@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,9 +18,6 @@ from logical_robots_tui.editing.checks import LevelFinding, check
 from logical_robots_tui.editing.strokes import paint, paint_rectangle
 from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility, list_levels, load_level
 from tests.editing.making import EDITS, Edit, room
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 CONFORMANCE = Path(__file__).parents[1] / "conformance" / "levels"
 RADIUS = 9

@@ -7,8 +7,8 @@ import json
 import math
 import re
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
@@ -25,10 +25,6 @@ from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
 from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room
 from tests.world.making import levels
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 BY_HAND = """\
 # A level made by hand.

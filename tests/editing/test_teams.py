@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -11,17 +11,12 @@ from hypothesis import given, settings
 from logical_robots_tui.editing.files import rewritten, save_level
 from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
 from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, set_words
-from logical_robots_tui.world import Area, LevelError, Robot, Score, Team
+from logical_robots_tui.world import Area, Level, LevelError, Robot, Score, Team
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
 from tests.editing.test_files import read
 from tests.world.test_scoring import matches
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
 
 TEAMS = """\
 title = "Match"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,9 +23,6 @@ from logical_robots_tui.editing.things import (
 )
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility
 from tests.editing.making import drawn, room, sketch
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 ANN, LAMP, GATE = Ref("robots", 0), Ref("beacons", 0), Ref("areas", 0)
 NOTHING = Visibility("none")  # type: ignore[arg-type] # as it is tested

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
 
 from logical_robots_tui.editing.strokes import Regions, fill, paint, paint_rectangle
 from logical_robots_tui.world import LevelError
 from logical_robots_tui.world.levels.native import expresses
 from tests.editing.making import drawn, room, sketch
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 INSIDE = st.floats(0, 79.9)
 MAPS = st.tuples(st.integers(1, 12), st.integers(1, 12)).flatmap(lambda s: arrays(np.bool_, s))

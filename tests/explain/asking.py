@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from contextlib import closing
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from logical_robots_tui.explain import Ask, Explainer
+from logical_robots_tui.explain import Ask, Explainer, Explanation, Node, Proof
+from logical_robots_tui.explain.why.explanation import RuleFound
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import row
-
-if TYPE_CHECKING:
-    from logical_robots_tui.explain import Explanation, Node, Proof
-    from logical_robots_tui.explain.why.explanation import RuleFound
 
 __all__ = ["REST", "below", "find", "proof", "stop", "texts", "the_rule", "why"]
 

@@ -8,20 +8,16 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+from logical_robots_tui.explain import Node
 from logical_robots_tui.language.diagnostics import QueryError
-from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.mind import Mind, Program, ProgramError
 from logical_robots_tui.mind.relations import same
+from logical_robots_tui.values import Value
 from tests.explain.rules import equal
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from logical_robots_tui.explain import Node
-    from logical_robots_tui.mind import Mind
-    from logical_robots_tui.values import Value
 
 __all__ = ["Checker", "Claim", "claims_of", "wrong_aggregates"]
 

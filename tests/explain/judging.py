@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count
 from random import Random
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from hypothesis import settings
 
+from logical_robots_tui.explain import Ask, Node
+from logical_robots_tui.values import Value
 from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
 from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain import Ask, Node
-    from logical_robots_tui.values import Value
 
 __all__ = ["claims_in", "false_in", "false_of", "judge_until"]
 

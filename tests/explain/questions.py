@@ -6,21 +6,16 @@ import re
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from logical_robots_tui.explain import Ask, Explainer
+from logical_robots_tui.explain import Ask, Explainer, Node
 from logical_robots_tui.explain.why.explanation import read_call, spell_call
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.relations import same
-from tests.explain.checking import Checker
+from tests.explain.checking import Checker, Claim
 from tests.explain.judging import claims_in
-from tests.explain.teams import ROBOTS
+from tests.explain.teams import ROBOTS, Team
 from tests.mind.rows import row
-
-if TYPE_CHECKING:
-    from logical_robots_tui.explain import Node
-    from tests.explain.checking import Claim
-    from tests.explain.teams import Team
 
 __all__ = ["Asked", "Scene", "alone", "asked", "missed", "together"]
 

@@ -7,17 +7,15 @@ record, and read each other's. Each program comes with some ticks of its own run
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
 from random import Random
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from logical_robots_tui.mind import Limits, Mind, Program
 from tests.mind.rows import row
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 __all__ = ["Team", "team"]
 

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from contextlib import closing
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.explain import Ask, Explainer
+from logical_robots_tui.explain import Ask, Explainer, Node
 from logical_robots_tui.mind import Mind, Program
 from tests.explain.asking import REST, below
 from tests.mind.rows import row
-
-if TYPE_CHECKING:
-    from logical_robots_tui.explain import Node
 
 KEYS = {
     "numbers": ["0", "1", "1.5", "-2", "1000000", "null"],

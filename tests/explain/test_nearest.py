@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from contextlib import closing
-from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.explain import Ask, Explainer
 from logical_robots_tui.explain.why.nearest import MOST, Suggestion
 from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.values import Value
 from tests.mind.rows import row
-
-if TYPE_CHECKING:
-    from logical_robots_tui.values import Value
 
 ROWS = [row("Ada", sees={0: (50, "beacon", "Green"), 1: (36, "wall", "wall")}), row("Bo")]
 MEMORIES: dict[str, Value] = {"Ada": {"place": 3, "flag": True, "phase": "out"}, "Bo": {"place": 4}}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given
@@ -13,9 +12,7 @@ from logical_robots_tui.explain import Ask
 from logical_robots_tui.explain import worker as calls
 from logical_robots_tui.explain.why.explanation import read_call, spell_call
 from logical_robots_tui.language.diagnostics import ProgramError
-
-if TYPE_CHECKING:
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 NAMES = st.text(st.sampled_from("az_09"), max_size=6).map(lambda rest: f"n{rest}")
 LEAVES = (

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from contextlib import closing
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -15,9 +16,6 @@ from logical_robots_tui.world import World, list_levels, load_level
 from tests.explain.checking import Checker
 from tests.explain.judging import false_of
 from tests.mind.rows import nearly_same
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 TICKS = 40
 CROWD = 10

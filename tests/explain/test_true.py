@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
-from logical_robots_tui.explain import Ask
+from logical_robots_tui.explain import Ask, Node
 from tests.explain.asking import REST
 from tests.explain.checking import Checker
 from tests.explain.generated import program
 from tests.explain.judging import false_in, judge_until
 from tests.explain.questions import Asked, Scene, alone, asked, missed, together
 from tests.explain.teams import team
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from contextlib import AbstractContextManager
-
-    from logical_robots_tui.explain import Node
 
 
 def one_robot(seed: int) -> AbstractContextManager[Scene]:

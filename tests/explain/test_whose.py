@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
+from logical_robots_tui.values import Value
 from tests.explain.asking import REST, below, why
 from tests.mind.rows import row
-
-if TYPE_CHECKING:
-    from logical_robots_tui.values import Value
 
 ROWS = [row("Ada"), row("Bo"), row("Cy")]
 MEMORIES: dict[str, Value] = {"Ada": {"at": 3}, "Bo": {"at": 4}, "Cy": {"at": 5}}

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from logical_robots_tui.game import Game
 from logical_robots_tui.mind import Program
-from tests.game.playing import COUNTER, game, hall
+from logical_robots_tui.world import Level
+from tests.game.playing import COUNTER, Play, game, hall
 from tests.virtual_time import VirtualClock, VirtualLoop
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
-    from tests.game.playing import Play
 
 
 def pytest_asyncio_loop_factories() -> dict[str, type[VirtualLoop]]:

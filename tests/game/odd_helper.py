@@ -8,13 +8,10 @@ import resource
 import socket
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.processes.helper import begin
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 def main() -> None:

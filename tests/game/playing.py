@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from pathlib import Path
+from typing import Any, Protocol
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game import Game
 from logical_robots_tui.mind import Program
-from logical_robots_tui.world import load_level
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
+from logical_robots_tui.world import Level, load_level
 
 HALL = """
 title = "Hall"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -14,13 +15,9 @@ from hypothesis import strategies as st
 from logical_robots_tui.explain.why.explanation import Subject, part_of
 from logical_robots_tui.game import Link, Run, origin_in_run
 from logical_robots_tui.mind import Program, QueryError
+from logical_robots_tui.values import Value
+from logical_robots_tui.world import Level
 from tests.game.playing import hall
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
 
 TICKS = 24
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 from logical_robots_tui.game import Game, NoSuchTickError
 from logical_robots_tui.mind import Program
-from tests.game.playing import BACKWARDS, COUNTER
-
-if TYPE_CHECKING:
-    from tests.game.playing import Play
+from tests.game.playing import BACKWARDS, COUNTER, Play
 
 
 async def test_ticks_that_are_known_are_gone_through_again_without_thinking(

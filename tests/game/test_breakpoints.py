@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import AsyncIterator
+from pathlib import Path
 
 import pytest
 
@@ -10,10 +11,6 @@ from logical_robots_tui.game import Breakpoint, Breakpoints, Game, Hit
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import load_level
 from tests.game.playing import HALL
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
 
 LAMP = '\n[[beacons]]\nname = "Lamp"\nx = 80\ny = 25\n'
 

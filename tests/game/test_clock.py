@@ -6,19 +6,15 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui import Program, list_levels, load_level
+from logical_robots_tui.game import Frame
 from logical_robots_tui.game.measuring import LateError, play_through
+from tests.game.playing import Play
 from tests.short import AHEAD, LEVEL
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.game import Frame
-    from tests.game.playing import Play
 
 DIGEST = """if True:
     import asyncio, hashlib, sys

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game import Game, Superseded
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import Program
-from tests.game.playing import game
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from logical_robots_tui.explain.diagnosis.telling import Finding
-    from tests.game.playing import Play
+from tests.game.playing import Play, game
 
 ENGINES = "desire: {left_engine: 0.1, right_engine: 0.1}"
 PLAIN = f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:);'

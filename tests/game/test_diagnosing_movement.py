@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.game import Game
+from logical_robots_tui.game.diagnosing import Diagnosis
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import load_level
 from tests.game.test_diagnosing import diagnosis_of, the
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.game.diagnosing import Diagnosis
 
 
 async def without_door(tmp_path: Path, text: str) -> Diagnosis:

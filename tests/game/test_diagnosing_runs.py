@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -11,12 +11,8 @@ from logical_robots_tui.game import Game, Run, diagnosing
 from logical_robots_tui.game import diagnosing as scanning
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, diagnose_run, extent
 from logical_robots_tui.mind import Program
+from logical_robots_tui.world import Level
 from tests.game.playing import hall
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
 
 TICKS = 120
 TEXT = """

@@ -4,29 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import re
+from collections.abc import Iterator, Sequence
 from contextlib import closing
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
+from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game import Game
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose
 from logical_robots_tui.mind import Mind, Program, ProgramError
-from logical_robots_tui.world import World
+from logical_robots_tui.mind.program import Table
+from logical_robots_tui.values import Value
+from logical_robots_tui.world import Level, World
 from tests.explain.judging import judge_until
 from tests.explain.rules import names, parts, split
-from tests.explain.teams import team
+from tests.explain.teams import Team, team
 from tests.game.playing import hall
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
-    from logical_robots_tui.explain.diagnosis.telling import Finding
-    from logical_robots_tui.mind.program import Table
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
-    from tests.explain.teams import Team
 
 TICKS = 4
 CASES = re.compile(r"(?:in (?P<copy>\w+) )?in (?:the|all) (?P<number>one|[\d,]+) cases? evaluated")

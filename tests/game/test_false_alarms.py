@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.game import Run
-from logical_robots_tui.game.diagnosing import diagnose_run
+from logical_robots_tui.game.diagnosing import Diagnosis, diagnose_run
 from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import list_levels, load_level
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game.diagnosing import Diagnosis
 
 ENOUGH = 6000
 """Ticks in which every solution wins."""

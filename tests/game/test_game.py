@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,12 +11,9 @@ from logical_robots_tui.game import Frame, Game, NoSuchTickError, Superseded
 from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.mind.limits import Limits
-from tests.game.playing import COUNTER, SLOW
+from tests.game.playing import COUNTER, SLOW, Play
 from tests.virtual_time import VirtualClock, later, virtual_loop
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from tests.game.playing import Play
 
 
 async def test_a_game_begins_before_anybody_thinks_and_each_step_senses_thinks_and_acts_once(

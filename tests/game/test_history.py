@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
@@ -19,7 +18,7 @@ from hypothesis.stateful import (
 from logical_robots_tui.game import Frame, Game, History, load_program, reference_for
 from logical_robots_tui.game.history.packing import Packed, TickState
 from logical_robots_tui.mind import Decision, Notice, Program
-from logical_robots_tui.values import Desire
+from logical_robots_tui.values import Desire, Value
 from logical_robots_tui.world import (
     AreaState,
     Robot,
@@ -29,9 +28,6 @@ from logical_robots_tui.world import (
     load_level,
 )
 from tests.world.making import make_level
-
-if TYPE_CHECKING:
-    from logical_robots_tui.values import Value
 
 numbers = st.floats(allow_nan=False)
 values = st.recursive(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from random import Random
 
 import pytest
 from hypothesis import given
@@ -11,14 +12,9 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.game.level_questions import Examiner, difference, mistake_lines
 from logical_robots_tui.mind import ProgramError, Table
+from logical_robots_tui.values import Value
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.level import LevelQuestion
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from random import Random
-
-    from logical_robots_tui.values import Value
 
 AHEAD = LevelQuestion(
     "How far?", "Way(far: sensor.forward_distance) :- Sensor(sensor:)", (100, 300)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -15,15 +15,10 @@ from hypothesis import strategies as st
 from logical_robots_tui.game import Frame, Game
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility
-from tests.game.playing import BACKWARDS, COUNTER
+from logical_robots_tui.world.world import Pose
+from tests.game.playing import BACKWARDS, COUNTER, Play
 from tests.waiting import PATIENCE
 from tests.world.making import make_level
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.world.world import Pose
-    from tests.game.playing import Play
 
 LEVEL = make_level(
     (Robot("Ada", 30.5, 30.5), Robot("Bo", 30.5, 50.5)),

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.game import Matches, Run, find_matches
 from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.world import Level
 from tests.game.playing import COUNTER, hall
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 QUERY = f"{CLOCK}t in [3, 4, 9]"

@@ -7,7 +7,6 @@ import math
 import threading
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -32,13 +31,11 @@ from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
+from logical_robots_tui.world import Level
+from tests.game.playing import Play
 from tests.short import AHEAD
 from tests.short import LEVEL as SHORT
 from tests.waiting import until
-
-if TYPE_CHECKING:
-    from logical_robots_tui.world import Level
-    from tests.game.playing import Play
 
 STILL = """\
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 1) :- Sensor(robot_name:);

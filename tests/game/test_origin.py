@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -19,13 +18,9 @@ from logical_robots_tui.game import (
 from logical_robots_tui.game.debugging.inquiry import path_text
 from logical_robots_tui.game.debugging.origin import link_lines
 from logical_robots_tui.mind import Program, QueryError
-from logical_robots_tui.values import spell
-from tests.game.playing import hall
-
-if TYPE_CHECKING:
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
-    from tests.game.playing import Play
+from logical_robots_tui.values import Value, spell
+from logical_robots_tui.world import Level
+from tests.game.playing import Play, hall
 
 PHASES = """
 Start(robot_name:) :- Memory(robot_name:, memory:), memory == "";

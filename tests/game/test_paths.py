@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING
+from pathlib import Path
 from urllib.parse import quote
 
 import pytest
@@ -13,9 +13,6 @@ from hypothesis import strategies as st
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import is_file, is_folder, is_there, pasted_path, real, typed_path
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 OUT_OF_REACH = "x" * 300  # for root, too: longer than the name of a file can be
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from pathlib import Path
 
 import pytest
 
@@ -16,16 +17,9 @@ from logical_robots_tui.game.debugging.proof_difference import (
     first_difference,
 )
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.world import World
-from tests.game.playing import hall
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
-    from tests.game.playing import Play
+from logical_robots_tui.values import Value
+from logical_robots_tui.world import Level, World
+from tests.game.playing import Play, hall
 
 DRIVE = """
 Fresh(robot_name:) :- Memory(robot_name:, memory:), memory == "new";

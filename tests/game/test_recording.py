@@ -5,18 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import zlib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
+from logical_robots_tui.world import Level
 from tests.game.playing import hall
 from tests.game.test_run import entry, frames, known
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
 
 TICKS = 40  # a piece and some
 

@@ -6,11 +6,12 @@ import asyncio
 import gc
 import json
 import lzma
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
 from functools import cache
 from hashlib import sha256
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -20,20 +21,13 @@ from hypothesis import strategies as st
 from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Game
-from logical_robots_tui.game.replay import Replay, gather, load_replay, play_into
+from logical_robots_tui.game.replay import Replay, Verifier, gather, load_replay, play_into
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world.level import alike
 from tests.damage import Change, changed, changes
-from tests.game.playing import BACKWARDS, game
+from tests.game.playing import BACKWARDS, Play, game
 from tests.game.test_live_edits import EDITS, LEVEL, POSES, counter
 from tests.mind.hostile.bounds import bounded_memory, bounded_work
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
-
-    from logical_robots_tui.game.replay import Verifier
-    from tests.game.playing import Play
 
 
 async def kept(played: Game, **options: bool) -> Replay:

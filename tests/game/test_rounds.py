@@ -6,16 +6,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.game.history.marks import ROUNDS, Rounds
 from logical_robots_tui.world import World, load_level
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 LEVEL = load_level("01-first-steps")
 

@@ -7,24 +7,18 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.game import Game, Run, load_program, run_key
+from logical_robots_tui.game import Frame, Game, Run, load_program, run_key
 from logical_robots_tui.game import run as running
 from logical_robots_tui.game.history import recording
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import Level, load_level
 from tests.game.playing import BACKWARDS, COUNTER, hall
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.world import Level
 
 TICKS = 75  # two pieces and some
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncIterator
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.game import Breakpoint, Game, search_ticks
 from logical_robots_tui.mind import Program, ProgramError
 from tests.game.playing import COUNTER, hall
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 HERE = f"{CLOCK}t in [10, 11, 12, 40, 41, 77]"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -12,12 +12,8 @@ from logical_robots_tui import Program, load_level
 from logical_robots_tui.game.measuring import measure, mirror
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.world.level import LevelError, SecondGoal, alike
+from tests.game.playing import Play
 from tests.short import AHEAD, LEVEL
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.game.playing import Play
 
 GOALS = (
     "at most 11 symbols",

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui import load_level
 from logical_robots_tui.game.measuring import start_of, vary_start
-from logical_robots_tui.world import Area, Beacon, LevelError
+from logical_robots_tui.world import Area, Beacon, Level, LevelError
 from logical_robots_tui.world.levels.native import read_native
 from tests.short import LEVEL as SHORT
-
-if TYPE_CHECKING:
-    from logical_robots_tui.world import Level
 
 
 @pytest.fixture

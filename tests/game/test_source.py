@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -12,9 +12,6 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.game.source import target
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_a_program_is_read_from_a_path(tmp_path: Path) -> None:

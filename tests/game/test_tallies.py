@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -12,14 +12,9 @@ from logical_robots_tui.game.replay import Replay, _hash_of, load_replay
 from logical_robots_tui.world import WorldState, load_level
 from logical_robots_tui.world.dynamics import points
 from logical_robots_tui.world.levels.native import read_native
-from tests.game.playing import COUNTER, HALL, hall
+from tests.game.playing import COUNTER, HALL, Play, hall
 from tests.game.test_replay import again, kept, written
 from tests.game.test_run import frames
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.game.playing import Play
 
 TEAMS = """
 [[teams]]

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.mind import Limits, Program
-from logical_robots_tui.world import load_level
-from tests.game.playing import BACKWARDS, COUNTER, HALL, SLOW
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
-    from tests.game.playing import Play
+from logical_robots_tui.world import Level, load_level
+from tests.game.playing import BACKWARDS, COUNTER, HALL, SLOW, Play
 
 MATCH = (
     HALL.replace('name = "Ada"', 'team = "red"\nname = "Ada"')

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui.cli.main import PROGRAM
 from logical_robots_tui.cli.main import parser as command_parser
 from tests.installed import CHECKOUT
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 __all__ = ["PAGES", "Block", "blocks", "commands", "in_help", "in_page"]
 

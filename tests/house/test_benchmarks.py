@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from benchmarks.__main__ import SUITE
-from benchmarks.measure import Effort, Measurement, at_least, at_most, need
+from benchmarks.measure import Effort, Measurement, Target, at_least, at_most, need
 from benchmarks.runner import Suite, run
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from benchmarks.measure import Target
 
 
 def number(value: float, target: Target | None = None) -> Measurement:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from graphlib import CycleError, TopologicalSorter
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from tests.import_graph import modules_imported
 from tests.installed import CHECKOUT
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_a_circle_is_found_wherever_the_imports_stand(tmp_path: Path) -> None:

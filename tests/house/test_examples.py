@@ -12,8 +12,8 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -23,9 +23,6 @@ from tests.house.examples import PAGES, blocks, commands, in_help, in_page
 from tests.installed import CHECKOUT
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 QUICKER = {
     "diagnose 01-first-steps first-steps": ["--ticks", "100"],

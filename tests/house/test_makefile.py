@@ -6,14 +6,11 @@ import re
 import shutil
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from tests.installed import CHECKOUT, clean_environment
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def make(

@@ -7,7 +7,8 @@ of keys in ``test_readme``; `tests/lab/test_specification.py` compares the keys 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, get_args
+from collections.abc import Sequence
+from typing import get_args
 
 import pytest
 
@@ -17,9 +18,6 @@ from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.inspector.register import PAGES
 from tests.house.examples import commands
 from tests.installed import CHECKOUT
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 EXPERIMENT, ENDS = "What an experiment can say", "How a run ends"
 COMMAND_PAGES = {"level": "level-editor.md", "lab": "lab.md", "lab play": "grading.md"}

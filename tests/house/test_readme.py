@@ -6,7 +6,7 @@ import json
 import re
 import shlex
 from functools import cache
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -21,9 +21,6 @@ from logical_robots_tui.tui.commands.table import COMMANDS
 from tests.house.examples import PAGES, blocks
 from tests.installed import CHECKOUT
 from tests.levels.playing import ticks_to_win
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 README = CHECKOUT / "README.md"
 DOCS = CHECKOUT / "docs"

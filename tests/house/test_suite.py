@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import pytest
 
 from tests.changed import Nearness, nearest
 from tests.costs import BOUNDS, Bound, folder_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 pytest_plugins = ["pytester"]
 

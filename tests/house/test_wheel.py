@@ -13,8 +13,8 @@ import sys
 import tarfile
 import tomllib
 import zipfile
+from email.message import Message
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from markdown_it import MarkdownIt
@@ -24,9 +24,6 @@ from tests.house.examples import blocks
 from tests.installed import CHECKOUT, Installed, clean_environment, install_from_lock
 from tests.pythons import pythons
 from tests.terminal import Terminal
-
-if TYPE_CHECKING:
-    from email.message import Message
 
 PYTHONS = pythons()
 WON_BY = ("01-first-steps", "first-steps")

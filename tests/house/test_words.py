@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import ast
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
 from logical_robots_tui.errors import joined
 from tests.house.examples import PAGES
 from tests.installed import CHECKOUT
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 INSTEAD = {
     r"\bsecond goals?\b": "bonus goal",

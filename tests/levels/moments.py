@@ -6,21 +6,17 @@ last hint of a level mostly results in its solution.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from math import dist
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-from logical_robots_tui import Mind, Program, World, load_level
+from logical_robots_tui import Level, Mind, Program, World, load_level
+from logical_robots_tui.mind.program import Table
+from logical_robots_tui.world.dynamics import WorldState
 from tests.levels.playing import program_text
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui import Level
-    from logical_robots_tui.mind.program import Table
-    from logical_robots_tui.world.dynamics import WorldState
 
 STEPS = Path(__file__).with_name("steps")
 

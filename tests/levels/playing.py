@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -12,12 +13,8 @@ from logical_robots_tui import Level, Program, list_levels, load_level
 from logical_robots_tui.game.measuring import STARTS, vary_start
 from logical_robots_tui.game.source import load_program, reference_names
 from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.progress import Measures
 from tests.levels.verdicts import verdict
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui.progress import Measures
 
 LEVELS = list_levels()
 LONG = 2_000  # thoughts, that is robots times ticks; only a full run waits for more

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from math import dist
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from logical_robots_tui import load_level
 from tests.levels.moments import Moment, at, step
 from tests.levels.playing import LEVELS, measured, program_text, slow, squeezed, ticks_to_win
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 # What hints say.
 

@@ -7,13 +7,14 @@ fast enough to try hundreds.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import pytest
 
-from logical_robots_tui import Desire, World, load_level
+from logical_robots_tui import Desire, Level, World, load_level
 from logical_robots_tui.game.measuring import vary_start
 from logical_robots_tui.paths import shipped_names
 from logical_robots_tui.world.dynamics import Mover, drive, is_inside
@@ -27,11 +28,6 @@ from tests.levels.playing import (
     solution_of,
     ticks_to_win,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui import Level
 
 Engines: TypeAlias = tuple[float, float]
 Script: TypeAlias = tuple[tuple[int, Engines], ...]

@@ -12,21 +12,18 @@ from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Iterator
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
 from logical_robots_tui import Mind, load_level
 from logical_robots_tui.game.source import reference_names
+from logical_robots_tui.values import Value
 from logical_robots_tui.world import World
 from tests.levels.playing import LEVELS, is_small, shipped_program, slow
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui.values import Value
 
 FILE = Path(__file__).with_name("ticks.txt")
 TICKS = 300

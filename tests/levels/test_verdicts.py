@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -18,10 +20,6 @@ from tests import conftest
 from tests.levels import verdicts
 from tests.levels.playing import ticks_to_win
 from tests.levels.verdicts import Verdict, folder, key_of, verdict
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 AHEAD = """
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :- Sensor(robot_name:);

@@ -10,20 +10,17 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+from logical_robots_tui import Level, Program
 from logical_robots_tui.caching import CacheFolder, cache_place, digest_of_code
+from logical_robots_tui.game import Frame
 from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.game.history.marks import Rounds
 from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.game.run import run_key
-from logical_robots_tui.mind import Limits
+from logical_robots_tui.mind import Limits, Mind
 from logical_robots_tui.world.dynamics import points
-
-if TYPE_CHECKING:
-    from logical_robots_tui import Level, Program
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Mind
 
 LARGEST = 10_000  # bytes of a verdict, with the names of a swarm
 MOST, MOST_BYTES = 4_000, 4_000_000

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.checks import check
 from logical_robots_tui.language.source_text import prepare
+from logical_robots_tui.mind import Diagnostic
 from logical_robots_tui.mind.compiling.dialect import runs
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind import Diagnostic
 
 package_patches.install()  # as in the compile process
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.mind import Decision, Limits, Mind, Program
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
 
 ROBOT = (
     "Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: m) :- "

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import sqlite3
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
+from logical_robots_tui.mind import Decision
 from logical_robots_tui.mind.asking import in_plain_words
 from tests.mind.rows import ROBOT, row, think
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind import Decision
 
 RULES = (
     "Heard(text) :- Memory(robot_name:, memory:), text = Join(memory, memory);"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import copy
 import importlib.util
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,9 +13,6 @@ from logica.compiler import rule_translate
 from logica.parser_py import parse
 
 from logical_robots_tui.language import package_patches
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 
 def unchanged(module: ModuleType) -> Any:

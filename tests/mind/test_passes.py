@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -15,18 +16,14 @@ from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.mind.compiling.compiler import compile_text
 from logical_robots_tui.mind.tuning import sql, tune_all
 from logical_robots_tui.mind.tuning.passes import PASSES
+from logical_robots_tui.values import SensorRow, Value
 from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.differential.comparing import MEMORIES, ROWS
 from tests.mind.differential.corpus import BATCHES, CASES, Case, in_one
 from tests.mind.differential.whole_programs import MOMENTS, PROGRAMS
 from tests.mind.rows import ROBOT, nearly_same
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
-
-    from logical_robots_tui.values import SensorRow, Value
-
-    Moment = tuple[Sequence[SensorRow], Mapping[str, Value]]
+Moment = tuple[Sequence[SensorRow], Mapping[str, Value]]
 
 PAGE = Path(__file__).parents[2] / "docs" / "speed.md"
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from logical_robots_tui.mind import Mind, Program, ProgramError
 from tests.mind.rows import ROBOT, cases, remembered, row, think
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 SEEN = {3: (40, "robot", "Bo"), 4: (33, "beacon", "A"), 5: (50, "beacon", "B")}
 ANGLE = row("Ada")["sensor"]["radar"][4]["angle"]

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from contextlib import closing
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError
+from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError, Table
 from tests.mind.rows import row
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind import Table
 
 PROGRAM = """\
 # The last rule of this program has no semicolon, and then there is a comment.

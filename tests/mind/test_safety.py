@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import sqlite3
 import subprocess
 import sys
 import threading
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -16,9 +17,6 @@ from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
 from logical_robots_tui.mind.sqlite.database import Database
 from tests.mind.rows import ROBOT, row, think
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    import sqlite3
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import pytest
 from hypothesis import given, settings
@@ -11,12 +11,10 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.explain.diagnosis.sites import check_up
 from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.values import SensorRow, Value
 from tests.mind.rows import row
 
-if TYPE_CHECKING:
-    from logical_robots_tui.values import SensorRow, Value
-
-    Rows = list[dict[str, Value]]
+Rows = list[dict[str, Value]]
 
 TEXT = """
 Met(robot_name:, who: ray.label) distinct :-

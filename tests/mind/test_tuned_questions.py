@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from contextlib import closing
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from logical_robots_tui.game import Run, load_program
-from logical_robots_tui.mind import Mind, Program, Table
+from logical_robots_tui.mind import Mind, Program, Question, Table
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.world import load_level
 from tests.mind.rows import ROBOT, nearly_same, row
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind import Question
 
 MORE = (
     "Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 12",

@@ -16,14 +16,11 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tests.changed import PACKAGE, PROCESSOR_SECONDS, ROOT, Nearness, measured_costs, nearest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
 
 LIST = Path(__file__).with_name("corrections.txt")
 LONGEST = 3_600  # seconds of one run of tests

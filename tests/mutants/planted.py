@@ -8,19 +8,15 @@ from contextlib import closing
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain import Ask, Explainer
+from logical_robots_tui.explain.diagnosis.telling import Finding
+from logical_robots_tui.explain.why.nearest import Suggestion
 from logical_robots_tui.game import Game, load_program
-from logical_robots_tui.game.diagnosing import diagnose
+from logical_robots_tui.game.diagnosing import Diagnosis, diagnose
 from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.values import SensorRow, Value
 from logical_robots_tui.world import World, load_level
-
-if TYPE_CHECKING:
-    from logical_robots_tui.explain.diagnosis.telling import Finding
-    from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.game.diagnosing import Diagnosis
-    from logical_robots_tui.values import SensorRow, Value
 
 __all__ = [
     "FIRST",

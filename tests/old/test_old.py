@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import shutil
 import sqlite3
+from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given
@@ -18,9 +18,6 @@ from logical_robots_tui.progress import Progress
 from logical_robots_tui.records import texts_of
 from tests.cli.running import Command
 from tests.game.playing import BACKWARDS, COUNTER
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 HERE = Path(__file__).parent
 TEAMS = {"red": COUNTER, "blue": BACKWARDS}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import date, timedelta
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -16,13 +16,8 @@ from logical_robots_tui.player.opening import level_to_begin_with
 from logical_robots_tui.player.recorder import note_level
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.world import load_level
-from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES, Daily
+from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES, Daily, DailySize
 from tests.short import LEVEL
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world.levels.labyrinths import DailySize
 
 TODAY = date(2026, 11, 22)
 

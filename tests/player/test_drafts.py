@@ -9,7 +9,8 @@ import subprocess
 import sys
 import threading
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, get_args
+from pathlib import Path
+from typing import get_args
 
 import pytest
 from hypothesis import given, settings
@@ -17,9 +18,6 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.player.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, Kind
 from tests.waiting import PATIENCE, until
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HOLD = """
 import sys, time

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import asyncio
 import tempfile
+from collections.abc import Awaitable, Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, rule
 
-from logical_robots_tui.game import level_key
+from logical_robots_tui.game import Source, level_key
 from logical_robots_tui.player import drafts as drafts_module
 from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
 from logical_robots_tui.player.library import Library
 from logical_robots_tui.player.opening import programs_to_begin_with
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
-    from logical_robots_tui.game import Source
 
 LEVEL = load_level("01-first-steps")
 ANSWERS = st.lists(st.sampled_from(["yes", "no", None]), max_size=4)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-from logical_robots_tui.editing.editor import Tool
-from logical_robots_tui.game import load_program
+from logical_robots_tui.editing.editor import LevelEditor, Tool
+from logical_robots_tui.editing.strokes import Point
+from logical_robots_tui.game import Frame, load_program
+from logical_robots_tui.game.victory import Victory
 from logical_robots_tui.mind import Program
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.player.recorder import ProgressRecorder
@@ -17,21 +21,11 @@ from logical_robots_tui.player.session_state import Background, SessionListener
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.level_editor.controller import LevelController
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
 from tests.short import AHEAD, LEVEL
 from tests.virtual_time import VirtualClock, until, virtual_loop
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
-    from pathlib import Path
-
-    from logical_robots_tui.editing.editor import LevelEditor
-    from logical_robots_tui.editing.strokes import Point
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.world import Level
 
 FAST = AHEAD.replace("0.5", "0.9")
 

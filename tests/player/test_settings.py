@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.player.settings import Settings, as_toml, read_settings, rows
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from logical_robots_tui.player.settings import Complain, Keys
+from logical_robots_tui.player.settings import (
+    Complain,
+    Keys,
+    Settings,
+    as_toml,
+    read_settings,
+    rows,
+)
 
 
 def any_keys(found: Mapping[str, Any], _complain: Complain) -> Keys:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.progress import MOST_VERSIONS, NEW, Bests, Measures, Progress
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MEASURED = Measures(ticks=100, size=3, distance=250.5, wins=18, starts=20)
 

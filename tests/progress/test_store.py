@@ -8,9 +8,9 @@ import signal
 import sqlite3
 import subprocess
 import sys
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -18,9 +18,6 @@ from logical_robots_tui.progress import Progress
 from logical_robots_tui.progress import store as store_module
 from logical_robots_tui.progress.store import APPLICATION_ID, MIGRATIONS
 from tests.waiting import PATIENCE, until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 WRITE_MANY = """
 import sys

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import pyte
 import pytest
 from pyte.modes import DECAWM
 from textual.css.stylesheet import Stylesheet
 from textual.drivers.headless_driver import HeadlessDriver
+from textual.widget import Widget
 
 from logical_robots_tui.player.settings import Settings
 from logical_robots_tui.tui.inspector import pane as inspector_pane
@@ -24,12 +26,6 @@ from tests.tui.conftest import (
     opened,
     pytest_asyncio_loop_factories,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from contextlib import AbstractAsyncContextManager
-
-    from textual.widget import Widget
 
 __all__ = ["_no_trials", "_time_of_the_loop", "pytest_asyncio_loop_factories"]
 

@@ -6,17 +6,13 @@ no picture of another. ``pytest --update-snapshots tests/snapshots`` accepts wha
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
+from textual.widget import Widget
 
 from logical_robots_tui.tui.layout.command_bar import CommandBar, PaneTabs
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.timeline.widget import Timeline
 from tests.snapshots.conftest import LOOKS, Show, Shown
-
-if TYPE_CHECKING:
-    from textual.widget import Widget
 
 STEPS = 10
 

@@ -3,39 +3,35 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from textual import _time, events
 from textual._compositor import Compositor
+from textual.css.model import RuleSet
+from textual.css.styles import RulesMap
 from textual.css.stylesheet import Stylesheet
 from textual.document._history import EditHistory
+from textual.dom import DOMNode
+from textual.pilot import Pilot
 
 from logical_robots_tui.game import Source, load_program, measuring
 from logical_robots_tui.player.opening import Opening
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.settings import Settings
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.inspector import pane as inspector_pane
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.world import load_level
 from tests.virtual_time import VirtualClock, VirtualLoop, later, until, virtual_loop
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator
-
-    from textual.css.model import RuleSet
-    from textual.css.styles import RulesMap
-    from textual.dom import DOMNode
-    from textual.pilot import Pilot
-
-    from logical_robots_tui.player.session import Session
-    from logical_robots_tui.player.settings import Settings
-    from logical_robots_tui.tui.app.main_screen import MainScreen
 
 _PICTURE = 0.05  # seconds in which what has changed is laid out and drawn
 

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from textual.widgets import Input, Static
 
-if TYPE_CHECKING:
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened
 
 __all__ = ["complaint", "dialog", "fill"]
 

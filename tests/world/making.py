@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 import numpy as np
 from hypothesis import strategies as st
 
 from logical_robots_tui.world import Area, Beacon, Level, Robot
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 NAMES = ("Ann", "Bob", "Cid", "Dot", "Eve")
 LABELS = ("lamp", "gate", "Ann", "home")

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from logical_robots_tui.world import Level, World
+from logical_robots_tui.world import Level, World
 
 
 def plain_look(world: World) -> list[dict[str, Any]]:

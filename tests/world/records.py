@@ -5,12 +5,9 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from logical_robots_tui.values import Desire
-
-if TYPE_CHECKING:
-    from logical_robots_tui.values import SensorRow
+from logical_robots_tui.values import Desire, SensorRow
 
 CONFORMANCE = Path(__file__).parent.parent / "conformance"
 LEVELS = sorted((CONFORMANCE / "levels").glob("*.json"))

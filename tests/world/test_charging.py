@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.values import Desire
-from logical_robots_tui.world import Beacon, Robot, World
+from logical_robots_tui.world import Beacon, Level, Robot, World
 from tests.world.making import levels, make_level
-
-if TYPE_CHECKING:
-    from logical_robots_tui.world import Level
 
 STATION = Beacon("Station", 50, 50, charging_station=True)
 

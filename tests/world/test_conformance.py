@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import pytest
 
+from logical_robots_tui.values import Desire, SensorRow
 from logical_robots_tui.world import AreaState, RobotState, World, WorldState, load_level
 
 from .records import OBJECT_CODES, TRACES, Trace, read_trace, scripted_desires
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from logical_robots_tui.values import Desire, SensorRow
 
 TOLERANCE = 1e-6
 ONE_OF_EACH_LEVEL = [

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
 
 from logical_robots_tui.world.levels.fields import Fields
 from logical_robots_tui.world.levels.native import (
@@ -17,9 +18,6 @@ from logical_robots_tui.world.levels.native import (
     expresses,
     read_drawing,
 )
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 SMALL = st.tuples(st.integers(1, 8), st.integers(1, 12))
 WALLS = SMALL.flatmap(lambda shape: arrays(np.bool_, shape))

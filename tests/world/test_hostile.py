@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from pathlib import Path
 
 import pytest
 
@@ -14,10 +15,6 @@ from logical_robots_tui.game import load_program
 from logical_robots_tui.world import LevelError, load_level
 from tests.waiting import PATIENCE
 from tests.world.hostile import FILES
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
 
 BYTES = 300 * 1024  # KiB that the process may grow by
 ADDRESSES = 1024**3

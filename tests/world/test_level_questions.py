@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.world import Level, LevelError, load_level
 from logical_robots_tui.world.level import LevelQuestion
 from tests.short import LEVEL
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def level(folder: Path, questions: str) -> Level:

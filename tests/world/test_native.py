@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from logical_robots_tui.world import Area, Beacon, LevelError, Robot, Visibility, load_level
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 FULL = """\
 title = "Two gates"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
@@ -16,9 +16,6 @@ from logical_robots_tui.world import Area, Beacon, Level, Robot, Score, Team, Wo
 from logical_robots_tui.world.dynamics import points
 from logical_robots_tui.world.world import change_state
 from tests.world.making import levels, make_level
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 HILL = Area("hill", 150, 50, 30)
 TEAMS = (Team("red"), Team("blue"))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -20,9 +21,6 @@ from logical_robots_tui.world.walls import FEW, FEWEST, Walls
 from .making import levels, make_level
 from .plain_sensing import plain_look
 from .records import LEVELS, scripted_desires
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HERE = Robot("Ann", 50.5, 50.5)
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.world import Score, Team, load_level
 from tests.world.test_native import SMALL, place, refusal, write
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TEAMS = (
     SMALL.replace("y = 15", 'y = 15\nteam = "red"')

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from logical_robots_tui.world import (
     Area,
     Beacon,
+    Level,
     LevelError,
     Robot,
     Visibility,
@@ -23,11 +25,6 @@ from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
 
 from .records import LEVELS
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
 
 
 def small(**more: object) -> dict[str, Any]:

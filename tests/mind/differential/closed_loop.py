@@ -6,17 +6,15 @@ The world is driven by what is decided here; both sides meet the same sensors.
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui import Desire, World, load_level
 from logical_robots_tui.mind import Limits, Mind, Program
 from tests.mind.differential.comparing import same
 from tests.mind.differential.duckdb_reference import Reference
 from tests.mind.differential.whole_programs import ASKED, engines
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 __all__ = ["PROGRAMS", "differences", "fields", "same_memory"]
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.differential.duckdb_reference import answer
 from tests.mind.rows import ROBOT, nearly_same, row
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SEEN = {
     3: (40, "robot", "Bo"),

@@ -9,7 +9,8 @@ import json
 import pickle
 import re
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import duckdb
 from logica.common import concertina_lib
@@ -19,9 +20,6 @@ from logica.type_inference.research import infer, reference_algebra, types_of_bu
 
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.source_text import prepare, text_meant
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 __all__ = ["Reference", "answer", "answer_in_one"]
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from tests.mind.differential.closed_loop import PROGRAMS, differences
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 TICKS = min(40, 2 * settings().max_examples)
 

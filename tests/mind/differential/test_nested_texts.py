@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import duckdb
 import pytest
@@ -11,9 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind.sqlite.casting import read_list, read_record, to_text, try_cast
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 NAMES = st.sampled_from(["a", "b c", "it's", "x,y", "k\\", "é", 'q"', "f{", "null"])
 SIGNS = st.sampled_from([*"{}[]()',:=\"\\ \n\tnwax1.é", "NULL", "null", "true", "{'n': 1, "])

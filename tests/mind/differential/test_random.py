@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
@@ -13,10 +15,6 @@ from hypothesis import strategies as st
 
 from tests.mind.differential.comparing import here, program, same, there
 from tests.mind.differential.typed_expressions import expressions, recursions
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 Text = st.SearchStrategy[str]
 

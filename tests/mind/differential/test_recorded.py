@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
-from logical_robots_tui.game import Game, list_programs, load_program
+from logical_robots_tui.game import Frame, Game, list_programs, load_program
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import list_levels, load_level
 from tests.mind.differential.comparing import same
 from tests.mind.differential.duckdb_reference import answer
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.game import Frame
 
 TICKS = (1, 40, 300)
 FREE_PROGRAMS_RUN_IN = "02-open-space"

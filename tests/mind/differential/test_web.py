@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import duckdb
 import pytest
@@ -12,16 +13,12 @@ from logica.compiler.rule_translate import RuleCompileException
 from logica.type_inference.research.infer import TypeErrorCaughtException
 
 from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.web import _SQL_WORDS, web_remarks
 from logical_robots_tui.paths import shipped_folder
 from tests.mind.differential.duckdb_reference import answer_in_one
 from tests.mind.rows import row
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
 
 FAILS = (RuleCompileException, TypeErrorCaughtException, duckdb.Error, TypeError, KeyError)
 COUNTING = "T(0) distinct; T(x + 1) distinct :- T(x), x < 60; P(n? Max= x) distinct :- T(x);"

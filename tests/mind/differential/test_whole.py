@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from tests.mind.differential.whole_programs import MOMENTS, PLAYERS, PROGRAMS, differences
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 _TITLES = list(PROGRAMS)
 _KEEPS = len({title.split(", ")[1] for title in _TITLES})

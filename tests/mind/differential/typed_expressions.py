@@ -6,12 +6,10 @@ A kind is ``"Num"``, ``"Str"``, ``"Bool"``, a record of kinds or a list of one.
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from hypothesis import strategies as st
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 Text = st.SearchStrategy[str]
 

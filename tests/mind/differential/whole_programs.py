@@ -8,15 +8,13 @@ together as on the platform: what a program keeps at one moment of a level it fi
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.mind import Limits, Mind, Program
 from tests.mind.differential.comparing import same
 from tests.mind.differential.duckdb_reference import answer
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 __all__ = ["ASKED", "MOMENTS", "PLAYERS", "PROGRAMS", "differences", "engines"]
 

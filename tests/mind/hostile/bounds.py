@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import process_time
-from typing import TYPE_CHECKING
 
 import pytest
 
 from tests.memory_use import memory_use
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 __all__ = ["GROWTH", "bounded_memory", "bounded_work"]
 

@@ -7,9 +7,10 @@ import gc
 import json
 import sqlite3
 import tracemalloc
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import thread_time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import example, given, settings
@@ -18,15 +19,11 @@ from hypothesis import strategies as st
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.sqlite import registry
 from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, Work, charge
+from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.registry import AGGREGATES
 from logical_robots_tui.mind.sqlite.texts import REPLACED
 from tests.mind.hostile.bounds import GROWTH, bounded_memory
 from tests.mind.rows import ROBOT, row
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from logical_robots_tui.mind.sqlite.database import Database
 
 SECONDS_OF_A_STEP = 4e-6
 SECONDS_OF_A_CALL = 0.5  # whatever is parsed once

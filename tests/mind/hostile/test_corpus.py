@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import sqlite3
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -19,9 +19,6 @@ from tests.mind.hostile.bounds import bounded_memory
 from tests.mind.hostile.programs import PROGRAMS
 from tests.mind.hostile.statements import REFUSED, RUNAWAY
 from tests.mind.rows import ROBOT, row
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 LIMITS = Limits(
     compile_seconds=0.3,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import json
 import sqlite3
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -15,9 +15,6 @@ from logical_robots_tui.mind.sqlite import registry
 from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, MAX_TEXT
 from logical_robots_tui.mind.sqlite.database import BUILT_IN, Database, TooMuchError
 from tests.mind.hostile.bounds import bounded_memory
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 HALF = "a" * (MAX_TEXT // 2 - 100)
 ITEMS = MAX_ITEMS - 10

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from textual import events
 from textual.widgets import Button, Input
 
 from logical_robots_tui.tui.layout.dialogs import LinePrompt, Question
-from tests.tui.conftest import CHARACTERS, opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import CHARACTERS, Opened, opened
 
 
 def press_at_once(game: Opened, *keys: str) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import resource
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -18,9 +18,6 @@ from tests.game.test_memory import HUNGRY
 from tests.memory_use import memory_use
 from tests.mind.rows import ROBOT
 from tests.terminal import Terminal
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 MIB = 1024**2
 SLOW_FOR_MANY = ("empty records", "empty lists", "many numbers", "what can't be packed")

@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import json
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
+from rich.console import RenderableType
 from textual import events
+from textual.screen import Screen
 from textual.widgets import Button
 from textual.widgets._toast import Toast
 
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.world import list_levels
 from tests.game.playing import SLOW as ENDLESS
-from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, opened
+from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, Opened, opened
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from rich.console import RenderableType
-    from textual.screen import Screen
-
-    from tests.tui.conftest import Opened
 
 
 async def test_the_robots_run_faster_and_slower_pause_step_and_restart(data_dir: Path) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from asyncio import Event, gather
-from typing import TYPE_CHECKING, get_args
+from pathlib import Path
+from typing import get_args
 
 import pytest
 from textual.theme import BUILTIN_THEMES
@@ -26,12 +27,7 @@ from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.theme.themes import NIGHT
-from tests.tui.conftest import STILL, opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import STILL, Opened, opened
 
 
 def test_the_choices_are_what_the_screen_can_do() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from collections.abc import Awaitable, Callable
 
 import pytest
 from textual.app import App, ComposeResult
@@ -14,9 +14,6 @@ from textual.worker import WorkerFailed
 
 from logical_robots_tui.tui.app.ui import in_background
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
 
 
 class Dialog(ModalScreen[None]):

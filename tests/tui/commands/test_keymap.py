@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.player.settings import Settings, read_settings
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, key_from, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def keys(folder: Path, text: str) -> Settings:

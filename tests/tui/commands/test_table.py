@@ -6,7 +6,7 @@ import subprocess
 import sys
 from collections import Counter
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual.binding import Binding
@@ -15,7 +15,7 @@ from textual.events import Click
 from textual.widgets import OptionList, TextArea
 from textual.widgets.text_area import Selection
 
-from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.command import Command, key_name
 from logical_robots_tui.tui.commands.help import Palette
 from logical_robots_tui.tui.commands.keymap import key_bindings
 from logical_robots_tui.tui.commands.table import COMMANDS
@@ -25,14 +25,8 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.theme.themes import INK
-from tests.tui.conftest import opened
+from tests.tui.conftest import Opened, opened
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.tui.commands.command import Command
-    from tests.tui.conftest import Opened
 
 SCREEN = [entry for entry in COMMANDS if entry.scope == "screen"]
 WRITING = [entry for entry in COMMANDS if entry.scope == "text"]

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened
 
 __all__ = ["pressed", "run_until"]
 

@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual.widgets import Static
 
-from logical_robots_tui.game import Inquiry
+from logical_robots_tui.game import Frame, Inquiry
+from logical_robots_tui.mind import Program, Table
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.short import AHEAD
-from tests.tui.conftest import opened
+from tests.tui.conftest import Opened, opened
 from tests.tui.inspector.steps import pressed
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Program, Table
-    from tests.tui.conftest import Opened
 
 
 def line(game: Opened) -> QueryLine:

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
-from tests.tui.conftest import opened
+from tests.tui.conftest import Opened, opened
 from tests.tui.inspector.steps import pressed, run_until
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
 
 LATE = """\
 Robot(robot_name:, desire: {left_engine: 0.2, right_engine: 0.2}, memory: "") :-

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -16,15 +16,10 @@ from logical_robots_tui.tui.inspector.pages.origin import LinksView, lines_of
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.value_tree import ValueTree
-from tests.tui.conftest import opened
+from logical_robots_tui.values import Value
+from tests.tui.conftest import Opened, opened
 from tests.tui.inspector.steps import pressed, run_until
 from tests.virtual_time import Hold
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.values import Value
-    from tests.tui.conftest import Opened
 
 PHASES = """\
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {plan:, seen:}) :-

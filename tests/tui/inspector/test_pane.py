@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from textual.widgets import OptionList
 
+from logical_robots_tui.game import Frame
+from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector import pages, pane
 from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
@@ -16,13 +17,8 @@ from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import PAPER, SLOW, STILL, opened
+from tests.tui.conftest import PAPER, SLOW, STILL, Opened, opened
 from tests.tui.inspector.steps import pressed
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Table
-    from tests.tui.conftest import Opened
 
 MORE = (
     PAPER

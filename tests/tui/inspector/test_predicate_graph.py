@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -10,9 +10,6 @@ from hypothesis import strategies as st
 from logical_robots_tui.tui.inspector.predicate_graph import GraphView, joint
 from tests.tui.conftest import opened
 from tests.tui.inspector.steps import pressed
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TEXT = """\
 Ahead(robot_name:, d: sensor.forward_distance) :- Sensor(robot_name:, sensor:);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual.widgets import Input
@@ -19,13 +19,8 @@ from logical_robots_tui.tui.inspector.table import (
     changed_cells,
 )
 from tests.short import AHEAD
-from tests.tui.conftest import opened
+from tests.tui.conftest import Opened, opened
 from tests.tui.inspector.steps import pressed
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
 
 ROWS = Rows(
     ("robot_name", "n", "what"),

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import opened
+from tests.tui.conftest import Opened, opened
 from tests.tui.inspector.steps import pressed
 from tests.tui.inspector.test_pane import MORE, inspect
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
 
 WIDE = (156, 50)
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from logical_robots_tui.explain import Ask, Explanation, Proof
-from logical_robots_tui.game import Inquiry
+from logical_robots_tui.game import Frame, Inquiry
+from logical_robots_tui.mind import Program
 from tests.tui.conftest import SLOW, opened
 from tests.tui.inspector.steps import pressed
 from tests.tui.inspector.test_why import (
@@ -21,12 +23,6 @@ from tests.tui.inspector.test_why import (
     told,
     view,
 )
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Program
 
 
 async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stopped(

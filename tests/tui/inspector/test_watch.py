@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import example, given
@@ -15,13 +15,8 @@ from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.plots import BARS, Sample, sparkline
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import PAPER, opened
+from tests.tui.conftest import PAPER, Opened, opened
 from tests.tui.inspector.steps import pressed, run_until
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
 
 TEXT = """\
 Late(x) :- Sensor(sensor:), sensor.clock > 20, x in [1, 2, 3];

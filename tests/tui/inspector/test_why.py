@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from textual.widgets import Input
 
@@ -13,13 +13,8 @@ from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
-from tests.tui.conftest import opened
+from tests.tui.conftest import Opened, opened
 from tests.tui.inspector.steps import pressed
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
 
 TALL = (100, 54)
 """A terminal in which a whole proof has room."""

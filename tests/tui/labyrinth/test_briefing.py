@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -14,12 +14,7 @@ from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.briefing import Task
 from logical_robots_tui.world import list_levels, load_level
 from tests.player.test_session import table
-from tests.tui.conftest import STILL, opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import STILL, Opened, opened
 
 TASK = "Bring Pip to the door."
 SIZES = [(80, 24), (120, 40), (90, 50), (200, 60)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -14,9 +14,6 @@ from logical_robots_tui.tui.labyrinth.drawing import Viewport
 from logical_robots_tui.tui.labyrinth.drawing.viewport import ZOOMS, Camera, Sight
 from tests.tui.conftest import opened
 from tests.tui.labyrinth.drawing.scenes import room
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SIGHTS = (Sight.FOLLOW, Sight.SENSES, Sight.WHOLE)
 LEVEL = room(800, 400)

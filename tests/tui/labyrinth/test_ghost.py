@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -19,10 +20,6 @@ from tests.player.test_best_runs import win
 from tests.player.test_session import Table, table
 from tests.short import AHEAD
 from tests.tui.conftest import Opened, opened
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
 
 SLOWER = AHEAD.replace("0.5", "0.1")
 

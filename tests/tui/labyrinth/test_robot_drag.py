@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual import events
 
+from logical_robots_tui.world import RobotState
 from tests.short import AHEAD
-from tests.tui.conftest import STILL, opened
+from tests.tui.conftest import STILL, Opened, opened
 from tests.tui.level_editor.conftest import ROOM
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import RobotState
-    from tests.tui.conftest import Opened
 
 
 @pytest.fixture

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 from xml.etree import ElementTree
 
 from tests.tui.conftest import STILL, opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 async def test_a_screenshot_is_a_picture_and_a_text_without_the_palette_or_says_why_not(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 from textual.app import App, ComposeResult
+from textual.geometry import Region
+from textual.pilot import Pilot
 
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Camera, Sight
@@ -15,12 +17,6 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.world import Beacon, Level, Robot
 from tests.tui.labyrinth.drawing.scenes import room, run, start, with_robot
 from tests.virtual_time import virtual_loop
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from textual.geometry import Region
-    from textual.pilot import Pilot
 
 
 class Recorder(LabyrinthView):

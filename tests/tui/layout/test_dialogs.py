@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
+import pytest
 from rich.style import Style
 from textual import events
 from textual.widgets import Input, OptionList
 
-from logical_robots_tui.game import load_program
+from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.commands.help import Palette
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.learning.reader import Hints
@@ -17,13 +18,6 @@ from logical_robots_tui.tui.library.save_dialog import SaveAs
 from tests.tui.conftest import PAPER, opened
 from tests.tui.dialogs import dialog, fill
 from tests.virtual_time import Hold
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    import pytest
-
-    from logical_robots_tui.game import Source
 
 
 async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,12 +21,7 @@ from logical_robots_tui.tui.layout.arrangement import (
 )
 from logical_robots_tui.tui.layout.command_bar import PaneTabs
 from logical_robots_tui.tui.layout.dialogs import Listing
-from tests.tui.conftest import PAPER, opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import PAPER, Opened, opened
 
 ALL = ["map", "editor", "inspector"]
 

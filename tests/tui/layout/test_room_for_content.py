@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui.tui.inspector.pane import PredicateList
-from tests.tui.conftest import opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened, opened
 
 LARGE = (200, 60)
 MANY_ROWS = """\

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.tui.commands.table import COMMANDS
-from tests.tui.conftest import opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened, opened
 
 # Columns and lines, so that neighbours in the list differ much in both.
 SIZES = [

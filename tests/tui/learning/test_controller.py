@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual.widgets import OptionList, Static
@@ -15,12 +15,7 @@ from logical_robots_tui.tui.learning.reader import Hints, Reader
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import list_levels
 from tests.short import AHEAD
-from tests.tui.conftest import PAPER, STILL, opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import PAPER, STILL, Opened, opened
 
 FIRST = list_levels()[0]
 

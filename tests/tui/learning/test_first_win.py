@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -10,12 +10,7 @@ from logical_robots_tui.game.pace import FLAT_OUT
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.labyrinth.results import Results
-from tests.tui.conftest import opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened, opened
 
 LEVEL = "01-first-steps"
 MOST_KEYS = 14

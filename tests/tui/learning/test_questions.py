@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -11,12 +11,7 @@ from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.learning.reader import Reader
-from tests.tui.conftest import opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened, opened
 
 QUESTIONS = """\
 questions = [

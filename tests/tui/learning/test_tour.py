@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.player.recorder import TOUR
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.learning.tour import STOPS, Tour
-from tests.tui.conftest import opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened, opened
 
 
 def is_shown(game: Opened) -> bool:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from textual import events
 
+from logical_robots_tui.editing.editor import LevelEditor
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.player.session import Session
@@ -18,18 +21,10 @@ from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.level_editor.controller import LevelController
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import Level, load_level
 from tests.short import AHEAD
-from tests.tui.conftest import opened, source_of
+from tests.tui.conftest import Opened, opened, source_of
 from tests.virtual_time import VirtualClock, until, virtual_loop
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
-    from pathlib import Path
-
-    from logical_robots_tui.editing.editor import LevelEditor
-    from logical_robots_tui.world import Level
-    from tests.tui.conftest import Opened
 
 _BY_ID = {command.id: command for command in COMMANDS}
 

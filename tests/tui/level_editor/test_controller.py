@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.game.victory import is_by_the_book
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import Level, load_level
 from tests.short import AHEAD
 from tests.tui.level_editor.conftest import ROOM, bench, said, say
 from tests.virtual_time import Hold
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
 
 
 class SlowSaving:

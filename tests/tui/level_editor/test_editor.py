@@ -6,7 +6,7 @@ import math
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -16,13 +16,10 @@ from logical_robots_tui.editing.checks import refusals
 from logical_robots_tui.editing.editor import GRIDS, WIDTHS, LevelEditor, Tool
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.files import save_level
-from logical_robots_tui.world import Beacon, World, load_level
+from logical_robots_tui.world import Beacon, Level, World, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.world import change_state
 from tests.editing.making import room
-
-if TYPE_CHECKING:
-    from logical_robots_tui.world import Level
 
 points = st.tuples(st.integers(-5, 125).map(float), st.integers(-5, 85).map(float))
 deeds = st.one_of(

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from pathlib import Path
+from typing import TypeVar
 
 import pytest
+from textual.widget import Widget
 from textual.widgets import Checkbox, Input, Select, TextArea
 
 from logical_robots_tui.tui.level_editor.forms import Form, LevelForm, ThingForm, Ticks
 from logical_robots_tui.world import Visibility
 from tests.tui.app.test_key_queue import press_at_once
 from tests.tui.conftest import Opened, opened
-from tests.tui.level_editor.conftest import replace_in, studio
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from textual.widget import Widget
-
-    from tests.tui.level_editor.conftest import Studio
+from tests.tui.level_editor.conftest import Studio, replace_in, studio
 
 SomeForm = TypeVar("SomeForm", bound=Form)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual.widgets import Input, Select
@@ -12,9 +12,6 @@ from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import load_level
 from tests.tui.conftest import opened
 from tests.tui.level_editor.conftest import ROOM, replace_in, said, studio
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(

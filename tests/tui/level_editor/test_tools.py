@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,13 +14,9 @@ from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.level_editor.forms import FindingList
 from logical_robots_tui.tui.level_editor.panel import ToolLine
+from logical_robots_tui.world.dynamics import RobotState
 from tests.tui.conftest import opened
 from tests.tui.level_editor.conftest import bench, replace_in, studio
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world.dynamics import RobotState
 
 
 async def test_walls_are_painted_with_each_tool(data_dir: Path, room_file: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from datetime import UTC, datetime
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 from urllib.parse import quote
 
 import pytest
@@ -21,14 +21,9 @@ from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.world import list_arenas, list_levels, load_level
-from tests.tui.conftest import LEVELS, PAPER, STILL, opened, source_of
+from tests.tui.conftest import LEVELS, PAPER, STILL, Opened, opened, source_of
 from tests.tui.dialogs import complaint, dialog, fill
 from tests.virtual_time import Hold
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
 
 FIRST = list_levels()[0]
 LAST_ARENA = f"{ARENAS}/{list_arenas()[-1]}.toml"

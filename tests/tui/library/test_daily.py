@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import date
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -14,9 +14,6 @@ from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.world import load_level
 from tests.short import AHEAD
 from tests.tui.conftest import opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 async def test_today_s_labyrinth_is_opened_in_the_chosen_size_or_not(data_dir: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -25,15 +25,9 @@ from logical_robots_tui.tui.library.cards import (
     miniature,
 )
 from logical_robots_tui.tui.library.level_screen import LevelScreen
-from logical_robots_tui.world import list_arenas, list_levels, load_level
-from tests.tui.conftest import opened
+from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
+from tests.tui.conftest import Opened, opened
 from tests.virtual_time import Hold
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
-    from tests.tui.conftest import Opened
 
 COURSE = list_levels()
 NAMES = [*COURSE, DAILY, *list_arenas()]

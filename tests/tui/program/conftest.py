@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from textual import events
+from textual.app import ComposeResult
+from textual.pilot import Pilot
 
+from logical_robots_tui.tui.program.completion import Completion
+from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
-from tests.tui.conftest import CHARACTERS
+from tests.tui.conftest import CHARACTERS, Opened
 from tests.virtual_time import later, until, virtual_loop
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
-
-    from textual.app import ComposeResult
-    from textual.pilot import Pilot
-
-    from logical_robots_tui.tui.program.completion import Completion
-    from logical_robots_tui.tui.program.editor import Editor
-    from tests.tui.conftest import Opened
 
 
 class PaneApp(CrashSafeApp):

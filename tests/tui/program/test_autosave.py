@@ -6,31 +6,24 @@ import asyncio
 import os
 import signal
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual import events
 from textual.widgets import Button, Input
 
 from logical_robots_tui.game import load_program
-from logical_robots_tui.player.drafts import Draft, Drafts
+from logical_robots_tui.player.drafts import Draft, Drafts, Kind
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.terminal.crash_report import BugReport
 from tests.terminal import Terminal
-from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, opened, source_of
+from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, Opened, opened, source_of
 from tests.tui.program.conftest import PaneApp
 from tests.virtual_time import Hold
 from tests.virtual_time import until as virtual_until
 from tests.waiting import PATIENCE, until
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.player.drafts import Kind
-    from tests.tui.conftest import Opened
-
 
 PLAY = """
 import sys

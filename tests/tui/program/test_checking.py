@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui.paths import shipped_folder
-from tests.tui.conftest import STILL, WRONG, opened
+from tests.tui.conftest import STILL, WRONG, Opened, opened
 from tests.tui.program.conftest import title
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
 
 MISSPELT = STILL.replace("Sensor(", "Sensr(")
 ODD = """\

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual import events
@@ -15,9 +15,6 @@ from logical_robots_tui.tui.program.controller import edit_outside
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, opened
 from tests.tui.program.conftest import writing
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 LONG = "  Wanted(robot_name:, sensor:) :- " + "Sensor(robot_name:, sensor:), " * 5
 THREE = "one\n  two\nthree"

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
+from pathlib import Path
+
+import pytest
 
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.program.controller import FileWatch
 from tests.tui.conftest import PAPER, STILL, opened, source_of
 from tests.virtual_time import Hold
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    import pytest
 
 
 def test_a_change_before_the_first_look_is_noticed_once(tmp_path: Path) -> None:

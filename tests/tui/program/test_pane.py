@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual import events
@@ -12,9 +12,6 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.player.opening import Permissions
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 from tests.tui.program.conftest import title
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked_for(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui.game.source import Source
 from logical_robots_tui.player.drafts import Draft
@@ -13,10 +14,6 @@ from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH
 from tests.tui.conftest import Opened
 from tests.virtual_time import VirtualClock
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
 
 RED = """\
 Ahead(x) :- x == 1;

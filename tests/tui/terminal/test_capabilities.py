@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -14,9 +14,6 @@ from logical_robots_tui.tui.labyrinth.drawing import Drawing
 from logical_robots_tui.tui.terminal.capabilities import assume_colours, drawing_for, may_use_mouse
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_the_drawing_suits_the_terminal() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
 import pyte
 import pytest
@@ -19,9 +19,6 @@ from textual.strip import Strip
 
 from logical_robots_tui.tui.terminal.cell_diff import Difference, reduce_colour
 from tests.terminal import looks
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
 
 COLUMNS, ROWS = 12, 4
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual import events
@@ -14,9 +14,6 @@ from textual.app import App
 from logical_robots_tui.tui.terminal import diff_app as sparing
 from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
 from tests.tui.conftest import opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.mark.usefixtures("drawn_at_once")

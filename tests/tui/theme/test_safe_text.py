@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import unicodedata
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,11 +11,8 @@ from hypothesis import strategies as st
 from logical_robots_tui.tui.inspector.pages.robots import radar_strip
 from logical_robots_tui.tui.inspector.plots import cell, format_value
 from logical_robots_tui.tui.program.lexer import LineStates, pieces, state_after
+from logical_robots_tui.values import Value
 from logical_robots_tui.wording import clip, one_line, visible
-
-if TYPE_CHECKING:
-    from logical_robots_tui.values import Value
-
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(),

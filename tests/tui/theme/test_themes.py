@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from rich.cells import cell_len
+from rich.segment import Segment
 from textual.color import Color
+from textual.strip import Strip
 from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
@@ -14,15 +16,7 @@ from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.settings_screen import ThemeList
 from logical_robots_tui.tui.inspector.pane import PredicateList
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, contrast, palette_of
-from tests.tui.conftest import opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from rich.segment import Segment
-    from textual.strip import Strip
-
-    from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened, opened
 
 THEMES_OF_TEXTUAL = [theme for theme in BUILTIN_THEMES.values() if not theme.ansi]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual.widgets import Input, OptionList
@@ -16,14 +16,10 @@ from logical_robots_tui.tui.timeline.breakpoints import (
     BreakpointList,
     QuestionPrompt,
 )
+from tests.tui.conftest import Opened
+from tests.tui.inspector.steps import pressed, run_until
 from tests.tui.timeline.test_widget import playing
 from tests.virtual_time import Hold
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
-from tests.tui.inspector.steps import pressed, run_until
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 AT = f"{CLOCK}t in [3, 4, 9]"

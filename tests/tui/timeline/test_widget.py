@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from textual.widgets import Input, OptionList
@@ -13,14 +14,8 @@ from logical_robots_tui.game import Breakpoint
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointList, TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import load_level
-from tests.tui.conftest import STILL, opened
+from tests.tui.conftest import STILL, Opened, opened
 from tests.tui.inspector.steps import pressed, run_until
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
-
-    from tests.tui.conftest import Opened
 
 TURNS = """\
 Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 12;

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Look, Palette, Picture, Viewport
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, luminance
-from logical_robots_tui.values import Desire
+from logical_robots_tui.values import Desire, SensorRow
 from logical_robots_tui.world import Level, Robot, RobotState, World
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from logical_robots_tui.values import SensorRow
 
 BARE = Look(rays=False, marks=False, names=False)
 """Nothing but what stands there."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.mind.decision import Decision
 from logical_robots_tui.tui.labyrinth.drawing import Drawing, Look, Picture, Viewport
 from logical_robots_tui.tui.labyrinth.drawing.cells import BLOCKS
@@ -14,9 +14,6 @@ from logical_robots_tui.tui.labyrinth.drawing.rays import Traces
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Robot
 from tests.tui.labyrinth.drawing.scenes import Drawn, room, run, start, with_active
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game.frame import Frame
 
 LEVEL = room(robots=(Robot("Ann", 60, 100, 0.0, "red"),))
 VIEW = Viewport.fit(400, 200, 80, 20)
