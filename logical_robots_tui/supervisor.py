@@ -68,6 +68,9 @@ def _supervise() -> int | None:
     """Fork; return None in the game, and the game's exit status in this process."""
     lifeline, held = os.pipe()
     shared = mmap.mmap(-1, 2)
+    terminal: list[Any] | None = None
+    with suppress(termios.error):
+        terminal = termios.tcgetattr(0)  # before the game can change it
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _BLOCKED)
     game = os.fork()
     if game == 0:
@@ -77,18 +80,16 @@ def _supervise() -> int | None:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return None
     os.close(lifeline)
-    return _Supervisor(game, shared).run()
+    return _Supervisor(game, shared, terminal).run()
 
 
 class _Supervisor:
     """Waits for a game and for signals, and monitors the game's heartbeat."""
 
-    def __init__(self, game: int, shared: mmap.mmap) -> None:
+    def __init__(self, game: int, shared: mmap.mmap, terminal: list[Any] | None) -> None:
         self._game = game
         self._shared = shared
-        self._terminal: list[Any] | None = None
-        with suppress(termios.error):
-            self._terminal = termios.tcgetattr(0)
+        self._terminal = terminal
         self._raw: list[Any] | None = None  # the game's settings while ^C is a signal
         self._interrupts: list[float] = []
         self._has_begun = False
