@@ -74,11 +74,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("all" if config.option.all else "some")
     if not hasattr(config, "workerinput"):
-        # Runs are computed anew each time, and with `--all` programs are compiled anew as well.
-        place = _compiled(config)
-        shutil.rmtree(place if config.option.all else place / "runs", ignore_errors=True)
+        forget_earlier_runs(config)
         config.pluginmanager.register(_Sources(config))
     costs.register(config)
+
+
+def forget_earlier_runs(config: pytest.Config) -> None:
+    """Let runs be computed anew, and with ``--all`` programs and verdicts on levels as well."""
+    place = _compiled(config)
+    shutil.rmtree(place if config.option.all else place / "runs", ignore_errors=True)
 
 
 def pytest_report_header(config: pytest.Config) -> str:

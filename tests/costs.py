@@ -81,6 +81,9 @@ class _Meter:
         self._count(subprocess.Popen, "__init__", "processes started")
         self._count(World, "act", "ticks played")
         self._count(_Compiler, "_ask", "programs compiled")
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_finish(self) -> None:
         self._processor_seconds = _processor_seconds()
 
     def _count(self, owner: type, name: str, what: str) -> None:

@@ -10,7 +10,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import settings
 
 from logical_robots_tui import Level, Program, load_level
 from logical_robots_tui.caching import FOLDER_VARIABLE
@@ -141,10 +140,8 @@ def test_level_start_and_program_make_another_verdict(level: Level, ahead: Progr
 def test_only_a_full_run_begins_without_verdicts(
     is_full: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    profile = settings.get_current_profile_name()
     config: Any = SimpleNamespace(option=SimpleNamespace(all=is_full), rootpath=tmp_path)
     monkeypatch.setenv(FOLDER_VARIABLE, str(conftest._compiled(config)))
     folder().keep("one", [b"kept"])
-    conftest.pytest_configure(config)
-    settings.load_profile(profile)
+    conftest.forget_earlier_runs(config)
     assert (folder().read("one", 10) is None) is is_full

@@ -99,7 +99,7 @@ def show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, pytestconfig: pytest.C
     What differs from the snapshots is told at the end.
     """
     sent: list[str] = []
-    monkeypatch.setattr(Stylesheet, "_parse_rules", _parsed_once)
+    monkeypatch.setattr(Stylesheet, "parse", _parsed_once)
     monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0)
     monkeypatch.setattr(diff_app, "ListeningDriver", HeadlessDriver)
     monkeypatch.setattr(HeadlessDriver, "write", lambda _, data: sent.append(data))
