@@ -13,10 +13,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from logical_robots_tui import Level, Mind, Program, World, load_level
+from logical_robots_tui import Level, Mind, Program, World
 from logical_robots_tui.mind.program import Table
 from logical_robots_tui.world.dynamics import WorldState
-from tests.levels.playing import program_text
+from tests.levels.playing import load_level, program_text
 
 STEPS = Path(__file__).with_name("steps")
 

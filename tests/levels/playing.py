@@ -9,13 +9,15 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui import Level, Program, list_levels, load_level
+import logical_robots_tui
+from logical_robots_tui import Level, Program, list_levels
 from logical_robots_tui.game.measuring import STARTS, vary_start
 from logical_robots_tui.game.source import load_program, reference_names
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.progress import Measures
 from tests.levels.verdicts import verdict
 
+load_level = cache(logical_robots_tui.load_level)
 LEVELS = list_levels()
 LONG = 2_000  # thoughts, that is robots times ticks; only a full run waits for more
 
@@ -27,6 +29,7 @@ def slow(is_slow: bool) -> list[pytest.MarkDecorator]:
     return [pytest.mark.slow] * is_slow
 
 
+@cache
 def program_text(name: str) -> str:
     return load_program(name).text
 
@@ -53,6 +56,7 @@ def measured(name: str) -> Measures:
     return reference_table()[name][solution_of(name)]
 
 
+@cache
 def references_of(name: str) -> list[str]:
     """The names of a level's reference programs, its solution first."""
     return reference_names(solution_of(name))

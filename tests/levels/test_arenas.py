@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from logical_robots_tui import Program, list_arenas, load_level
+from logical_robots_tui import Program, list_arenas
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.game.measuring import start_of
 from logical_robots_tui.paths import ARENAS, shipped_names
 from logical_robots_tui.world import Level
-from tests.levels.playing import LEVELS, code_in, program_text, slow, squeezed
+from tests.levels.playing import LEVELS, code_in, load_level, program_text, slow, squeezed
 from tests.levels.test_levels import assert_room_for_robots, check_texts
 from tests.levels.verdicts import verdict
 

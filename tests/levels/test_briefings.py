@@ -6,9 +6,8 @@ from math import dist
 
 import pytest
 
-from logical_robots_tui import load_level
 from tests.levels.moments import STEPS, at, moments, step
-from tests.levels.playing import LEVELS, slow
+from tests.levels.playing import LEVELS, load_level, slow
 
 
 def each_comes_home_at_some_time() -> bool:

@@ -18,11 +18,12 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui import Program, load_level
+from logical_robots_tui import Program
 from logical_robots_tui.game.measuring import patience_for, vary_start
 from tests.levels.moments import STEPS
 from tests.levels.playing import (
     LEVELS,
+    load_level,
     measured,
     program_text,
     references_of,

@@ -7,9 +7,8 @@ from itertools import combinations
 
 import pytest
 
-from logical_robots_tui import load_level
 from tests.levels.moments import Moment, moments
-from tests.levels.playing import program_text, shipped_program, ticks_to_win
+from tests.levels.playing import load_level, program_text, shipped_program, ticks_to_win
 from tests.levels.verdicts import verdict
 
 EXAMPLES = {

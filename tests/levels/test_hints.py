@@ -9,9 +9,16 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui import load_level
 from tests.levels.moments import Moment, at, step
-from tests.levels.playing import LEVELS, measured, program_text, slow, squeezed, ticks_to_win
+from tests.levels.playing import (
+    LEVELS,
+    load_level,
+    measured,
+    program_text,
+    slow,
+    squeezed,
+    ticks_to_win,
+)
 
 # What hints say.
 

@@ -14,13 +14,14 @@ from typing import TypeAlias
 
 import pytest
 
-from logical_robots_tui import Desire, Level, World, load_level
+from logical_robots_tui import Desire, Level, World
 from logical_robots_tui.game.measuring import vary_start
 from logical_robots_tui.paths import shipped_names
 from logical_robots_tui.world.dynamics import Mover, drive, is_inside
 from tests.levels.playing import (
     LEVELS,
     is_small,
+    load_level,
     measured,
     program_text,
     shipped_program,

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from logical_robots_tui import Level, Program, ProgramError, load_level
+from logical_robots_tui import Level, Program, ProgramError
 from logical_robots_tui.game.measuring import FARTHEST_SHIFT
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.paths import shipped_names
@@ -16,6 +16,7 @@ from tests.levels.playing import (
     LEVELS,
     code_in,
     is_small,
+    load_level,
     program_text,
     shipped_program,
     slow,

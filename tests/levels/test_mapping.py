@@ -10,9 +10,8 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui import load_level
 from tests.levels.moments import moments
-from tests.levels.playing import program_text
+from tests.levels.playing import load_level, program_text
 
 LEVEL = "10-distributed-mapping"
 PATIENCE = 6000

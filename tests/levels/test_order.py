@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 
-from logical_robots_tui import load_level
 from logical_robots_tui.language.reference import REFERENCE
-from tests.levels.playing import LEVELS, program_text, solution_of
+from tests.levels.playing import LEVELS, load_level, program_text, solution_of
 
 NAMES = {entry.name for entry in REFERENCE if re.fullmatch("[A-Z][A-Za-z0-9]*", entry.name)}
 MARKS = {

@@ -11,13 +11,13 @@ from itertools import combinations
 
 import pytest
 
-from logical_robots_tui import load_level
 from logical_robots_tui.game.measuring import MOST_TICKS, STARTS, patience_for, vary_start
 from logical_robots_tui.game.victory import measures_of, reference_table
 from logical_robots_tui.world.level import SecondGoal
 from tests.levels.playing import (
     LEVELS,
     LONG,
+    load_level,
     measured,
     reference_cases,
     references_of,

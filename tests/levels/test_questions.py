@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from logical_robots_tui.game.level_questions import Examiner, difference
-from logical_robots_tui.world import load_level
-from tests.levels.playing import LEVELS, slow
+from tests.levels.playing import LEVELS, load_level, slow
 
 QUICK = "04"  # levels before this one have small programs
 LONGEST = 180  # characters, three lines of a dialog

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui import load_level
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.tree import Rule
-from tests.levels.playing import LEVELS, program_text, solution_of
+from tests.levels.playing import LEVELS, load_level, program_text, solution_of
 
 TAUGHT_BEFORE = {"Stop"}
 """What level 4 teaches and a starter may leave to the player."""

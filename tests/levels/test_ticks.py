@@ -19,11 +19,11 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from logical_robots_tui import Mind, load_level
+from logical_robots_tui import Mind
 from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import World
-from tests.levels.playing import LEVELS, is_small, shipped_program, slow
+from tests.levels.playing import LEVELS, is_small, load_level, shipped_program, slow
 
 FILE = Path(__file__).with_name("ticks.txt")
 TICKS = 300

@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui import Level, Program, load_level
+from logical_robots_tui import Level, Program
 from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.game import run
 from logical_robots_tui.game.measuring import play_through, vary_start
 from tests import conftest
 from tests.levels import verdicts
-from tests.levels.playing import ticks_to_win
+from tests.levels.playing import load_level, ticks_to_win
 from tests.levels.verdicts import Verdict, folder, key_of, verdict
 
 AHEAD = """
