@@ -21,13 +21,22 @@ def module_of(path: Path, root: Path) -> str:
 
 def imported_names(tree: ast.AST, folder: str) -> Iterator[str]:
     """Yield the dotted names that a file imports; its folder is one, for relative imports."""
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             home = folder.rsplit(".", node.level - 1)[0] if node.level else ""
             source = ".".join(filter(None, (home, node.module)))
             yield from (f"{source}.{alias.name}" for alias in node.names)
+
+
+def _statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield the statements in all blocks, without looking into expressions."""
+    nodes = [tree]
+    for node in nodes:
+        yield node
+        for block in ("body", "orelse", "finalbody", "handlers", "cases"):
+            nodes += getattr(node, block, ()) if not isinstance(node, ast.expr) else ()
 
 
 def modules_imported(root: Path, folders: Iterable[str]) -> dict[str, set[str]]:
