@@ -142,7 +142,7 @@ class Costs:
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self.by_test: dict[str, float] = {}
-        self.counts: Counter[str] = Counter()
+        self.counts: dict[str, Counter[str]] = {name: Counter() for name in BOUNDS}
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.when != "teardown":
@@ -151,16 +151,19 @@ class Costs:
             if name == "cost":
                 self.by_test[report.nodeid] = float(str(value))
             elif name in BOUNDS:
-                self.counts[name] += int(str(value))
+                self.counts[name][report.nodeid.partition("::")[0]] += int(str(value))
 
     @property
     def excesses(self) -> list[str]:
-        """Return what the run did more often than a quick run may."""
-        return [
-            f"{self.counts[name]:,} {name}, more than {bound.most:,}: {bound.reason}"
-            for name, bound in BOUNDS.items()
-            if self.counts[name] > bound.most
-        ]
+        """Return what the run did more often than a quick run may, and where most."""
+        excesses = []
+        for name, bound in BOUNDS.items():
+            files = self.counts[name]
+            if files.total() > bound.most:
+                most = ", ".join(f"{file} {count:,}" for file, count in files.most_common(SLOWEST))
+                count = f"{files.total():,} {name}, more than {bound.most:,}"
+                excesses.append(f"{count}: {bound.reason}. Most in {most}")
+        return excesses
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
