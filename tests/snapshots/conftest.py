@@ -1,7 +1,5 @@
 """The game on a screen in memory, drawn into a terminal as it would be into a real one."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A screen as text that a person can read and compare: the characters, then their looks."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from itertools import groupby, zip_longest

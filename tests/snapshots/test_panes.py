@@ -4,8 +4,6 @@ A pane is alone on its screen where others would take room from it, so that a ch
 no picture of another. ``pytest --update-snapshots tests/snapshots`` accepts what is shown now.
 """
 
-from __future__ import annotations
-
 import pytest
 from textual.widget import Widget
 

@@ -1,7 +1,5 @@
 """What a snapshot keeps of a screen, and what it tells when another differs."""
 
-from __future__ import annotations
-
 import pyte
 
 from tests.snapshots.picture import cells_of, differences, picture, read_picture

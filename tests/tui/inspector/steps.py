@@ -1,7 +1,5 @@
 """Steps of a test of the screen: keys, and what follows from them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.tui.conftest import Opened

@@ -1,7 +1,5 @@
 """Ask, in the game: any query is answered for the tick on the screen."""
 
-from __future__ import annotations
-
 import asyncio
 from pathlib import Path
 
@@ -70,9 +68,7 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "size",
-    [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)],
-    ids=["80x24", "120x40"],
+    "size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)], ids=["80x24", "120x40"]
 )
 async def test_the_line_helps_and_says_what_is_wrong_with_a_query(
     data_dir: Path, size: tuple[int, int]

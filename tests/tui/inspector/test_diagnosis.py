@@ -1,7 +1,5 @@
 """The page of the inspector that scans the whole run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What of a proof can be seen in the labyrinth."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

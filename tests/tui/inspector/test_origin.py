@@ -1,7 +1,5 @@
 """Where a value comes from, in the game: asked of any memory, told in the background, followed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The inspector follows the tick on the screen."""
 
-from __future__ import annotations
-
 import asyncio
 from pathlib import Path
 

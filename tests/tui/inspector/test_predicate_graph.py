@@ -1,7 +1,5 @@
 """The graph of predicates is drawn without loose ends, and one goes along it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from hypothesis import given

@@ -1,7 +1,5 @@
 """The lines of a proof: what is folded, what is open, and what of it has room."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """The table of the inspector: sorted, searched, of one robot, turned, copied, saved, stopped at."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

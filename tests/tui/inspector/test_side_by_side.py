@@ -1,7 +1,5 @@
 """A wide inspector shows the selected page and the robot side by side."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from logical_robots_tui.tui.inspector.pages.decision import DecisionPage

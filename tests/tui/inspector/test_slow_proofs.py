@@ -1,7 +1,5 @@
 """Proofs that take long: what is shown meanwhile, and how they are stopped."""
 
-from __future__ import annotations
-
 import asyncio
 from pathlib import Path
 from typing import Any
@@ -13,16 +11,7 @@ from logical_robots_tui.game import Frame, Inquiry
 from logical_robots_tui.mind import Program
 from tests.tui.conftest import SLOW, opened
 from tests.tui.inspector.steps import pressed
-from tests.tui.inspector.test_why import (
-    CALL,
-    PROVED,
-    TALL,
-    TWO_RULES,
-    asked_why,
-    go_to,
-    told,
-    view,
-)
+from tests.tui.inspector.test_why import CALL, PROVED, TALL, TWO_RULES, asked_why, go_to, told, view
 
 
 async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stopped(

@@ -1,7 +1,5 @@
 """Pins: their values at the tick on the screen, how they went, and values as trees."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Why, in the game: a proof to fold, deeper and back, for the robot and tick at hand."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from textual.widgets import Input

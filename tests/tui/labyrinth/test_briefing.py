@@ -1,7 +1,5 @@
 """The briefing is there at the start of a level; what is told later of robots that get nowhere."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Looking around in the labyrinth."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

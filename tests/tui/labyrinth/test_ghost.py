@@ -1,7 +1,5 @@
 """The ghost: the player's best run, or a replay, beside the present one."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Where a player's results stand among those of the reference programs, and bonus goals."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

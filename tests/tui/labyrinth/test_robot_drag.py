@@ -1,7 +1,5 @@
 """Pointing at robots with the mouse, dragging and turning them while the game is played."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The lines at the top and the bottom keep what matters most, at any width."""
 
-from __future__ import annotations
-
 from contextvars import copy_context
 
 from hypothesis import given

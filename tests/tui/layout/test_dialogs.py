@@ -1,7 +1,5 @@
 """Dialogs and lists, whatever comes in when they have just changed or gone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The panes in terminals of all sizes."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Panes that take the size of what they hold, and keep it while robots run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from logical_robots_tui.tui.inspector.pane import PredicateList

@@ -1,7 +1,5 @@
 """In a terminal of any size nothing fails: every dialog, resized while it is open."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Choosing a way of drawing for a terminal."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Sending differences: a terminal shows what it would show if everything were sent."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """What is painted at a spot shows as it would in Textual, and leaves alone what lies over it."""
 
-from __future__ import annotations
-
 import pyte
 from hypothesis import given
 from hypothesis import strategies as st

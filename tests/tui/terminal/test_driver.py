@@ -1,7 +1,5 @@
 """What the driver sends while a terminal answers, and when it does not, and what it hears."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import signal

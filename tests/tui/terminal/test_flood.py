@@ -1,7 +1,5 @@
 """A real terminal that sends junk, claims to be huge, falls silent or goes: the game copes."""
 
-from __future__ import annotations
-
 import os
 import re
 import select

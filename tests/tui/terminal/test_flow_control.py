@@ -1,7 +1,5 @@
 """What is under way to a terminal is never much, and its answers are never taken for keys."""
 
-from __future__ import annotations
-
 import heapq
 import re
 

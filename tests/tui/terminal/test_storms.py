@@ -1,7 +1,5 @@
 """A window that is dragged to any size, and a mouse that reports any place: the game goes on."""
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """Textual's private parts that the game relies on are where they were."""
 
-from __future__ import annotations
-
 import inspect
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What is written on the screen, letter by letter."""
 
-from __future__ import annotations
-
 import unicodedata
 from itertools import pairwise
 

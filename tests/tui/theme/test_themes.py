@@ -1,7 +1,5 @@
 """Themes: everything stays legible, and the choice is kept."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A session that was cut off, and the next one."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """In what two futures differ, as a page to read."""
 
-from __future__ import annotations
-
 from logical_robots_tui.explain import Ask, Node
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game import Difference, Divergence

@@ -1,7 +1,5 @@
 """The line of the timeline: where things stand in it."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

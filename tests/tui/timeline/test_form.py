@@ -1,7 +1,5 @@
 """Questions through time, in the game: searched for, stopped at, and watched."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

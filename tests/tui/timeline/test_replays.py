@@ -1,7 +1,5 @@
 """Replays on the screen: saved from the timeline, and opened as a branch of their own."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Travelling in time on the screen: each command, the mouse, and what is said in place."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial

@@ -1,7 +1,5 @@
 """Levels, frames and pictures for tests of the drawing."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any

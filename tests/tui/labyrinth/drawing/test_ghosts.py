@@ -1,7 +1,5 @@
 """Robots of another run: faint, beneath the others, in every way of drawing."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A ray or a robot that is brought out of the picture."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import product

@@ -1,7 +1,5 @@
 """Whatever there is to draw, the picture is whole."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What a robot senses, drawn from its sensors alone."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

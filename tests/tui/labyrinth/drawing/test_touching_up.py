@@ -1,7 +1,5 @@
 """A picture whose walls are painted in pieces is the one that is painted at once."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

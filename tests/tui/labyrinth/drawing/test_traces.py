@@ -1,7 +1,5 @@
 """What the screen remembers of the past, and how it draws that."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
