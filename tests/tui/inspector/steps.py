@@ -1,10 +1,21 @@
 """Steps of a test of the screen: keys, and what follows from them."""
 
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
 
-from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened, opened
 
-__all__ = ["pressed", "run_until"]
+__all__ = ["pressed", "run_until", "started"]
+
+
+@asynccontextmanager
+async def started(data_dir: Path, **options: Any) -> AsyncIterator[Opened]:
+    """Open the game, and wait until its first program is compiled."""
+    async with opened(data_dir, **options) as game:
+        await game.ready()
+        yield game
 
 
 async def pressed(

@@ -13,7 +13,7 @@ from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.short import AHEAD
 from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed
+from tests.tui.inspector.steps import pressed, started
 
 
 def line(game: Opened) -> QueryLine:
@@ -73,8 +73,7 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
 async def test_the_line_helps_and_says_what_is_wrong_with_a_query(
     data_dir: Path, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, text="Lighthouse(1);\n" + AHEAD, size=size) as game:
-        await game.ready()
+    async with started(data_dir, text="Lighthouse(1);\n" + AHEAD, size=size) as game:
         await pressed(game, "slash", sees="sensor.forward_distance < 60")
         bar = game.main.query_one(CommandBar)
         await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
@@ -127,8 +126,7 @@ async def test_a_question_under_way_says_so_and_can_be_stopped(
         return await answer(inquiry, program, query, frame)
 
     monkeypatch.setattr(Inquiry, "ask", late)
-    async with opened(data_dir, text=AHEAD) as game:
-        await game.ready()
+    async with started(data_dir, text=AHEAD) as game:
         await ask(game, "1000 + 1")
         await game.sees("1001")
         await ask(game, LATE)

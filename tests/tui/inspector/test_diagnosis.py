@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
-from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed, run_until
+from tests.tui.conftest import Opened
+from tests.tui.inspector.steps import pressed, run_until, started
 
 LATE = """\
 Robot(robot_name:, desire: {left_engine: 0.2, right_engine: 0.2}, memory: "") :-
@@ -24,8 +24,7 @@ def page(game: Opened) -> DiagnosisPage:
 async def test_the_run_is_scanned_and_a_finding_leads_to_its_tick(
     data_dir: Path, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, text=LATE, size=size) as game:
-        await game.ready()
+    async with started(data_dir, text=LATE, size=size) as game:
         await run_until(game, 4)
         game.main.action_command("diagnose")
         await game.until(lambda: page(game).view.has_focus)

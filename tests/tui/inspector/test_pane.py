@@ -16,7 +16,7 @@ from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, STILL, Opened, opened
-from tests.tui.inspector.steps import pressed
+from tests.tui.inspector.steps import pressed, started
 
 MORE = (
     PAPER
@@ -56,8 +56,7 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
     # A predicate is inspected before the pages are loaded.
     monkeypatch.setattr(pane, "_LOADING_DELAY", 3600.0)
     text = f"{MORE}Idle(x) = x + 1;\nLate(x) :- Sensor(sensor:), sensor.clock > 0, x in [1, 2];\n"
-    async with opened(data_dir, text=text) as game:
-        await game.ready()
+    async with started(data_dir, text=text) as game:
         await inspect(game, "Ray")
         await game.sees("Ray · tick 0 · 31 rows")
 
@@ -121,8 +120,7 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
         await inspect(game, "Ray")
         await pressed(game, "space", until=lambda: game.tick > 4)
         await game.sees("Ray · 31 rows")  # the tick is at the top, which is newer
-        await game.press("space")
-        await game.sees(f"Ray · tick {game.tick} · ")
+        await pressed(game, "space", sees=f"Ray · tick {game.tick} · ")
 
         # A predicate that is gone shows again when it is back.
         await game.write(PAPER)
@@ -141,8 +139,7 @@ Half(x) = x / 2;
 Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, memory: 1) :-
   Sensor(robot_name:, sensor:), c == sensor.clock;
 """
-    async with opened(data_dir, level="team_goal", text=text) as game:
-        await game.ready()
+    async with started(data_dir, level="team_goal", text=text) as game:
         assert game.inspector.inspected == "robots", "the robots come first"
         await game.sees("Robots · tick 0")
         for words in ("radar, left to right", "● P", "● Q", "● R"):
@@ -173,8 +170,7 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
 async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
     data_dir: Path,
 ) -> None:
-    async with opened(data_dir, text=MORE, size=(80, 24)) as game:
-        await game.ready()
+    async with started(data_dir, text=MORE, size=(80, 24)) as game:
         await game.press("3")
         await inspect(game, "Sensor")
         await game.sees("robot_name")
@@ -238,8 +234,7 @@ async def run_beside(game: Opened, slow: str) -> None:
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[int, int]) -> None:
     nobody = 'Robot(robot_name: "Solo", desire: {left_engine: 0.1, right_engine: null});\n'
-    async with opened(data_dir, text=nobody, size=size) as game:
-        await game.ready()
+    async with started(data_dir, text=nobody, size=size) as game:
         await pressed(game, "n", "3", tick=1)
         message = game.session.frame.decisions[0].notices[0].message
         await game.sees(f"! Solo: {message[:20]}")

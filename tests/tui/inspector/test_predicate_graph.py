@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.tui.inspector.predicate_graph import GraphView, joint
-from tests.tui.conftest import opened
-from tests.tui.inspector.steps import pressed
+from tests.tui.inspector.steps import pressed, started
 
 TEXT = """\
 Ahead(robot_name:, d: sensor.forward_distance) :- Sensor(robot_name:, sensor:);
@@ -33,8 +32,7 @@ def test_lines_have_no_loose_ends(start: int, count: int, middle: int, to_right:
 
 
 async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) -> None:
-    async with opened(data_dir, text=TEXT) as game:
-        await game.ready()
+    async with started(data_dir, text=TEXT) as game:
         await pressed(game, "R", sees="Users → predicate")
         view = game.app.screen.query_one(GraphView)
         assert view.middle == "Robot", "the page of robots is no predicate"

@@ -6,8 +6,8 @@ from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed
+from tests.tui.conftest import Opened
+from tests.tui.inspector.steps import pressed, started
 from tests.tui.inspector.test_pane import MORE, inspect
 
 WIDE = (156, 50)
@@ -24,8 +24,7 @@ ROBOTS, DECISION, ROWS = (page.__name__ for page in (RobotsPage, DecisionPage, P
 
 
 async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_dir: Path) -> None:
-    async with opened(data_dir, level="team_goal", text=MORE, size=WIDE) as game:
-        await game.ready()
+    async with started(data_dir, level="team_goal", text=MORE, size=WIDE) as game:
         await pressed(game, "n", "3", until=lambda: pages(game) == [ROBOTS, DECISION])
         await inspect(game, "Names")
         await game.until(lambda: pages(game) == [ROWS, DECISION])

@@ -10,7 +10,7 @@ from logical_robots_tui.explain import Ask, Explanation, Proof
 from logical_robots_tui.game import Frame, Inquiry
 from logical_robots_tui.mind import Program
 from tests.tui.conftest import SLOW, opened
-from tests.tui.inspector.steps import pressed
+from tests.tui.inspector.steps import pressed, started
 from tests.tui.inspector.test_why import CALL, PROVED, TALL, TWO_RULES, asked_why, go_to, told, view
 
 
@@ -82,8 +82,7 @@ async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stoppe
 
 @pytest.mark.slow
 async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path) -> None:
-    async with opened(data_dir, text=SLOW) as game:
-        await game.ready()
+    async with started(data_dir, text=SLOW) as game:
         with game.impatient():
             await pressed(game, "w", sees="taking the rules of Robot apart")
             await game.sees("s  esc here stops it")

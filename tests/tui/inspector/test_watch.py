@@ -13,8 +13,8 @@ from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.plots import BARS, Sample, sparkline
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import PAPER, Opened, opened
-from tests.tui.inspector.steps import pressed, run_until
+from tests.tui.conftest import PAPER, Opened
+from tests.tui.inspector.steps import pressed, run_until, started
 
 TEXT = """\
 Late(x) :- Sensor(sensor:), sensor.clock > 20, x in [1, 2, 3];
@@ -78,8 +78,7 @@ async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
 
 @pytest.mark.slow
 async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) -> None:
-    async with opened(data_dir, text=TEXT) as game:
-        await game.ready()
+    async with started(data_dir, text=TEXT) as game:
         await pressed(game, "V", sees="Nothing is pinned.")
         await game.press("left", "right", "enter", "delete", "@")
         await run_until(game, 40)
@@ -146,10 +145,8 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
 
 
 async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path) -> None:
-    async with opened(data_dir, text=TEXT, size=(100, 40)) as game:
-        await game.ready()
-        await pressed(game, "n", "at", tick=1)
-        await game.until(lambda: view(game).pins)
+    async with started(data_dir, text=TEXT, size=(100, 40)) as game:
+        await pressed(game, "n", "at", tick=1, until=lambda: view(game).pins)
         assert view(game).pins == (Pin("Memory", "memory", (("robot_name", "Solo"),)),)
         await game.press("X")
         tree = await _tree(game)
@@ -185,8 +182,7 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
     data_dir: Path,
 ) -> None:
     text = f"{PAPER}\nLong(l: Range(250));\n"
-    async with opened(data_dir, text=text) as game:
-        await game.ready()
+    async with started(data_dir, text=text) as game:
         await inspect(game, "Long", "Long · tick 0 · 1 row")
         await game.press("X")
         tree = await _tree(game)

@@ -12,7 +12,7 @@ from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
 from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed
+from tests.tui.inspector.steps import pressed, started
 
 TALL = (100, 54)
 """A terminal in which a whole proof has room."""
@@ -227,8 +227,7 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         await game.press("w")
         await game.until(lambda: any(node.kind == "contributor" for node in nodes(game)))
         view(game).action_move([node.kind for node in nodes(game)].index("contributor"))
-        await pressed(game, "enter", on=ValueTree)
-        await game.sees("distance")
+        await pressed(game, "enter", on=ValueTree, sees="distance")
         await pressed(game, "escape", "X", on=ValueTree)
         await game.press("escape")
 
@@ -246,8 +245,7 @@ async def test_a_row_that_there_is_not_is_told_with_values_and_a_change(data_dir
         'Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-\n'
         "  Sensor(robot_name:), ~Near(robot_name:);\n"
     )
-    async with opened(data_dir, text=text, size=TALL) as game:
-        await game.ready()
+    async with started(data_dir, text=text, size=TALL) as game:
         await pressed(game, "n", tick=1)
         game.inspector.inspect("Near")
         await pressed(game, "w", until=lambda: "sensor.clock > 5" in told(game))
@@ -282,8 +280,7 @@ def input_of(prompt: ValuesPrompt) -> Input:
 async def test_other_values_show_where_rules_stop_and_nonsense_can_be_mended(
     data_dir: Path,
 ) -> None:
-    async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
-        await game.ready()
+    async with started(data_dir, text=TWO_RULES, size=TALL) as game:
         await game.press("exclamation_mark")
         await game.sees("Put the cursor on a line of a proof; w makes one.")
         assert not view(game).lines

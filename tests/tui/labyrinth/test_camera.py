@@ -10,7 +10,7 @@ from textual import events
 
 from logical_robots_tui.tui.labyrinth.drawing import Viewport
 from logical_robots_tui.tui.labyrinth.drawing.viewport import ZOOMS, Camera, Sight
-from tests.tui.conftest import opened
+from tests.tui.inspector.steps import pressed, started
 from tests.tui.labyrinth.drawing.scenes import room
 
 SIGHTS = (Sight.FOLLOW, Sight.SENSES, Sight.WHOLE)
@@ -121,8 +121,7 @@ def test_zooming_keeps_the_middle_and_centring_keeps_the_length() -> None:
     ],
 )
 async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int]) -> None:
-    async with opened(data_dir, size=size) as game:
-        await game.ready()
+    async with started(data_dir, size=size) as game:
         view, pilot = game.main.labyrinth.view, game.pilot
         name = game.session.level.robots[0].name
 
@@ -146,11 +145,9 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int])
         assert view.selected == name
 
         # The keys zoom, and the view stays with a robot that drives away.
-        await game.press("f")
-        await game.sees(f"{name} 3" if size == (80, 24) else f"Map · {name} 3")
+        await pressed(game, "f", sees=f"{name} 3" if size == (80, 24) else f"Map · {name} 3")
         for keys, zoom in (("z", 4), ("ZZ", 2), ("zzzz", 8)):
-            await game.press(*keys)
-            await game.sees(f"{name} {zoom}")
+            await pressed(game, *keys, sees=f"{name} {zoom}")
         whence = view.view
         assert whence is not None
 
@@ -191,7 +188,5 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int])
 
 async def test_a_robot_without_decision_says_so(data_dir: Path) -> None:
     text = 'Robot(robot_name: "nobody", desire: {left_engine: 1, right_engine: 1}, memory: 1);'
-    async with opened(data_dir, text=text) as game:
-        await game.ready()
-        await game.press("n", "a")
-        await game.until(lambda: game.tick == 1 and game.shows("undecided"))
+    async with started(data_dir, text=text) as game:
+        await pressed(game, "n", "a", until=lambda: game.tick == 1 and game.shows("undecided"))

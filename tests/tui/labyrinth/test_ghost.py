@@ -17,7 +17,8 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from tests.player.test_best_runs import win
 from tests.player.test_session import Table, table
 from tests.short import AHEAD
-from tests.tui.conftest import Opened, opened
+from tests.tui.conftest import Opened
+from tests.tui.inspector.steps import pressed, started
 
 SLOWER = AHEAD.replace("0.5", "0.1")
 
@@ -171,8 +172,7 @@ async def run_to(game: Opened, tick: int) -> None:
 async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
     data_dir: Path, short: Path, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, level=short, text=AHEAD, size=size) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD, size=size) as game:
         game.session.run_until(1000)
         await game.sees("Again")
         await game.press("escape")
@@ -182,8 +182,7 @@ async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
         await game.sees("bytes).")
         await game.write(SLOWER)
         await game.until(lambda: game.session.state.applied == SLOWER)
-        await game.press("escape", "r", "G")
-        await game.sees(f"ghost: {won} ticks")
+        await pressed(game, "escape", "r", "G", sees=f"ghost: {won} ticks")
         assert not ghosts(game)  # the robot stands there
         await run_to(game, won // 2)
         ((_, halfway),) = ghosts(game)
@@ -194,13 +193,11 @@ async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
         assert [column for _, column in ghosts(game)] == [there]
         game.session.go_to(won // 2)
         await game.until(lambda: [column for _, column in ghosts(game)] == [halfway])
-        await game.press("G")
-        await game.sees("The ghost is off.")
+        await pressed(game, "G", sees="The ghost is off.")
         await game.sees_no("ghost: ")
         assert not ghosts(game)
         await game.app.run_action("screen.command('race_replay')")
         await game.sees("Race a replay")
         await game.sees(f"{won} ticks")
-        await game.press("enter")
-        await game.sees(f"ghost: {won} ticks")
+        await pressed(game, "enter", sees=f"ghost: {won} ticks")
         await game.until(lambda: [column for _, column in ghosts(game)] == [halfway])

@@ -14,6 +14,7 @@ from logical_robots_tui.world import list_levels, load_level
 from logical_robots_tui.world.level import SecondGoal
 from tests.short import AHEAD
 from tests.tui.conftest import SHORT, opened
+from tests.tui.inspector.steps import pressed, started
 
 THREE = [Measures(100, 1, 300.0), Measures(200, 5, 250.4), Measures(150, 9, 350.0)]
 GOALS = [SecondGoal("symbol", 11), SecondGoal("blocked")]
@@ -77,8 +78,7 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
         for words in told:
             await game.sees(words)
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
-        await game.press("m", "l")
-        await game.until(lambda: isinstance(game.app.screen, LevelScreen))
+        await pressed(game, "m", "l", on=LevelScreen)
         for words in ("1,500●", f"✓ {goal.words}"):
             await game.sees(words)
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
@@ -90,14 +90,11 @@ async def test_a_victory_ticks_the_goals_that_it_reaches(
 ) -> None:
     goals = 'second_goals = ["at most 11 symbols", "at most 20 ticks"]\n'
     write_atomically(short, goals + SHORT)
-    async with opened(data_dir, level=short, text=AHEAD, size=size) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD, size=size) as game:
         await game.sees("☐ at most 11 symbols")
-        await game.press(*["plus"] * 6, "space")
-        await game.sees("✓ at most 11 symbols")
+        await pressed(game, *["plus"] * 6, "space", sees="✓ at most 11 symbols")
         await game.sees("☐ at most 20 ticks")
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
+        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
 
         # What is measured before the results are mounted is shown.
         results = Results(game.main.recorder, "Won", [("restart", "Once more")])

@@ -3,23 +3,21 @@
 from pathlib import Path
 from xml.etree import ElementTree
 
-from tests.tui.conftest import STILL, opened
+from tests.tui.conftest import STILL
+from tests.tui.inspector.steps import pressed, started
 
 
 async def test_a_screenshot_is_a_picture_and_a_text_without_the_palette_or_says_why_not(
     data_dir: Path,
 ) -> None:
     folder = data_dir / "screens"
-    async with opened(data_dir, text=STILL, size=(100, 30)) as game:
-        await game.ready()
+    async with started(data_dir, text=STILL, size=(100, 30)) as game:
         folder.write_text("in the way")
         await game.app.run_action("screen.command('screenshot')")
         await game.sees("The picture could not be saved: File exists.")
         folder.unlink()
-        await game.press("ctrl+p")
-        await game.sees("Find a command")
-        await game.press(*"screens", "enter")
-        await game.until(lambda: len(list(folder.glob("*"))) == 2)
+        await pressed(game, "ctrl+p", sees="Find a command")
+        await pressed(game, *"screens", "enter", until=lambda: len(list(folder.glob("*"))) == 2)
         (text,) = folder.glob("*.txt")
         assert "LOGICAL ROBOTS" in text.read_text("utf-8")
         assert "Find a command" not in text.read_text("utf-8")

@@ -15,6 +15,7 @@ from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from tests.tui.conftest import PAPER, opened
 from tests.tui.dialogs import dialog, fill
+from tests.tui.inspector.steps import pressed, started
 from tests.virtual_time import Hold
 
 
@@ -32,17 +33,14 @@ async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays
         await dialog(game, "s", SaveAs)
         await fill(game, "other")
         saving = game.app.screen
-        await game.press("enter")
-        await game.until(lambda: hold.has_begun)
+        await pressed(game, "enter", until=lambda: hold.has_begun)
         game.app.push_screen(Question("Above", "All of it?", [("yes", "Yes")]))
         await game.until(lambda: isinstance(game.app.screen, Question))
         hold.release()
         save = next(worker for worker in game.app.workers if worker.group == "save")
         await save.wait()
-        await game.press("y")
-        await game.until(lambda: game.app.screen is saving)
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
+        await pressed(game, "y", until=lambda: game.app.screen is saving)
+        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
     assert (data_dir / "programs" / "other.l").read_text() == PAPER
 
 
@@ -52,8 +50,7 @@ async def test_a_long_line_is_seen_at_its_end_and_late_clicks_choose_nothing(
     async with opened(data_dir) as game:
         await dialog(game, "s", SaveAs)
         await fill(game, "abcdefghij" * 10)
-        await game.press("end", *"-end")
-        await game.sees("efghij-end")
+        await pressed(game, "end", *"-end", sees="efghij-end")
         await game.press("escape")
         await game.ready()
 
@@ -64,8 +61,7 @@ async def test_a_long_line_is_seen_at_its_end_and_late_clicks_choose_nothing(
         stale = Style(meta={"option": entries.option_count})
         click = events.Click(entries, 2, 2, 0, 0, 1, False, False, False, 2, 2, stale)
         entries.post_message(click)
-        await game.press("m")
-        await game.until(lambda: game.app.screen.query_one(Input).value == "m")
+        await pressed(game, "m", until=lambda: game.app.screen.query_one(Input).value == "m")
         assert isinstance(game.app.screen, Chooser)
         await game.press("escape")
 
@@ -74,13 +70,11 @@ async def test_a_long_line_is_seen_at_its_end_and_late_clicks_choose_nothing(
         for kind in 2 * (events.MouseDown, events.MouseUp):
             game.app.post_message(kind(None, 1, 1, 0, 0, 1, False, False, False, 1, 1))
         await game.until(lambda: game.app.screen is game.main)
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await pressed(game, "n", tick=1)
 
 
 async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short) as game:
-        await game.ready()
+    async with started(data_dir, level=short) as game:
         await dialog(game, "h", Hints)
         hints = game.app.screen
         hints.dismiss()
@@ -102,17 +96,14 @@ async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(
         return load_program(name, shelf.own)
 
     monkeypatch.setattr(ProgramShelf, "take", take)
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with started(data_dir) as game:
         await dialog(game, "o", Chooser)
         chooser = game.app.screen
         await fill(game, "herd")
-        await game.press("enter")
-        await game.until(lambda: hold.has_begun)
+        await pressed(game, "enter", until=lambda: hold.has_begun)
         assert isinstance(chooser, Chooser)
         chooser.action_leave()
         hold.release()
         await game.until(lambda: game.app.screen is game.main and not chooser.is_attached)
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await pressed(game, "n", tick=1)
         assert game.session.source.name == "mine"

@@ -20,6 +20,7 @@ from logical_robots_tui.tui.layout.arrangement import (
 from logical_robots_tui.tui.layout.command_bar import PaneTabs
 from logical_robots_tui.tui.layout.dialogs import Listing
 from tests.tui.conftest import PAPER, Opened, opened
+from tests.tui.inspector.steps import pressed, started
 
 ALL = ["map", "editor", "inspector"]
 
@@ -110,14 +111,11 @@ def test_a_wide_map_leaves_its_rows_to_the_program_below_it() -> None:
 async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
     async with opened(data_dir, size=(80, 24)) as game:
         # What is typed right after the key for the editor goes into the editor.
-        await game.press("e", *"quit")
-        await game.until(lambda: game.editor.text == "quit" + PAPER)
+        await pressed(game, "e", *"quit", until=lambda: game.editor.text == "quit" + PAPER)
         assert game.app.is_running
         assert game.main.focused is game.editor
-        await game.press("escape")
-        await game.until(lambda: shown(game) == ["map"])
-        await game.press("y")
-        await game.until(lambda: not game.main.query_one(LabyrinthView).rays)
+        await pressed(game, "escape", until=lambda: shown(game) == ["map"])
+        await pressed(game, "y", until=lambda: not game.main.query_one(LabyrinthView).rays)
         assert game.editor.text == "quit" + PAPER
         for key, pane in (
             ("2", "editor"),
@@ -136,8 +134,7 @@ async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
         await game.until(lambda: "Program · applied · mine" in tabs.render().plain)
         await game.click(PaneTabs, offset=(tabs.render().plain.index("Program"), 0))
         await game.until(lambda: shown(game) == ["editor"])
-        await game.press("x")
-        await game.until(lambda: "not applied · mine*" in tabs.render().plain)
+        await pressed(game, "x", until=lambda: "not applied · mine*" in tabs.render().plain)
 
         # No title hides another tab.
         for width in (80, 60, 44):
@@ -162,8 +159,7 @@ async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_
         choice.action_page_up()
         choice.action_page_down()
         assert choice.highlighted == 2, "a list without room has no pages"
-        await game.press("space")
-        await game.until(lambda: game.tick > 2)
+        await pressed(game, "space", until=lambda: game.tick > 2)
         await game.pilot.resize_terminal(80, 24)
         await game.sees("1 Map")
         await game.sees_no("needed")
@@ -175,14 +171,12 @@ async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_
 
 
 async def test_panes_are_hidden_resized_and_pulled(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with started(data_dir) as game:
         labyrinth, program, inspector = game.main.arrangement.panes
         before = labyrinth.region.size
         await game.press("L", "underscore")
         await game.until(lambda: labyrinth.region.size - (4, 2) == before)
-        await game.press("D", "I")
-        await game.until(lambda: labyrinth.region.size == before)
+        await pressed(game, "D", "I", until=lambda: labyrinth.region.size == before)
 
         for keys, panes in (
             ("k", ["map"]),
@@ -225,14 +219,12 @@ async def test_panes_are_hidden_resized_and_pulled(data_dir: Path) -> None:
             for kind, at in ((down, (9, 9)), (down, (x, y)), (move, (x, y)), (up, (x, y))):
                 game.app.post_message(kind(None, *at, 0, 0, 1, False, False, False, *at))
                 await game.handled()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await pressed(game, "n", tick=1)
 
 
 async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) -> None:
     async with opened(data_dir) as game:
-        await game.press("2", *"hello")
-        await game.until(lambda: game.editor.text.startswith("hello"))
+        await pressed(game, "2", *"hello", until=lambda: game.editor.text.startswith("hello"))
         game.editor.selection = Selection((1, 2), (2, 1))
         text, editor = game.editor.text, game.editor
         for size, panes in [
@@ -248,5 +240,4 @@ async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) ->
             assert game.editor.text == text
             assert game.editor.selection == Selection((1, 2), (2, 1))
         assert game.main.focused is game.editor
-        await game.press("x")
-        await game.until(lambda: game.editor.text != text)
+        await pressed(game, "x", until=lambda: game.editor.text != text)

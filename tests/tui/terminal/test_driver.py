@@ -11,7 +11,7 @@ from textual.app import App
 
 from logical_robots_tui.tui.terminal import diff_app as sparing
 from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
-from tests.tui.conftest import opened
+from tests.tui.inspector.steps import started
 
 
 @pytest.mark.usefixtures("drawn_at_once")
@@ -21,8 +21,7 @@ async def test_what_is_sent_to_a_terminal_depends_on_its_answers(
     asked: list[str] = []
     written: list[str] = []
     ended: list[int] = []
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with started(data_dir) as game:
         await game.later(1)
         driver = type(game.app._driver)
         monkeypatch.setattr(

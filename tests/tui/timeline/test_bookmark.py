@@ -8,8 +8,8 @@ from logical_robots_tui.player.recovery import Place, place_of
 from logical_robots_tui.tui.layout.dialogs import Question
 from tests.game.playing import BACKWARDS, COUNTER
 from tests.short import AHEAD
-from tests.tui.conftest import STILL, opened
-from tests.tui.inspector.steps import pressed, run_until
+from tests.tui.conftest import STILL
+from tests.tui.inspector.steps import pressed, run_until, started
 from tests.tui.program.test_teams import match
 
 OLD = Path(__file__).parents[2] / "old/place.json"
@@ -18,8 +18,7 @@ OLD = Path(__file__).parents[2] / "old/place.json"
 async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
     data_dir: Path, short: Path
 ) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD) as game:
         await run_until(game, 3)
         await game.write(STILL)
         await game.until(lambda: game.session.state.applied == STILL)
@@ -29,8 +28,7 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         game.app.save_unsaved()
         await pressed(game, "n", tick=6)
 
-    async with opened(data_dir, level=short, text=AHEAD, name="other") as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD, name="other") as game:
         await game.sees("Cut off")
         await pressed(game, "n", sees="Yes, continue")
         await pressed(game, "enter", until=lambda: game.tick == 5 and not game.session.busy)
@@ -40,8 +38,7 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         assert game.session.source.name == "mine"
         assert game.session.pace.speed == 160.0
 
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD) as game:
         assert not isinstance(game.app.screen, Question)
         assert game.tick == 0
 
@@ -49,15 +46,13 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
 async def test_a_run_cut_off_in_another_level_is_offered_when_that_level_is_opened(
     data_dir: Path, short: Path
 ) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD) as game:
         await pressed(game, "n", tick=1)
         level = game.session.level
         game.app.save_unsaved()
 
     for is_opened in (False, True, True):
-        async with opened(data_dir, text=AHEAD) as game:
-            await game.ready()
+        async with started(data_dir, text=AHEAD) as game:
             await game.until(lambda: any((data_dir / "drafts").glob("*-adopted.json")))
             assert not isinstance(game.app.screen, Question)
             if is_opened:  # it may have been left without being opened, or without an answer
@@ -69,8 +64,7 @@ async def test_a_run_cut_off_in_another_level_is_offered_when_that_level_is_open
 async def test_there_is_no_going_back_to_the_start_or_through_a_level_changed_by_hand(
     data_dir: Path, short: Path
 ) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD) as game:
         session = game.session
         assert session.game is not None
         assert place_of(session.game, session.opened, session.source) is None
@@ -85,8 +79,7 @@ async def test_a_bookmark_that_cannot_be_read_is_passed_over(data_dir: Path, sho
     drafts = data_dir / "drafts"
     drafts.mkdir(parents=True)
     (drafts / "20260101000000abcdef01-0123456789abcdef.json").write_text("{}")
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD) as game:
         await game.until(lambda: not Drafts(drafts).adopt("place"))
         assert not isinstance(game.app.screen, Question)
 

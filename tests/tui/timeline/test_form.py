@@ -83,8 +83,7 @@ async def test_a_breakpoint_is_made_with_the_names_that_there_are(
     data_dir: Path, short: Path, size: tuple[int, int]
 ) -> None:
     async with playing(data_dir, short, size=size) as game:
-        await pressed(game, "B", "a", on=BreakpointForm)
-        await game.sees("Sensor Memory Near Robot")
+        await pressed(game, "B", "a", on=BreakpointForm, sees="Sensor Memory Near Robot")
         await pressed(game, "enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
         await pressed(game, *"Ner", "enter", sees="The program has no predicate Ner.")
         await game.press("backspace", *"a")
@@ -158,8 +157,7 @@ async def test_what_was_asked_or_searched_last_is_stopped_at_and_pinned(
         assert view.pins == (Pin(AT),)
         await game.press("escape", "left_parenthesis")
         for tick in (3, 9):
-            await pressed(game, "space", tick=tick)
-            await game.until(lambda: not game.session.busy)
+            await pressed(game, "space", tick=tick, until=lambda: not game.session.busy)
         game.session.breakpoints.remove(Breakpoint("rows", AT))
         await game.press("right_parenthesis", "V")
         await game.until(lambda: view.has_focus and AT[:20] in view.plain)

@@ -14,8 +14,8 @@ from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD
-from tests.tui.conftest import STILL, Opened, opened
-from tests.tui.inspector.steps import pressed
+from tests.tui.conftest import STILL, Opened
+from tests.tui.inspector.steps import pressed, started
 from tests.virtual_time import VirtualClock
 
 
@@ -44,8 +44,7 @@ async def saved(game: Opened) -> Replay:
 async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
     data_dir: Path, short: Path, tmp_path: Path
 ) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD) as game:
         await game.main.replays.save()
         await game.sees("Run the robots first")
         assert not (data_dir / "replays").exists()
@@ -80,8 +79,7 @@ async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
 async def test_a_victory_in_a_replay_is_nobody_s(
     data_dir: Path, short: Path, tmp_path: Path
 ) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=AHEAD) as game:
         game.session.run_until(100)
         await game.sees("Again")
         await game.press("escape")

@@ -12,8 +12,8 @@ from logical_robots_tui.game import Breakpoint
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointList, TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import load_level
-from tests.tui.conftest import STILL, Opened, opened
-from tests.tui.inspector.steps import pressed, run_until
+from tests.tui.conftest import STILL, Opened
+from tests.tui.inspector.steps import pressed, run_until, started
 
 TURNS = """\
 Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 12;
@@ -26,8 +26,7 @@ Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: sensor
 async def playing(
     data_dir: Path, short: Path, text: str = TURNS, size: tuple[int, int] = (120, 40)
 ) -> AsyncIterator[Opened]:
-    async with opened(data_dir, level=short, text=text, size=size) as game:
-        await game.ready()
+    async with started(data_dir, level=short, text=text, size=size) as game:
         yield game
 
 
@@ -47,8 +46,7 @@ async def test_one_goes_to_ticks_by_keys_and_by_their_number(data_dir: Path, sho
         await game.until(lambda: game.tick in (10, 11) and not game.session.busy)
         await pressed(game, "left_parenthesis", tick=0)
         for key, tick in [("N", 10), ("N", 20), ("n", 21), ("P", 11), ("left_parenthesis", 0)]:
-            await pressed(game, key, tick=tick)
-            await game.until(lambda: not game.session.busy)
+            await pressed(game, key, tick=tick, until=lambda: not game.session.busy)
         await pressed(game, "P", "right_parenthesis", tick=21)
         await game.until(lambda: "tick 21 of 21" in line(game))
 
@@ -163,8 +161,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
         await game.until(lambda: game.tick == 10)
         await game.write(TURNS.replace("sensor.clock > 5", "sensor.clock > 15"))
         await game.until(lambda: game.session.state.phase == "applied")
-        await pressed(game, "escape", "n", tick=11)
-        await game.until(lambda: "┄" in line(game))
+        await pressed(game, "escape", "n", tick=11, until=lambda: "┄" in line(game))
         assert "≠" in line(game)
         await pressed(game, "N", tick=21)
         await pressed(game, "C", sees="The two branches differ from tick 11")
@@ -197,8 +194,7 @@ async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, sho
         await pressed(game, "left_curly_bracket", tick=13)
 
         # They are listed, switched off and deleted.
-        await pressed(game, "B", on=BreakpointList)
-        await game.sees("◉ a robot enters Door")
+        await pressed(game, "B", on=BreakpointList, sees="◉ a robot enters Door")
         assert game.shows("◉ Near has rows")
         assert game.shows("! The program has no predicate Gone.")
         await pressed(game, "home", "space", sees="○ Near has rows")
@@ -226,8 +222,7 @@ async def test_a_notice_is_told_beside_its_tick(data_dir: Path, short: Path) -> 
 
 
 async def test_nothing_of_this_hurts_before_there_is_a_program(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text="nonsense(") as game:
-        await game.ready()
+    async with started(data_dir, level=short, text="nonsense(") as game:
         await game.press("N", "P", "left_parenthesis", "right_parenthesis", "g", "U", "F", "C")
         await game.press("left_curly_bracket", "right_curly_bracket", "w")
         await game.sees("There is no program yet.")
