@@ -16,28 +16,24 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import (
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats
 
 
-def put_word(cells: Cells, row: int, column: int, word: str, ink: int, paper: int) -> None:
-    for i, char in enumerate(word):
-        cells.put(row, column + i, char, ink, paper)
+def row_of(*words: tuple[str, int]) -> Cells:
+    """A row of words with the colour of each."""
+    cells, column = Cells.blank(1, 6), 0
+    for word, ink in words:
+        for char in word:
+            cells.put(0, column, char, ink, 0x101010)
+            column += 1
+    return cells
 
 
-def test_a_strip_has_a_segment_for_each_style() -> None:
-    cells = Cells.blank(1, 6)
-    put_word(cells, 0, 0, "abc", 0xFF0000, 0x101010)
-    put_word(cells, 0, 3, "def", 0x00FF00, 0x101010)
-    strip = cells.strip(0)
+def test_a_strip_has_a_segment_for_each_style_and_a_blank_joins_its_neighbours() -> None:
+    strip = row_of(("abc", 0xFF0000), ("def", 0x00FF00)).strip(0)
     assert [segment.text for segment in strip] == ["abc", "def"]
     styles = [segment.style for segment in strip]
     assert all(style and style.color and style.bgcolor for style in styles)
     assert str(styles[0]) == "#ff0000 on #101010"
-
-
-def test_a_blank_joins_its_neighbours_on_the_same_paper() -> None:
-    cells = Cells.blank(1, 6)
-    put_word(cells, 0, 0, "ab", 0xFF0000, 0x101010)
-    put_word(cells, 0, 2, "  ", 0x0000FF, 0x101010)
-    put_word(cells, 0, 4, "cd", 0xFF0000, 0x101010)
-    assert [segment.text for segment in cells.strip(0)] == ["ab  cd"]
+    strip = row_of(("ab", 0xFF0000), ("  ", 0x0000FF), ("cd", 0xFF0000)).strip(0)
+    assert [segment.text for segment in strip] == ["ab  cd"]
 
 
 def test_bold_cells_have_a_bold_style() -> None:
@@ -53,9 +49,8 @@ def test_changes_are_spans_of_rows() -> None:
     cells = Cells.blank(4, 10)
     later = cells.copy()
     assert later.changes(cells) == []
-    later.put(1, 3, "x", 1, 0)
-    later.put(1, 7, "x", 1, 0)
-    later.put(3, 0, "x", 1, 0)
+    for row, column in ((1, 3), (1, 7), (3, 0)):
+        later.put(row, column, "x", 1, 0)
     assert later.changes(cells) == [(1, 3, 8), (3, 0, 1)]
 
 
@@ -65,26 +60,19 @@ def test_a_wide_character_changes_as_a_whole() -> None:
     later = cells.copy()
     later.style[0, 3] = 5
     assert later.changes(cells) == [(0, 2, 4)]
-    assert cells.strip(0).cell_length == 6
-    assert cells.strip(0).text == "  機  "
+    assert (cells.strip(0).cell_length, cells.strip(0).text) == (6, "  機  ")
 
 
-def test_dots_of_two_colours_are_fitted_exactly() -> None:
+def test_dots_of_one_or_two_colours_are_fitted_exactly() -> None:
     dark, bright = (8, 12, 16), (200, 100, 40)
     for count, blocks in ((4, BLOCKS[4]), (2, BLOCKS[2])):
         for pattern in range(1, 2**count - 1):
-            dots = np.array(
-                [[bright if pattern >> i & 1 else dark for i in range(count)]], np.uint8
-            )
-            (index,), ink, paper = fit(dots)
+            dots = [[bright if pattern >> i & 1 else dark for i in range(count)]]
+            (index,), ink, paper = fit(np.array(dots, np.uint8))
             assert blocks[index] == blocks[pattern]
             assert pack(ink)[0] == 200 << 16 | 100 << 8 | 40
             assert pack(paper)[0] == 8 << 16 | 12 << 8 | 16
-
-
-def test_a_cell_of_one_colour_is_blank() -> None:
-    dots = np.full((1, 4, 3), 96, np.uint8)
-    (index,), ink, paper = fit(dots)
+    (index,), ink, paper = fit(np.full((1, 4, 3), 96, np.uint8))
     assert BLOCKS[4][index] == " "
     assert pack(ink) == pack(paper) == 0x606060
 

@@ -7,23 +7,15 @@ from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Palet
 from logical_robots_tui.tui.labyrinth.drawing.ground import WallTable
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
 from logical_robots_tui.world import Area, Beacon
-from tests.tui.labyrinth.drawing.scenes import (
-    BARE,
-    Drawn,
-    apart,
-    contrast,
-    room,
-    start,
-    with_active,
-)
+from tests.tui.labyrinth.drawing import scenes
+from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, apart, contrast, room, start
 
 ASCII = replace(BARE, drawing=Drawing.ASCII)
 
 
 @pytest.mark.parametrize("zoom", [0.3, 1, 2.3, 9])
 def test_coverage_is_the_exact_share_of_wall(zoom: float) -> None:
-    random = np.random.default_rng(7)
-    walls = random.random((37, 61)) < 0.4
+    walls = np.random.default_rng(7).random((37, 61)) < 0.4
     raster = Raster(Viewport.fit(61, 37, 30, 9).zoomed(zoom), 2, 2)
     coverage = WallTable(walls).coverage(raster)
 
@@ -40,11 +32,12 @@ def test_coverage_is_the_exact_share_of_wall(zoom: float) -> None:
 
 @pytest.mark.parametrize("palette", [DARK, LIGHT])
 def test_walls_stand_out_from_the_floor_and_the_rim_from_the_rock(palette: Palette) -> None:
-    look = replace(BARE, palette=palette)
-    drawn = Drawn(room(400, 200, 60), look=look)
-    floor, rim, rock = drawn.tone(203, 93), drawn.tone(200, 58), drawn.tone(200, 5)
-    assert contrast(rim, look.palette) > contrast(rock, look.palette) + 0.1
-    assert contrast(rock, look.palette) > contrast(floor, look.palette) + 0.03
+    drawn = Drawn(room(400, 200, 60), look=replace(BARE, palette=palette))
+    floor, rim, rock = (
+        contrast(drawn.tone(x, y), palette) for x, y in ((203, 93), (200, 58), (200, 5))
+    )
+    assert rim > rock + 0.1
+    assert rock > floor + 0.03
 
 
 def test_a_wall_thinner_than_a_dot_is_seen() -> None:
@@ -53,13 +46,6 @@ def test_a_wall_thinner_than_a_dot_is_seen() -> None:
     walls[60:140, 200] = True
     drawn = Drawn(replace(level, walls=walls))
     assert apart(drawn.tone(200.5, 100), drawn.tone(230, 105)) > 20
-
-
-def test_plain_characters_show_a_wall_where_a_wall_is() -> None:
-    drawn = Drawn(room(400, 200, 20), look=ASCII)
-    assert drawn.text(10, 100) == "#"
-    assert drawn.text(390, 5) == "#"
-    assert drawn.text(200, 100) == " "
 
 
 def test_an_area_has_its_colour_and_a_brighter_rim() -> None:
@@ -76,12 +62,11 @@ def test_an_area_has_its_colour_and_a_brighter_rim() -> None:
 def test_an_area_that_is_off_is_fainter(palette: Palette, solid: bool) -> None:
     look = replace(BARE, palette=palette)
     level = room(areas=(Area("", 200, 100, 50, "#ff2020", impenetrable=solid),))
-    frame = start(level)
-    on = Drawn(level, with_active(frame, True), look)
-    off = Drawn(level, with_active(frame, False), look)
     places = [(160.0 + 8 * i, 100.0 + 8 * j) for i in range(10) for j in range(-2, 3)]
     faint, strong = (
-        sum(apart(drawn.tone(x, y), look.palette.floor) for x, y in places) for drawn in (off, on)
+        sum(apart(drawn.tone(x, y), palette.floor) for x, y in places)
+        for is_on in (False, True)
+        for drawn in (Drawn(level, scenes.with_active(start(level), is_on), look),)
     )
     assert faint < 0.5 * strong
 
@@ -91,7 +76,7 @@ def test_the_rim_of_an_area_that_is_off_is_dotted() -> None:
     around = [(200 + 79 * np.cos(a), 100 + 79 * np.sin(a)) for a in np.linspace(0, 6.28, 80)]
 
     def reds(active: bool) -> Floats:
-        drawn = Drawn(level, with_active(start(level), active), columns=120, rows=40)
+        drawn = Drawn(level, scenes.with_active(start(level), active), columns=120, rows=40)
         return np.array([float(drawn.tone(x, y)[0]) for x, y in around])
 
     share = reds(active=False) / reds(active=True)
@@ -100,42 +85,36 @@ def test_the_rim_of_an_area_that_is_off_is_dotted() -> None:
 
 
 def test_a_solid_area_is_denser_and_striped() -> None:
+    areas = (Area("", 200, 100, 60, "#ff2020", impenetrable=hard) for hard in (False, True))
     soft, solid = (
-        Drawn(room(areas=(Area("", 200, 100, 60, "#ff2020", impenetrable=hard),)))
-        for hard in (False, True)
+        [drawn.tone(180.0 + 3 * i, 105.0)[0] for i in range(14)]
+        for drawn in (Drawn(room(areas=(area,))) for area in areas)
     )
-    places = [(180.0 + 3 * i, 105.0) for i in range(14)]
-    soft_reds = [soft.tone(x, y)[0] for x, y in places]
-    solid_reds = [solid.tone(x, y)[0] for x, y in places]
-    assert sum(solid_reds) > 1.3 * sum(soft_reds)
-    assert max(solid_reds) - min(solid_reds) > 20 + max(soft_reds) - min(soft_reds)
+    assert sum(solid) > 1.3 * sum(soft)
+    assert max(solid) - min(solid) > 20 + max(soft) - min(soft)
 
 
-def test_plain_characters_tell_areas_apart() -> None:
-    areas = (
-        Area("", 80, 100, 40),
-        Area("", 200, 100, 40, impenetrable=True),
-        Area("", 320, 100, 40, on_beacon="x"),
-    )
-    drawn = Drawn(room(areas=areas), look=ASCII)
-    assert drawn.text(80, 100) == ":"
-    assert drawn.text(200, 100) == "%"
+def test_plain_characters_show_walls_and_tell_areas_apart() -> None:
+    off = Area("", 320, 100, 40, on_beacon="x")
+    areas = (Area("", 80, 100, 40), Area("", 200, 100, 40, impenetrable=True), off)
+    drawn = Drawn(room(400, 200, 20, areas=areas), look=ASCII)
+    places = ((10, 100), (390, 5), (200, 30), (80, 100), (200, 100))
+    assert [drawn.text(x, y) for x, y in places] == [*"## :%"]
     assert "," in "".join(drawn.lines)
 
 
 def test_beacons_glow_and_chargers_look_different() -> None:
     level = room(beacons=(Beacon("", 100, 100), Beacon("", 300, 100, charging_station=True)))
     drawn = Drawn(level)
-    assert drawn.text(100, 100) == "◆"
-    assert drawn.text(300, 100) == "↯"
+    assert (drawn.text(100, 100), drawn.text(300, 100)) == ("◆", "↯")
     assert drawn.ink(100, 100) != drawn.ink(300, 100)
     assert apart(drawn.tone(104, 100), drawn.tone(200, 100)) > 40
 
 
 def test_a_square_room_is_drawn_twice_as_many_columns_wide_as_rows_high() -> None:
     drawn = Drawn(room(200, 200, 20), columns=100, rows=30)
-    void = drawn.picture.cells.tone[15, 0]
-    on_map = drawn.picture.cells.tone != void
+    tone = drawn.picture.cells.tone
+    on_map = tone != tone[15, 0]
     assert on_map.any(axis=0).sum() == 2 * on_map.any(axis=1).sum() == 60
 
 

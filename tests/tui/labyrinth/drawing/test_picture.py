@@ -1,7 +1,7 @@
 """Whatever there is to draw, the picture is whole."""
 
 import math
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from rich.cells import cell_len
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look, Picture, Viewport
 from logical_robots_tui.world import Area, AreaState, Beacon, Level, Robot, RobotState, WorldState
-from tests.tui.labyrinth.drawing.scenes import draws_as_anew, room, run, seeing
+from tests.tui.labyrinth.drawing.scenes import draws_as_anew, room, run, seeing, with_active
 
 _numbers = st.one_of(
     st.floats(-300, 600), st.sampled_from((math.nan, math.inf, -math.inf, 1e300, 0.0))
@@ -73,12 +73,15 @@ def views(draw: st.DrawFn, level: Level) -> Viewport:
     )
 
 
-def changes_of(
-    picture: Picture, level: Level, frame: Frame, view: Viewport, look: Look, hurried: bool = False
-) -> list[tuple[int, int, int]]:
+def changes_of(picture: Picture, *scene: Any, hurried: bool = False) -> list[tuple[int, int, int]]:
     """Draw a frame; returns where the picture changed."""
     before = picture.cells
-    return picture.draw(level, frame, view, look, hurried=hurried).changes(before)
+    return picture.draw(*scene, hurried=hurried).changes(before)
+
+
+def count(changes: list[tuple[int, int, int]]) -> int:
+    """How many cells changed."""
+    return sum(stop - first for _, first, stop in changes)
 
 
 @given(st.data(), st.lists(st.tuples(scenes(), _looks), min_size=1, max_size=3))
@@ -90,12 +93,15 @@ def test_any_scene_fills_every_line_exactly_and_drawing_on_is_as_drawing_anew(
         view = data.draw(views(level))
         assert draws_as_anew(picture, level, frame, view, look)
         assert picture.cells.text.shape == (view.rows, view.columns)
-        for row in range(view.rows):
-            strip = picture.cells.strip(row)
+        for strip in map(picture.cells.strip, range(view.rows)):
             assert strip.cell_length == view.columns
             assert sum(cell_len(segment.text) for segment in strip) == view.columns
             assert all(segment.style is not None for segment in strip)
             assert strip.text.isprintable()
+
+
+def rows_of(picture: Picture) -> list[str]:
+    return [str(list(picture.cells.strip(row))) for row in range(20)]
 
 
 @pytest.mark.sampled
@@ -108,28 +114,26 @@ def test_a_run_drawn_frame_by_frame_equals_each_frame_drawn_alone(drawing: Drawi
     )
     view, look = Viewport.fit(level.width, level.height, 60, 20), Look(drawing=drawing)
     picture = Picture()
-    shown: list[list[str]] = []
+    shown: list[str] = []
     for frame in run(level, 14):
         changes = changes_of(picture, level, frame, view, look)
-        if not shown:
-            shown = [[str(list(picture.cells.strip(row)))] for row in range(20)]
+        drawn, anew = rows_of(picture), Picture()
+        shown = shown or list(drawn)
         for row, _, _ in changes:
-            shown[row] = [str(list(picture.cells.strip(row)))]
-        anew = Picture()
+            shown[row] = drawn[row]
         anew.draw(level, frame, view, look)
-        assert shown == [[str(list(anew.cells.strip(row)))] for row in range(20)]
+        assert shown == rows_of(anew)
 
 
 def test_only_what_changed_is_reported() -> None:
     level = room(800, 400, robots=(Robot("Ann", 400, 200),))
     view, look = Viewport.fit(800, 400, 100, 25), Look(rays=False, marks=False, names=False)
-    frames = run(level, 30)
-    picture = Picture()
+    frames, picture = run(level, 30), Picture()
     assert len(changes_of(picture, level, frames[0], view, look)) == 25
     assert changes_of(picture, level, frames[0], view, look) == []
     changes = changes_of(picture, level, frames[30], view, look)
     assert 1 <= len(changes) <= 6
-    assert sum(stop - first for _, first, stop in changes) < 60
+    assert count(changes) < 60
 
 
 def test_a_hurried_picture_is_nearly_right_and_the_next_calm_one_is_exact() -> None:
@@ -139,11 +143,8 @@ def test_a_hurried_picture_is_nearly_right_and_the_next_calm_one_is_exact() -> N
     picture, calm = Picture(), Picture()
     sent = needed = 0
     for frame in frames:
-        sent += sum(
-            stop - first
-            for _, first, stop in changes_of(picture, level, frame, view, look, hurried=True)
-        )
-        needed += sum(stop - first for _, first, stop in changes_of(calm, level, frame, view, look))
+        sent += count(changes_of(picture, level, frame, view, look, hurried=True))
+        needed += count(changes_of(calm, level, frame, view, look))
     assert sent < 0.7 * needed
     picture.draw(level, frames[-1], view, look)
     assert (picture.cells.style == calm.cells.style).all()
@@ -153,10 +154,7 @@ def test_a_hurried_picture_is_nearly_right_and_the_next_calm_one_is_exact() -> N
 def test_an_area_that_is_switched_is_drawn_anew() -> None:
     level = room(areas=(Area("pool", 200, 100, 40),))
     (frame,) = run(level, 0)
-    off = replace(
-        frame, after=replace(frame.after, areas=(replace(frame.after.areas[0], active=False),))
-    )
     view, picture = Viewport.fit(400, 200, 60, 15), Picture()
     picture.draw(level, frame, view, Look())
-    assert changes_of(picture, level, off, view, Look())
-    assert changes_of(picture, level, frame, view, Look())
+    for shown in (with_active(frame, active=False), frame):
+        assert changes_of(picture, level, shown, view, Look())

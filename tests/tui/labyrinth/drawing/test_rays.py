@@ -17,62 +17,49 @@ from tests.tui.labyrinth.drawing.scenes import (
     with_robot,
 )
 
-RAYS = replace(BARE, rays=True)
-MARKS = replace(BARE, marks=True)
-
-
-def scene(width: int = 800, height: int = 400) -> Level:
-    return room(width, height, 20, robots=(Robot("Ann", 300.5, 200.5, 0.0, "#ff4040"),))
+RAYS, MARKS = replace(BARE, rays=True), replace(BARE, marks=True)
+SCENE = room(800, 400, 20, robots=(Robot("Ann", 300.5, 200.5, 0.0, "#ff4040"),))
 
 
 def hits(*ends: tuple[float, str], degrees: float = 4) -> tuple[Level, Frame]:
     """A scene with rays from the left to the right around straight ahead."""
-    level, middle = scene(), (len(ends) - 1) / 2
+    middle = (len(ends) - 1) / 2
     rays = [
         (math.radians(degrees) * (middle - i), distance, kind)
         for i, (distance, kind) in enumerate(ends)
     ]
-    return level, replace(start(level), sensors=(seeing("Ann", rays),))
+    return SCENE, replace(start(SCENE), sensors=(seeing("Ann", rays),))
 
 
-@pytest.mark.parametrize(
-    ("kind", "glyph", "colour"),
-    [
-        ("wall", "·", DARK.hit_wall),
-        ("beacon", "◇", DARK.hit_beacon),
-        ("robot", "•", DARK.hit_robot),
-    ],
-)
-def test_the_end_of_a_ray_shows_what_was_hit(
-    kind: str, glyph: str, colour: tuple[int, int, int]
-) -> None:
-    level, frame = hits((100, "none"), (120, kind), (100, "none"))
-    drawn = Drawn(level, frame, MARKS)
-    assert drawn.text(420.5, 200.5) == glyph
-    assert drawn.ink(420.5, 200.5) == colour
-    assert sum(line.count(glyph) for line in drawn.lines) == 1
+FAN = hits(*[(120.0, "none")] * 15)
+
+
+def test_the_end_of_a_ray_shows_what_was_hit() -> None:
+    for kind, glyph, colour, plain in (
+        ("wall", "·", DARK.hit_wall, "x"),
+        ("beacon", "◇", DARK.hit_beacon, "+"),
+        ("robot", "•", DARK.hit_robot, "o"),
+    ):
+        drawn = Drawn(*hits((100, "none"), (120, kind), (100, "none")), MARKS)
+        assert drawn.text(420.5, 200.5) == glyph
+        assert drawn.ink(420.5, 200.5) == colour
+        assert sum(line.count(glyph) for line in drawn.lines) == 1
+        drawn = Drawn(*hits((120, kind), (120, kind)), replace(MARKS, drawing=Drawing.ASCII))
+        assert drawn.text(420.5, 200.5) == plain
 
 
 def test_from_near_a_wall_is_marked_with_a_cross() -> None:
-    level, frame = hits((100, "none"), (30, "wall"), (100, "none"))
     view = Viewport.fit(800, 400, 80, 20).zoomed(6).centred(310, 200)
-    assert Drawn(level, frame, MARKS, view=view).text(330.5, 200.5) == "\N{MULTIPLICATION SIGN}"
+    drawn = Drawn(*hits((100, "none"), (30, "wall"), (100, "none")), MARKS, view=view)
+    assert drawn.text(330.5, 200.5) == "\N{MULTIPLICATION SIGN}"
 
 
 @pytest.mark.parametrize("order", [1, -1])
 def test_where_several_rays_end_a_robot_goes_before_a_beacon_before_a_wall(order: int) -> None:
-    ends = [(100.0, "wall"), (100.0, "beacon"), (100.0, "robot"), (100.0, "wall")]
-    level, frame = hits(*ends[::order], degrees=0.1)
-    assert Drawn(level, frame, MARKS).text(400.5, 200.5) == "•"
-    level, frame = hits(*[end for end in ends[::order] if end[1] != "robot"], degrees=0.1)
-    assert Drawn(level, frame, MARKS).text(400.5, 200.5) == "◇"
-
-
-def test_plain_characters_mark_ends_too() -> None:
-    for kind, glyph in (("wall", "x"), ("beacon", "+"), ("robot", "o")):
-        level, frame = hits((120, kind), (120, kind))
-        drawn = Drawn(level, frame, replace(MARKS, drawing=Drawing.ASCII))
-        assert drawn.text(420.5, 200.5) == glyph
+    kinds = ["wall", "beacon", "robot", "wall"][::order]
+    for left, glyph in ((kinds, "•"), ([kind for kind in kinds if kind != "robot"], "◇")):
+        drawn = Drawn(*hits(*((100.0, kind) for kind in left), degrees=0.1), MARKS)
+        assert drawn.text(400.5, 200.5) == glyph
 
 
 @pytest.mark.parametrize("palette", [DARK, LIGHT])
@@ -87,16 +74,18 @@ def test_light_reaches_as_far_as_the_rays_and_no_farther(palette: Palette) -> No
         assert lit.tone(x, y) == dark.tone(x, y)
 
 
-def test_light_has_the_colour_of_the_robot() -> None:
-    level, frame = hits(*[(120.0, "none")] * 15)
-    red, green, blue = Drawn(level, frame, RAYS).tone(360, 203)
-    assert red > 2 * green
-    assert red > 2 * blue
+def test_light_has_the_colour_of_the_robot_which_shines_brighter_when_it_is_selected() -> None:
+    red, green, blue = Drawn(*FAN, RAYS).tone(360, 203)
+    assert red > 2 * max(green, blue)
+    chosen, other = (
+        Drawn(*FAN, replace(RAYS, selected=name)).tone(360, 203)[0] for name in ("Ann", "Bob")
+    )
+    assert chosen > red > other
 
 
 def test_each_ray_lights_its_own_direction() -> None:
-    level, frame = hits(*[(150.0, "none")] * 8, *[(30.0, "wall")] * 8)
-    lit, dark = Drawn(level, frame, RAYS), Drawn(level, frame, BARE)
+    scene = hits(*[(150.0, "none")] * 8, *[(30.0, "wall")] * 8)
+    lit, dark = Drawn(*scene, RAYS), Drawn(*scene, BARE)
     left, right = (400, 170), (400, 231)  # Of the robot: y grows downwards.
     assert lit.tone(*left) != dark.tone(*left)
     assert lit.tone(*right) == dark.tone(*right)
@@ -110,34 +99,25 @@ def test_the_rim_of_a_wall_is_lit_where_rays_hit_it() -> None:
 
 
 def test_rays_start_where_the_robot_sensed() -> None:
-    level, frame = hits(*[(120.0, "none")] * 15)
+    level, frame = FAN
     moved = with_robot(frame, x=100.0, y=60.0, angle=2.0)
     lit, dark = Drawn(level, moved, RAYS), Drawn(level, moved, BARE)
     assert apart(lit.tone(360, 203), dark.tone(360, 203)) > 20
     assert lit.tone(100, 100) == dark.tone(100, 100)
 
 
-def test_a_selected_robot_shines_brighter_and_the_others_less() -> None:
-    level, frame = hits(*[(120.0, "none")] * 15)
-    plain, chosen, other = (
-        Drawn(level, frame, replace(RAYS, selected=name)).tone(360, 203)[0]
-        for name in (None, "Ann", "Bob")
-    )
-    assert chosen > plain > other
-
-
 def test_a_switch_hides_the_rays_and_another_the_marks() -> None:
     level = room(robots=(Robot("Ann", 50, 100),), beacons=(Beacon("b", 120, 100),))
-    both = Drawn(level, look=Look(names=False))
-    no_marks = Drawn(level, look=Look(names=False, marks=False))
-    no_rays = Drawn(level, look=Look(names=False, rays=False))
+    look = Look(names=False)
+    both, no_marks, no_rays = (
+        Drawn(level, look=shown)
+        for shown in (look, replace(look, marks=False), replace(look, rays=False))
+    )
     assert "◇" in "".join(both.lines)
     assert "◇" not in "".join(no_marks.lines)
     assert no_rays.tone(80, 103) == Drawn(level).tone(80, 103) != both.tone(80, 103)
 
 
 def test_plain_characters_dot_the_floor_that_rays_reach() -> None:
-    level, frame = hits(*[(120.0, "none")] * 15)
-    drawn = Drawn(level, frame, replace(RAYS, drawing=Drawing.ASCII))
-    assert drawn.text(360, 203) == "."
-    assert drawn.text(250, 203) == " "
+    drawn = Drawn(*FAN, replace(RAYS, drawing=Drawing.ASCII))
+    assert (drawn.text(360, 203), drawn.text(250, 203)) == (".", " ")

@@ -1,6 +1,7 @@
 """A picture whose walls are painted in pieces is the one that is painted at once."""
 
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 from hypothesis import given, settings
@@ -34,7 +35,10 @@ VIEWS = st.one_of(
 )
 
 
-def painted(level: Level, stroke: tuple[tuple[int, int], tuple[int, int], int, bool]) -> Level:
+Stroke: TypeAlias = tuple[tuple[int, int], tuple[int, int], int, bool]
+
+
+def painted(level: Level, stroke: Stroke) -> Level:
     one, other, width, wall = stroke
     return paint(level, [one, other], width=width, wall=wall)
 
@@ -42,10 +46,7 @@ def painted(level: Level, stroke: tuple[tuple[int, int], tuple[int, int], int, b
 @settings(deadline=None)
 @given(STROKES, VIEWS, st.sampled_from(Drawing), st.lists(st.booleans(), min_size=5, max_size=5))
 def test_strokes_show_as_if_they_had_been_there_from_the_start(
-    strokes: list[tuple[tuple[int, int], tuple[int, int], int, bool]],
-    view: Viewport,
-    drawing: Drawing,
-    rays: list[bool],
+    strokes: list[Stroke], view: Viewport, drawing: Drawing, rays: list[bool]
 ) -> None:
     kept, level = Picture(), HALL
     looks = [Look(drawing=drawing, rays=lit, selected="Bo") for lit in rays]
@@ -70,21 +71,17 @@ def test_what_is_moved_renamed_or_gone_is_shown_as_it_is() -> None:
     other = room(300, 150)
     assert draws_as_anew(kept, other, start(other), view, Look()), "another size"
 
-
-def test_a_stroke_that_was_drawn_while_rays_were_shown_stays() -> None:
-    view, frame, level, kept = Viewport.fit(400, 200, 60, 20), start(HALL), HALL, Picture()
-    dark = Look(rays=False, marks=False)
-    for step, look in enumerate((dark, Look(), dark)):
+    # A stroke that was drawn while rays were shown stays.
+    level, kept = HALL, Picture()
+    for step, look in enumerate((still, Look(), still)):
         level = paint(level, [(60 + 90 * step, 100), (80 + 90 * step, 150)], width=12)
-        kept.draw(level, frame, view, look)
-    assert draws_as_anew(kept, level, frame, view, dark)
+        kept.draw(level, start(HALL), view, look)
+    assert draws_as_anew(kept, level, start(HALL), view, still)
 
 
 @settings(deadline=None)
 @given(STROKES)
-def test_a_table_that_takes_other_walls_is_the_table_of_these(
-    strokes: list[tuple[tuple[int, int], tuple[int, int], int, bool]],
-) -> None:
+def test_a_table_that_takes_other_walls_is_the_table_of_these(strokes: list[Stroke]) -> None:
     level = HALL
     for stroke in strokes:
         level = painted(level, stroke)
