@@ -32,13 +32,10 @@ def colours_of(**environ: str) -> str | None:
     return environ.get("COLORTERM")
 
 
-def test_some_terminals_are_known_for_their_colours() -> None:
+def test_some_terminals_are_known_for_their_colours_and_gnu_screen_for_having_few() -> None:
     assert colours_of(TERM="xterm-kitty") == colours_of(TERM="foot") == "truecolor"
     assert colours_of(TERM="xterm-256color") is None
     assert colours_of(TERM="foot", COLORTERM="no") == "no", "what the environment says stands"
-
-
-def test_in_gnu_screen_there_is_no_true_colour() -> None:
     for term in ("screen", "screen.alacritty", "screen-256color", "xterm-direct"):
         environ = {"TERM": term, "STY": "1.pts", "COLORTERM": "truecolor"}
         assert colours_of(**environ) is None, term
@@ -46,19 +43,15 @@ def test_in_gnu_screen_there_is_no_true_colour() -> None:
 
 
 def test_the_mouse_is_left_alone_where_it_would_take_the_escape_key() -> None:
-    for environ, is_used in (
-        ({"TERM": "xterm-256color"}, True),
-        ({"TERM": "tmux-256color", "TMUX": "x"}, True),
-        ({"TERM": "tmux-256color", "TMUX": "x", "STY": "y"}, True),
-        ({"TERM": "screen", "TMUX": "x"}, True),
-        ({"TERM": "screen-256color"}, True),
-        ({"TERM": "screen-256color", "STY": "y"}, False),
-        ({"TERM": "screen", "STY": "y", "TMUX": "x"}, False),
-        ({"TERM": "screen.xterm-256color"}, False),
-        ({"TERM": "screen"}, False),
-        ({}, True),
+    tmux, screen = {"TMUX": "x"}, {"STY": "y"}
+    for term, within, is_used in (
+        *(("xterm-256color", {}, True), ("screen-256color", {}, True), ("screen", tmux, True)),
+        *(("tmux-256color", tmux, True), ("tmux-256color", tmux | screen, True)),
+        *(("screen-256color", screen, False), ("screen", tmux | screen, False)),
+        *(("screen.xterm-256color", {}, False), ("screen", {}, False)),
     ):
-        assert may_use_mouse(environ) is is_used, environ
+        assert may_use_mouse({"TERM": term, **within}) is is_used, (term, within)
+    assert may_use_mouse({})
 
 
 @pytest.mark.skipif(

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from typing import TypeAlias
 
 import pyte
 import pytest
@@ -31,15 +32,16 @@ _styles = st.one_of(
         underline=st.sampled_from((None, True, False)),
     ),
 )
-_segments = st.lists(
-    st.builds(
-        Segment, st.from_regex(r"([ab █▚]|e\u0301?){0,5}", fullmatch=True), _styles, st.none()
-    ),
-    max_size=5,
-)
+_texts = st.from_regex(r"([ab █▚]|e\u0301?){0,5}", fullmatch=True)
+_segments = st.lists(st.builds(Segment, _texts, _styles, st.none()), max_size=5)
 _pieces = st.lists(
     st.tuples(st.integers(-1, ROWS), st.integers(-3, COLUMNS + 9), _segments), max_size=6
 )
+Pieces: TypeAlias = list[tuple[int, int, list[Segment]]]
+
+
+def difference_of(colours: ColorSystem | None = ColorSystem.TRUECOLOR) -> Difference:
+    return Difference(COLUMNS, ROWS, colours)
 
 
 def send(difference: Difference, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> str:
@@ -55,7 +57,7 @@ def terminal() -> pyte.Screen:
     return screen
 
 
-def fitting(pieces: list[tuple[int, int, list[Segment]]]) -> list[tuple[int, int, Strip]]:
+def fitting(pieces: Pieces) -> list[tuple[int, int, Strip]]:
     """Pieces as a compositor gives them: within the screen, no character of two cells cut."""
     return [
         (row, column, Strip(segments).crop(0, COLUMNS - column))
@@ -66,12 +68,12 @@ def fitting(pieces: list[tuple[int, int, list[Segment]]]) -> list[tuple[int, int
 
 @given(st.lists(_pieces, min_size=1, max_size=4))
 def test_differences_show_what_everything_would_show_and_are_sent_once(
-    updates: list[list[tuple[int, int, list[Segment]]]],
+    updates: list[Pieces],
 ) -> None:
     console = Console(color_system="truecolor", force_terminal=True)
     one, other = terminal(), terminal()
     theirs, ours = pyte.Stream(other), pyte.Stream(one)
-    difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    difference = difference_of()
     blank = [Segment(" " * COLUMNS)]
     ours.feed(send(difference, [(row, 0, blank) for row in range(ROWS)]))
     for update in updates:
@@ -86,7 +88,7 @@ def test_differences_show_what_everything_would_show_and_are_sent_once(
 def test_characters_of_two_cells_are_replaced_whole(texts: list[str]) -> None:
     screen = pyte.Screen(COLUMNS, ROWS)
     stream = pyte.Stream(screen)
-    difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    difference = difference_of()
     for text in texts:
         line = Strip([Segment(text)]).adjust_cell_length(COLUMNS)
         stream.feed(send(difference, [(0, 0, list(line))]))
@@ -101,11 +103,9 @@ def test_a_character_that_lost_a_half_is_sent_again() -> None:
 
 
 @given(_pieces)
-def test_pieces_that_reach_out_of_the_terminal_do_no_harm(
-    pieces: list[tuple[int, int, list[Segment]]],
-) -> None:
+def test_pieces_that_reach_out_of_the_terminal_do_no_harm(pieces: Pieces) -> None:
     screen = pyte.Screen(COLUMNS, ROWS)
-    pyte.Stream(screen).feed(send(Difference(COLUMNS, ROWS, None), pieces))
+    pyte.Stream(screen).feed(send(difference_of(None), pieces))
     assert len(screen.display) == ROWS
 
 
@@ -116,12 +116,11 @@ def test_pieces_that_reach_out_of_the_terminal_do_no_harm(
     st.integers(1, 40),
 )
 def test_what_there_was_no_room_for_is_sent_later(
-    updates: list[list[tuple[int, int, list[Segment]]]], last: Region, limit: int
+    updates: list[Pieces], last: Region, limit: int
 ) -> None:
     one, other = terminal(), terminal()
     ours, theirs = pyte.Stream(one), pyte.Stream(other)
-    sparing = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
-    plain = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    sparing, plain = difference_of(), difference_of()
     for update in updates:
         pieces = [(row, column, list(strip)) for row, column, strip in fitting(update)]
         theirs.feed(send(plain, pieces))
@@ -141,12 +140,9 @@ def test_a_text_is_sent_before_the_picture_whose_rows_take_turns() -> None:
     for text in ("abcd", "efgh", "ijkl"):
         difference.take([(row, 0, [Segment(text)]) for row in range(3)])
         sent.append(difference.sequence(25, picture))
-    assert [re.sub(r"\x1b.*?[HC]", " ", each) for each in sent] == [
-        " cd cd cd ab",
-        " gh gh gh ef",
-        " kl kl kl ij",
-    ]
-    assert [re.findall(r"\x1b\[(\d)", each)[-1] for each in sent] == ["1", "2", "3"]
+    texts = [re.sub(r"\x1b.*?[HC]", " ", sequence) for sequence in sent]
+    assert texts == [" cd cd cd ab", " gh gh gh ef", " kl kl kl ij"]
+    assert [re.findall(r"\x1b\[(\d)", sequence)[-1] for sequence in sent] == ["1", "2", "3"]
 
 
 def test_one_changed_cell_costs_a_move_and_a_colour() -> None:
@@ -155,12 +151,8 @@ def test_one_changed_cell_costs_a_move_and_a_colour() -> None:
     send(difference, [(1, 0, [Segment("a" * 40, style)])])
     sent = send(difference, [(1, 0, [Segment("a" * 20 + "b" + "a" * 19, style)])])
     assert sent == "\x1b[2;21H\x1b[38;2;255;0;0;48;2;0;0;0mb\x1b[m"
-
-
-def test_without_colours_none_are_sent() -> None:
-    difference = Difference(10, 1, None)
-    sent = send(difference, [(0, 0, [Segment("ab", Style(color="#ff0000", bold=True))])])
-    assert sent == "\x1b[1;1H\x1b[1mab\x1b[m"
+    sent = send(Difference(10, 1, None), [(0, 0, [Segment("ab", Style(color="red", bold=True))])])
+    assert sent == "\x1b[1;1H\x1b[1mab\x1b[m", "without colours none are sent"
 
 
 @pytest.mark.parametrize(
@@ -179,8 +171,6 @@ def test_a_colour_among_256_is_near(rgb: tuple[int, int, int]) -> None:
 
 
 def test_nothing_turns_the_direction_of_what_follows() -> None:
-    difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
-    text = "a\u202eb\u2066c\u200fe\u0301"
-    sent = send(difference, [(0, 0, [Segment(text)])])
+    sent = send(difference_of(), [(0, 0, [Segment("a\u202eb\u2066c\u200fe\u0301")])])
     assert "abce\u0301" in sent
     assert not set("\u202e\u2066\u200f") & {*sent}

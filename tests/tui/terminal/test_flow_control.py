@@ -55,19 +55,14 @@ def test_a_terminal_that_never_answers_is_not_waited_for() -> None:
         line.sent(1000, turn / 30)
 
 
-def test_a_lost_answer_is_given_up_after_a_while() -> None:
+def test_a_lost_answer_is_given_up_after_a_while_and_a_long_line_is_measured_anew() -> None:
     line = Line()
     line.sent(1000, 0.0)
     line.answered(0.01)
     line.sent(1000, 1.0)
-    assert not line.is_free
-    line.forget(1.0 + _PATIENCE / 2)
-    assert not line.is_free
-    line.forget(1.1 + _PATIENCE)
-    assert line.is_free
-
-
-def test_a_line_that_was_long_is_measured_anew_when_an_answer_was_lost() -> None:
+    for now, is_free in ((1.0, False), (1.0 + _PATIENCE / 2, False), (1.1 + _PATIENCE, True)):
+        line.forget(now)
+        assert line.is_free is is_free
     line = Line()
     for start in (0.0, 1.0):
         line.sent(0, start)
@@ -95,10 +90,7 @@ def test_answers_are_heard_wherever_they_come_in_and_a_paste_around_them_stays_w
         found, answers = found + more, answers + heard
     assert [Pasted] == [type(piece) for piece in found]
     assert (found, answers) == (["".join(texts)], len(texts) - 1)
-
-
-def test_the_escape_key_is_not_held_back() -> None:
-    assert InputFilter().take(b"a\x1b", 0.0) == (["a\x1b"], 0)
+    assert InputFilter().take(b"a\x1b", 0.0) == (["a\x1b"], 0), "the escape key is not held back"
 
 
 LINES = "A(x) :- B(x);\r" * 8
