@@ -15,29 +15,18 @@ from tests.tui.labyrinth.drawing.scenes import room
 
 SIGHTS = (Sight.FOLLOW, Sight.SENSES, Sight.WHOLE)
 LEVEL = room(800, 400)
-_cameras = st.builds(
-    Camera,
-    st.sampled_from(Sight),
-    st.integers(0, len(ZOOMS) - 1),
-    st.floats(0, 800),
-    st.floats(0, 400),
-)
+_steps = st.integers(0, len(ZOOMS) - 1)
+_cameras = st.builds(Camera, st.sampled_from(Sight), _steps, st.floats(0, 800), st.floats(0, 400))
 _sizes = st.tuples(st.integers(1, 300), st.integers(1, 100))
 
 
-@given(_cameras, _sizes)
-def test_a_map_unit_is_as_long_down_as_across(camera: Camera, size: tuple[int, int]) -> None:
-    view = camera.viewport(LEVEL, *size)
-    x, y = view.position(0, 0)
-    beside, below = view.position(0, 2)[0], view.position(1, 0)[1]
-    assert beside - x == pytest.approx(below - y)
-
-
 @given(_cameras, _sizes, st.integers(0, 99), st.integers(0, 299))
-def test_a_cell_shows_the_place_that_is_its_position(
+def test_a_cell_shows_its_place_and_a_map_unit_is_as_long_down_as_across(
     camera: Camera, size: tuple[int, int], row: int, column: int
 ) -> None:
     view = camera.viewport(LEVEL, *size)
+    x, y = view.position(0, 0)
+    assert view.position(0, 2)[0] - x == pytest.approx(view.position(1, 0)[1] - y)
     cell = view.cell(*view.position(row, column))
     inside = row < size[1] and column < size[0]
     assert cell == ((row, column) if inside else None)
@@ -55,12 +44,17 @@ def test_zooming_keeps_the_point_under_the_pointer(
     assert (y - nearer.top) / nearer.height == pytest.approx(down, abs=1e-6)
 
 
-@given(_cameras, _sizes, st.integers(-20, 20))
-def test_zooming_has_ends(camera: Camera, size: tuple[int, int], steps: int) -> None:
+@given(_cameras, _sizes, st.integers(-20, 20), st.floats(-1e4, 1e4), st.floats(-1e4, 1e4))
+def test_zooming_has_ends_and_panning_never_loses_the_map(
+    camera: Camera, size: tuple[int, int], steps: int, columns: float, rows: float
+) -> None:
     view = camera.viewport(LEVEL, *size)
-    found = camera.zoomed(steps, view)
-    assert 0 <= found.step < len(ZOOMS)
-    assert math.isfinite(found.x + found.y)
+    zoomed, panned = camera.zoomed(steps, view), camera.panned(columns, rows, view, LEVEL)
+    assert 0 <= zoomed.step < len(ZOOMS)
+    assert math.isfinite(zoomed.x + zoomed.y)
+    if camera.sight is not Sight.SENSES:
+        assert 0 <= panned.x <= 800
+        assert 0 <= panned.y <= 400
 
 
 def test_zooming_out_all_the_way_shows_the_whole_labyrinth_again() -> None:
@@ -68,17 +62,6 @@ def test_zooming_out_all_the_way_shows_the_whole_labyrinth_again() -> None:
     near = Camera().zoomed(2, view, (700, 300))
     assert near.sight is Sight.FREE
     assert near.zoomed(-2, near.viewport(LEVEL, 80, 20)) == Camera()
-
-
-@given(_cameras, _sizes, st.floats(-1e4, 1e4), st.floats(-1e4, 1e4))
-def test_panning_never_loses_the_map(
-    camera: Camera, size: tuple[int, int], columns: float, rows: float
-) -> None:
-    view = camera.viewport(LEVEL, *size)
-    found = camera.panned(columns, rows, view, LEVEL)
-    if camera.sight is not Sight.SENSES:
-        assert 0 <= found.x <= 800
-        assert 0 <= found.y <= 400
 
 
 def test_a_followed_robot_may_move_a_little_before_the_view_does() -> None:
@@ -89,13 +72,10 @@ def test_a_followed_robot_may_move_a_little_before_the_view_does() -> None:
     assert (moved.x, moved.y) == (400 + 0.4 * view.width, 200)
 
 
-def test_the_fit_is_in_the_middle_and_as_large_as_it_goes() -> None:
+def test_the_fit_is_in_the_middle_and_as_large_as_it_goes_and_outside_of_it_is_no_cell() -> None:
     view = Viewport.fit(400, 100, 80, 30)
     assert (view.units, view.left, view.top) == (5, 0, -100)
     assert Viewport.fit(100, 400, 80, 30).height == 400
-
-
-def test_outside_of_the_view_there_is_no_cell() -> None:
     view = Viewport.fit(100, 100, 40, 20)
     for x, y in ((-0.1, 50), (50, 100.1), (math.nan, 50), (math.inf, 50)):
         assert view.cell(x, y) is None
@@ -112,14 +92,10 @@ def test_zooming_keeps_the_middle_and_centring_keeps_the_length() -> None:
     assert moved.units == near.units
 
 
-@pytest.mark.parametrize(
-    "size",
-    [
-        (120, 40),
-        pytest.param((80, 24), marks=pytest.mark.slow),
-        pytest.param((300, 100), marks=pytest.mark.slow),
-    ],
-)
+SLOWER = [pytest.param(size, marks=pytest.mark.slow) for size in ((80, 24), (300, 100))]
+
+
+@pytest.mark.parametrize("size", [(120, 40), *SLOWER])
 async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int]) -> None:
     async with started(data_dir, size=size) as game:
         view, pilot = game.main.labyrinth.view, game.pilot
@@ -130,11 +106,9 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int])
 
         # The wheel zooms.
         region = view.content_region
-        for kind, sight in (
-            (events.MouseScrollUp, Sight.FREE),
-            (events.MouseScrollDown, Sight.WHOLE),
-        ):
-            x, y = region.x + 20, region.y + 5
+        x, y = region.x + 20, region.y + 5
+        up, down = events.MouseScrollUp, events.MouseScrollDown
+        for kind, sight in ((up, Sight.FREE), (down, Sight.WHOLE)):
             game.app.post_message(kind(view, 20, 5, 0, 0, 0, False, False, False, x, y))
             await looks(sight)
 

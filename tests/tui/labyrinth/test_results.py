@@ -27,34 +27,27 @@ def scales(
     return [line.plain for line in scale_lines(THREE, Bests(ticks, size, distance))]
 
 
-def test_a_scale_goes_from_the_best_reference_to_the_worst() -> None:
+def test_a_scale_goes_from_the_best_reference_to_the_worst_and_holds_ones_own_mark() -> None:
+    ticks, distance = "ticks      ", "distance   "
     assert scales() == [
-        "ticks      ┼─────────┼─────────┼  100  150  200",
+        f"{ticks}┼─────────┼─────────┼  100  150  200",
         "size       ┼─────────┼─────────┼  1  5  9",
-        "distance   ┼─────────┼─────────┼  250  300  350",
+        f"{distance}┼─────────┼─────────┼  250  300  350",
     ]
-
-
-def test_ones_own_mark_stands_where_one_is() -> None:
-    ticks, size, distance = scales(175, 1, 250.2)
-    assert ticks == "ticks      ┼─────────┼────●────┼  100  150  175●  200"
-    assert size == "size       ●─────────┼─────────┼  1●  5  9"
-    assert distance == "distance   ●─────────┼─────────┼  250●  300  350"
-
-
-def test_a_scale_reaches_as_far_as_ones_own_result() -> None:
+    assert scales(175, 1, 250.2) == [
+        f"{ticks}┼─────────┼────●────┼  100  150  175●  200",
+        "size       ●─────────┼─────────┼  1●  5  9",
+        f"{distance}●─────────┼─────────┼  250●  300  350",
+    ]
     better, *_, worse = scales(0, None, 450)
-    assert better.startswith("ticks      ●─────────┼────┼────┼")
-    assert worse.startswith("distance   ┼────┼────┼─────────●")
+    assert better.startswith(f"{ticks}●─────────┼────┼────┼")
+    assert worse.startswith(f"{distance}┼────┼────┼─────────●")
 
 
-def test_without_references_there_is_no_scale() -> None:
-    assert list(scale_lines([], Bests(1, 1, 1.0))) == []
-
-
-def test_equal_references_are_one_mark() -> None:
+def test_equal_references_are_one_mark_and_without_any_there_is_no_scale() -> None:
     (_, size, _) = scale_lines([THREE[0]] * 3, Bests())
     assert size.plain == "size       ┼────────────────────  1"
+    assert list(scale_lines([], Bests(1, 1, 1.0))) == []
 
 
 def test_second_goals_are_ticked_when_they_are_reached() -> None:
@@ -74,7 +67,7 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
         await game.until(lambda: game.main.recorder.record.state == "won")
         await game.press("1", "m")
         told = [f"✓ {goal.words}", f"☐ {other.words}", "1,500●", "1,300●", "● your best"]
-        told += [f"  {each.ticks:,}" for each in references_for(level).values()]
+        told += [f"  {measures.ticks:,}" for measures in references_for(level).values()]
         for words in told:
             await game.sees(words)
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())

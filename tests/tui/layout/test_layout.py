@@ -33,63 +33,53 @@ def shown(game: Opened) -> list[str]:
     return [pane.command_id for pane in game.main.query(Pane) if pane.display]
 
 
-@given(st.integers(1, 400), st.integers(1, 200))
-def test_every_size_has_an_arrangement(width: int, height: int) -> None:
-    layout = layout_for(width, height)
-    assert (layout is Layout.TINY) == (width < 40 or height < 12)
-
-
-@given(
-    st.integers(110, 400),
-    st.integers(24, 200),
-    st.integers(-400, 400),
-    st.integers(-400, 400),
-    st.floats(0.01, 100),
+ASPECTS, WISHES = st.floats(0.01, 100), st.integers(-400, 400)
+NEEDS = st.builds(
+    lambda aspect, lines, listed: Needs(aspect, lines, max(lines), listed),
+    ASPECTS,
     st.lists(st.integers(0, 300), min_size=1).map(tuple),
     st.integers(0, 300),
 )
-def test_no_wish_makes_a_pane_vanish(
-    width: int,
-    height: int,
-    columns: int,
-    rows: int,
-    aspect: float,
-    lines: tuple[int, ...],
-    listed: int,
-) -> None:
+
+
+@given(st.integers(1, 400), st.integers(1, 200))
+def test_every_size_has_an_arrangement(width: int, height: int) -> None:
+    assert (layout_for(width, height) is Layout.TINY) == (width < 40 or height < 12)
+
+
+@given(st.integers(110, 400), st.integers(24, 200), st.builds(Shares, WISHES, WISHES), NEEDS)
+def test_no_wish_makes_a_pane_vanish(width: int, height: int, wish: Shares, needs: Needs) -> None:
     layout = layout_for(width, height)
-    needs = Needs(aspect, lines, max(lines), listed)
-    grid = grid_for(layout, width, height, Shares(columns, rows), needs)
+    grid = grid_for(layout, width, height, wish, needs)
     assert 30 <= grid.program <= width - 30
     assert 6 <= grid.inspector <= height - 9
     assert grid_for(layout, width, height, grid.shares, needs) == grid
     assert grid_for(layout, width, height, Shares(), needs).shares == Shares()
 
 
-@given(st.integers(40, 109), st.integers(46, 200), st.integers(-400, 400), st.floats(0.01, 100))
+@given(st.integers(40, 109), st.integers(46, 200), WISHES, ASPECTS.map(Needs))
 def test_panes_below_each_other_all_keep_some_rows(
-    width: int, height: int, rows: int, aspect: float
+    width: int, height: int, rows: int, needs: Needs
 ) -> None:
-    grid = grid_for(Layout.TALL, width, height, Shares(0, rows), Needs(aspect))
+    grid = grid_for(Layout.TALL, width, height, Shares(0, rows), needs)
     assert min(grid.program, grid.inspector, height - 3 - grid.program - grid.inspector) >= 3
-    assert grid_for(Layout.TALL, width, height, grid.shares, Needs(aspect)) == grid
+    assert grid_for(Layout.TALL, width, height, grid.shares, needs) == grid
 
 
-def test_a_high_map_leaves_its_columns_to_the_program() -> None:
+def test_a_map_leaves_what_it_does_not_need_to_the_program() -> None:
     wide, high = (grid_for(Layout.WIDE, 120, 40, Shares(), Needs(aspect)) for aspect in (3.0, 1.0))
     assert wide.program == 53
     assert high.program >= 70
     rows = 40 - 3 - high.inspector - 2
     assert 120 - high.program - 2 >= 2 * rows, "the map is as large as before"
-
-
-def test_a_wide_terminal_gives_the_labyrinth_what_a_text_does_not_need() -> None:
-    grid = grid_for(Layout.WIDE, 300, 100, Shares(), Needs())
-    assert grid.program < 100
-    assert 20 < grid.inspector < 30
+    below = grid_for(Layout.TALL, 90, 60, Shares(), Needs.of(3.0, "A();", 9))
+    assert (below.inspector, 60 - 3 - below.program - below.inspector) == (11, 17)
 
 
 def test_panes_have_the_size_of_what_they_hold() -> None:
+    large = grid_for(Layout.WIDE, 300, 100, Shares(), Needs())
+    assert large.program < 100, "a text does not need more"
+    assert 20 < large.inspector < 30
     short, code = "# " + "a comment " * 9, "x" * 73
     few, many = (
         grid_for(Layout.WIDE, 200, 60, Shares(), Needs.of(1.7, f"{short}\n{text}", rows))
@@ -98,14 +88,7 @@ def test_panes_have_the_size_of_what_they_hold() -> None:
     assert few.inspector == 9 + 2
     assert few.program == 70, "a comment may be broken into lines"
     assert many.program > 73 + 6, "code is not"
-    assert many.inspector > 18, "rows that neither map nor program fill"
-    assert many.inspector < 30, "the map is not made smaller"
-
-
-def test_a_wide_map_leaves_its_rows_to_the_program_below_it() -> None:
-    grid = grid_for(Layout.TALL, 90, 60, Shares(), Needs.of(3.0, "A();", 9))
-    assert grid.inspector == 11
-    assert 60 - 3 - grid.program - grid.inspector == 17
+    assert 18 < many.inspector < 30, "rows that neither fills, but the map is not made smaller"
 
 
 async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
@@ -117,15 +100,9 @@ async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
         await pressed(game, "escape", until=lambda: shown(game) == ["map"])
         await pressed(game, "y", until=lambda: not game.main.query_one(LabyrinthView).rays)
         assert game.editor.text == "quit" + PAPER
-        for key, pane in (
-            ("2", "editor"),
-            ("ctrl+n", "inspector"),
-            ("right_square_bracket", "map"),
-            ("left_square_bracket", "inspector"),
-            ("1", "map"),
-        ):
-            await game.press(key)
-            await game.until(partial(shows_just, game, [pane]))
+        brackets = ("right_square_bracket", "map"), ("left_square_bracket", "inspector")
+        for key, pane in (("2", "editor"), ("ctrl+n", "inspector"), *brackets, ("1", "map")):
+            await pressed(game, key, until=partial(shows_just, game, [pane]))
 
         # A tab is chosen by a click, and tells about the program.
         await game.write(PAPER)
@@ -179,16 +156,11 @@ async def test_panes_are_hidden_resized_and_pulled(data_dir: Path) -> None:
         await pressed(game, "D", "I", until=lambda: labyrinth.region.size == before)
 
         for keys, panes in (
-            ("k", ["map"]),
-            (("2", "ctrl+t", "ctrl+t"), ["editor"]),
-            (("ctrl+t",), ALL),
-            (("escape", "3", "j"), ["map", "editor"]),
-            ("j", ALL),
-            ("j", ["editor", "inspector"]),
-            ("1", ALL),
+            *(("k", ["map"]), (("2", "ctrl+t", "ctrl+t"), ["editor"]), (("ctrl+t",), ALL)),
+            *((("escape", "3", "j"), ["map", "editor"]), ("j", ALL)),
+            *(("j", ["editor", "inspector"]), ("1", ALL)),
         ):
-            await game.press(*keys)
-            await game.until(partial(shows_just, game, panes))
+            await pressed(game, *keys, until=partial(shows_just, game, panes))
             if panes == ["map", "editor"]:
                 await game.until(lambda: labyrinth.region.height > 30)
         assert game.editor.text == PAPER
