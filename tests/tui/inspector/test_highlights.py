@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import pytest
-
 from logical_robots_tui.explain import Node
 from logical_robots_tui.tui.inspector.pages.why import sight
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
@@ -14,21 +12,14 @@ FRAME = start(room(robots=(Robot("Ann", 60, 100), Robot("Bob", 300, 150, 2.0))))
 RADAR = {row["robot_name"]: row["sensor"]["radar"] for row in FRAME.sensors}
 
 
-@pytest.mark.parametrize("name", ["Ann", "Bob"])
-def test_a_ray_is_seen_wherever_its_value_comes_up(name: str) -> None:
-    ray = RADAR[name][4]
-    node = Node("column", "ray", values=({**ray, "angle": ray["angle"] + 1e-15},))
-    assert sight(node, name, FRAME) == Highlight(name, ray["angle"])
-
-
-def test_a_ray_of_another_robot_is_seen_there() -> None:
+def test_a_ray_is_seen_wherever_its_value_comes_up_and_a_robot_where_it_is_asked_about() -> None:
+    for name in ("Ann", "Bob"):
+        ray = RADAR[name][4]
+        node = Node("column", "ray", values=({**ray, "angle": ray["angle"] + 1e-15},))
+        assert sight(node, name, FRAME) == Highlight(name, ray["angle"])
     ray = next(ray for ray in RADAR["Bob"] if ray not in RADAR["Ann"])
-    assert sight(Node("value", "ray", values=(ray,)), "Ann", FRAME) == Highlight(
-        "Bob", ray["angle"]
-    )
-
-
-def test_a_robot_is_seen_where_it_is_asked_about() -> None:
+    node = Node("value", "ray", values=(ray,))
+    assert sight(node, "Ann", FRAME) == Highlight("Bob", ray["angle"])
     node = Node("call", "Sensor(robot_name:)", robot="Bob")
     assert sight(node, "Ann", FRAME) == Highlight("Bob")
 

@@ -19,6 +19,16 @@ def many(count: int) -> Node:
     return Node("rule", "Many(x)", holds=True, children=tuple(waiting))
 
 
+def shown(node: Node) -> ProofTree:
+    folds = ProofTree()
+    folds.show([node], [], 10_000)
+    return folds
+
+
+def nodes(folds: ProofTree) -> list[Node]:
+    return [line.node for line in folds.lines]
+
+
 def test_what_is_open_is_what_there_is_room_for() -> None:
     folds = ProofTree()
     folds.show([many(1000)], [many(10)], 30)
@@ -28,21 +38,17 @@ def test_what_is_open_is_what_there_is_room_for() -> None:
 
 
 def test_folds_are_exact_wherever_one_opens_and_closes() -> None:
-    folds = ProofTree()
-    folds.show([many(100)], [], 10_000)
-    everything = [line.node for line in folds.lines]
+    folds = shown(many(100))
+    everything = nodes(folds)
     assert everything == [node for _, node in many(100).walk()]
     folds.close(1)
-    assert [line.node for line in folds.lines] == [everything[0], everything[1], *everything[12:]]
+    assert nodes(folds) == [*everything[:2], *everything[12:]]
     assert folds.parent(2) == 0
     folds.open(1)
-    assert [line.node for line in folds.lines] == everything
+    assert nodes(folds) == everything
     assert folds.parent(5) == 1
 
-
-def test_a_player_s_folds_stay_when_another_tick_has_other_values() -> None:
-    folds = ProofTree()
-    folds.show([many(100)], [], 10_000)
+    # A player's folds stay when another tick has other values.
     folds.close(1)
     folds.show([replace(many(100), said="gives this row")], [], 10_000)
     assert not folds.is_open(folds.lines[1])
@@ -52,15 +58,15 @@ def test_a_player_s_folds_stay_when_another_tick_has_other_values() -> None:
 
 def test_a_proof_that_came_later_stays_when_what_is_above_it_is_folded() -> None:
     asks = Node("call", "Near(x)", asked=Ask("Near", {"x": 1}))
-    folds = ProofTree()
-    folds.show([Node("rule", "Robot()", children=(asks,))], [], 10)
+    folds = shown(Node("rule", "Robot()", children=(asks,)))
     assert folds.lines[1].lacks
     folds.open(1)
     folds.unfold(folds.lines[1].key, [Node("rule", "Near(1)")])
-    assert [line.node.text for line in folds.lines] == ["Robot()", "Near(x)", "Near(1)"]
+    texts = [node.text for node in nodes(folds)]
+    assert texts == ["Robot()", "Near(x)", "Near(1)"]
     folds.close(0)
     folds.open(0)
-    assert [line.node.text for line in folds.lines] == ["Robot()", "Near(x)", "Near(1)"]
+    assert [node.text for node in nodes(folds)] == texts
     assert not folds.lines[1].lacks
 
 

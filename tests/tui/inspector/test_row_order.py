@@ -27,22 +27,23 @@ ROWS = Rows(
 )
 
 
-def test_rows_of_one_robot() -> None:
-    found = arrange(ROWS, RowOrder(robot="Bo"))
-    assert found.rows == (ROWS.rows[1],)
-    assert found.changed == {(0, 1)}
-
-
-@pytest.mark.parametrize(("descending", "order"), [(False, [None, 1, 2]), (True, [2, 1, None])])
-def test_sorted_by_a_column_of_mixed_values(descending: bool, order: list[object]) -> None:
-    found = arrange(ROWS, RowOrder(sort="n", descending=descending))
-    assert [row[1] for row in found.rows] == order
-    assert found.changed == {(1, 1)}
-
-
-def test_searched_in_every_value_whatever_the_case() -> None:
-    assert arrange(ROWS, RowOrder(search="zED")).rows == (ROWS.rows[2],)
-    assert arrange(ROWS, RowOrder(search="a: [1")).rows == (ROWS.rows[0],)
+@pytest.mark.parametrize(
+    ("order", "rows", "changed"),
+    [
+        (RowOrder(robot="Bo"), (1,), {(0, 1)}),
+        (RowOrder(sort="n"), (2, 1, 0), {(1, 1)}),
+        (RowOrder(sort="n", descending=True), (0, 1, 2), {(1, 1)}),
+        (RowOrder(search="zED"), (2,), set()),
+        (RowOrder(search="a: [1"), (0,), set()),
+    ],
+    ids=["of one robot", "mixed values", "descending", "whatever the case", "in every value"],
+)
+def test_rows_are_sorted_and_chosen(
+    order: RowOrder, rows: tuple[int, ...], changed: set[tuple[int, int]]
+) -> None:
+    found = arrange(ROWS, order)
+    assert found.rows == tuple(ROWS.rows[number] for number in rows)
+    assert found.changed == changed
 
 
 def test_turned_on_its_side() -> None:

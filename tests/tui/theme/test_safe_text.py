@@ -18,8 +18,11 @@ VALUES = st.recursive(
 )
 
 
-@given(st.text())
-def test_visible_text_has_nothing_that_a_terminal_acts_on(text: str) -> None:
+@given(st.text(), st.integers(0, 30))
+def test_visible_text_has_nothing_that_a_terminal_acts_on_and_clipped_is_never_longer(
+    text: str, width: int
+) -> None:
+    assert len(clip(text, width)) <= width
     shown = visible(text)
     assert len(shown) == len(text)
     assert not {unicodedata.category(c) for c in shown} & {"Cc", "Cf", "Cs", "Zl", "Zp"}
@@ -31,26 +34,13 @@ def test_control_characters_have_pictures() -> None:
     assert one_line("  a\n\n b\t c ") == "a b c"
 
 
-@given(st.text(), st.integers(0, 30))
-def test_clipped_text_is_never_longer(text: str, width: int) -> None:
-    assert len(clip(text, width)) <= width
-
-
 def test_values_are_written_as_a_program_would() -> None:
     values: list[tuple[Value, str]] = [
-        (None, "null"),
-        (True, "true"),
-        (3, "3"),
-        (3.0, "3.0"),
-        (0.1 + 0.2, "0.3"),
-        (1234567.891, "1.23457e+06"),
-        (float("nan"), "nan"),
-        (float("-inf"), "-inf"),
+        *((None, "null"), (True, "true"), (3, "3"), (3.0, "3.0"), (0.1 + 0.2, "0.3")),
+        *((1234567.891, "1.23457e+06"), (float("nan"), "nan"), (float("-inf"), "-inf")),
         ("wall", '"wall"'),
         ({"a": 1, "b": [1, None]}, "{a: 1, b: [1, null]}"),
-        ({}, "{}"),
-        ([], "[]"),
-        (10**400, f"{10**400:#x}"),
+        *(({}, "{}"), ([], "[]"), (10**400, f"{10**400:#x}")),
     ]
     assert [format_value(value) for value, _ in values] == [text for _, text in values]
 
@@ -72,11 +62,11 @@ def test_a_large_value_is_cut_without_being_written_out() -> None:
 
 
 def test_the_radar_is_31_bars_of_the_objects_colours() -> None:
-    ray = {"angle": 0.0, "label": "x"}
-    strip = radar_strip(
-        [{**ray, "distance": 200, "object": "none"}] * 30
-        + [{**ray, "distance": 1, "object": "wall"}]
+    far, near = (
+        {"angle": 0.0, "label": "x", "distance": distance, "object": kind}
+        for distance, kind in ((200, "none"), (1, "wall"))
     )
+    strip = radar_strip([far] * 30 + [near])
     assert strip.plain == "█" * 30 + "▁"
     assert len({str(span.style) for span in strip.spans}) == 2
 
@@ -87,38 +77,24 @@ def kinds(line: str, state: str = "") -> list[tuple[str, str]]:
 
 def test_the_words_of_logica_are_told_apart() -> None:
     assert kinds('@Visible(Memory, "all"); # so') == [
-        ("@Visible", "annotation"),
-        ("Memory", "predicate"),
-        ('"all"', "string"),
+        *(("@Visible", "annotation"), ("Memory", "predicate"), ('"all"', "string")),
         ("# so", "comment"),
     ]
     assert kinds("A(x: 1.5) :- y in b, x -> y;") == [
-        ("A", "predicate"),
-        ("x", "field"),
-        ("1.5", "number"),
-        (":-", "operator"),
-        ("in", "keyword"),
-        ("->", "operator"),
+        *(("A", "predicate"), ("x", "field"), ("1.5", "number"), (":-", "operator")),
+        *(("in", "keyword"), ("->", "operator")),
     ]
-    assert kinds("Robot(robot_name:, desire:)")[1:] == [
-        ("robot_name", "field"),
-        ("desire", "field"),
-    ]
+    names = kinds("Robot(robot_name:, desire:)")[1:]
+    assert names == [("robot_name", "field"), ("desire", "field")]
 
 
 def test_comments_and_strings_go_on_over_lines() -> None:
     for line, before, after in (
-        ("a /* b", "", "/*"),
-        ("a =/* b", "", "/*"),
-        ("b */ c", "/*", ""),
-        ("b */ c /* d", "/*", "/*"),
-        ('x = """ a', "", '"""'),
-        ('a """;', '"""', ""),
-        ("# /* no", "", ""),
-        ('"/*" a', "", ""),
+        *(("a /* b", "", "/*"), ("a =/* b", "", "/*"), ("b */ c", "/*", "")),
+        *(("b */ c /* d", "/*", "/*"), ("", "/*", "/*"), ("# /* no", "", ""), ('"/*" a', "", "")),
+        *(('x = """ a', "", '"""'), ('a """;', '"""', "")),
         ('"a\\"/*" a', "", "/*"),  # a backslash in double quotes is one
         ("'a\\'/*' a", "", ""),
-        ("", "/*", "/*"),
     ):
         assert state_after(line, before) == after, line
         found = pieces(line, before)

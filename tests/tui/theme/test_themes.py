@@ -6,7 +6,6 @@ import pytest
 from rich.cells import cell_len
 from rich.segment import Segment
 from textual.color import Color
-from textual.strip import Strip
 from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
@@ -43,19 +42,15 @@ def test_texts_and_walls_stand_out_in_every_theme() -> None:
             assert palette.light is not theme.dark, theme
 
 
-def strips(game: Opened) -> list[Strip]:
-    """What is on the screen, in all layers."""
-    return game.app.screen._compositor.render_strips()
+def written(game: Opened, word: str) -> list[Segment]:
+    """Where a word is on the screen, in all layers."""
+    strips = game.app.screen._compositor.render_strips()
+    return [segment for strip in strips for segment in strip if word in segment.text]
 
 
 def colours_of(game: Opened, word: str) -> set[object]:
     """The inks in which a word is written on the screen."""
-    return {
-        segment.style.color
-        for strip in strips(game)
-        for segment in strip
-        if word in segment.text and segment.style is not None
-    }
+    return {segment.style.color for segment in written(game, word) if segment.style is not None}
 
 
 def ink_and_paper(segment: Segment) -> tuple[Color, Color]:
@@ -114,8 +109,7 @@ async def test_without_colours_everything_is_legible_in_greys(
             game.app.theme = theme
             await game.sees("FreedomMotion")
             for word in ("FreedomMotion", "PAUSED", "Map"):
-                for segment in (s for strip in strips(game) for s in strip if word in s.text):
-                    ink, paper = ink_and_paper(segment)
+                for ink, paper in map(ink_and_paper, written(game, word)):
                     assert len({*ink.rgb}) == len({*paper.rgb}) == 1
                     assert contrast(ink, paper) >= 2.5, (theme, word)
 

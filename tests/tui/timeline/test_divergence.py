@@ -9,16 +9,14 @@ from logical_robots_tui.values import Desire
 
 
 def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
-    divergence = Divergence(
-        7,
-        (
-            Difference("Ada", "desire", Desire(0.5, 1.0), None),
-            Difference("Ada", "position", (1.0, 2.0, 0.0), (1.0 + 2**-30, 2.0, 0.0)),
-            Difference("Bo", "memory", {"n": 1}, "none"),
-            Difference("Bo", "notices", (), ("Robot has no row for Bo.",)),
-        ),
+    differences = (
+        Difference("Ada", "desire", Desire(0.5, 1.0), None),
+        Difference("Ada", "position", (1.0, 2.0, 0.0), (1.0 + 2**-30, 2.0, 0.0)),
+        Difference("Bo", "memory", {"n": 1}, "none"),
+        Difference("Bo", "notices", (), ("Robot has no row for Bo.",)),
     )
-    assert describe_divergence(divergence).plain.splitlines() == [
+    assert "an area" in describe_divergence(Divergence(3, ())).plain, "only an area differs"
+    assert describe_divergence(Divergence(7, differences)).plain.splitlines() == [
         "Ada",
         "  desire",
         "    here   left 0.5, right 1",
@@ -37,10 +35,6 @@ def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
     ]
 
 
-def test_where_only_an_area_differs_that_is_said() -> None:
-    assert "an area" in describe_divergence(Divergence(3, ())).plain
-
-
 def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() -> None:
     here = Node("rule", "Drive(robot_name:) :- Explore()", holds=True, span=Span(0, 9, 35, ""))
     there = Node("rule", "Drive(robot_name:) :- Steer()", holds=True, span=Span(0, 9, 31, ""))
@@ -55,16 +49,16 @@ def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() ->
 
 
 def test_a_value_a_failed_step_and_nothing_are_told_apart() -> None:
-    asked = Ask("Robot", {})
-    value = ProofDifference("value", asked, Node("read", "memory.n", values=(3,)), None)
-    assert derivation(Comparison("Ada", value)).plain.splitlines()[1:] == [
-        "  here   memory.n = 3",
-        "  there  missing here",
-    ]
-    step = ProofDifference("step", asked, Node("condition", "d < 20", holds=False), None)
-    assert "d < 20  does not hold" in derivation(Comparison("Ada", step)).plain
-    call = ProofDifference("step", Ask("Steer", {"col0": 0.5}), None, None)
-    assert derivation(Comparison("Ada", call)).plain.startswith(
-        "What Ada decides differs first in Steer(0.5)"
-    )
-    assert "are equal" in derivation(Comparison("Ada", None)).plain
+    asked, read = Ask("Robot", {}), Node("read", "memory.n", values=(3,))
+    value = derivation(Comparison("Ada", ProofDifference("value", asked, read, None)))
+    assert value.plain.splitlines()[1:] == ["  here   memory.n = 3", "  there  missing here"]
+    failed, steer = Node("condition", "d < 20", holds=False), Ask("Steer", {"col0": 0.5})
+    for difference, words in (
+        (ProofDifference("step", asked, failed, None), "d < 20  does not hold"),
+        (
+            ProofDifference("step", steer, None, None),
+            "What Ada decides differs first in Steer(0.5)",
+        ),
+        (None, "are equal"),
+    ):
+        assert words in derivation(Comparison("Ada", difference)).plain

@@ -1,6 +1,5 @@
 """The line of the timeline: where things stand in it."""
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,12 +19,9 @@ def test_the_signs_can_be_told_apart_without_colours_and_are_one_column_wide() -
     assert all(len(sign) == 1 for sign in signs)
 
 
-def test_the_past_the_known_and_the_other_future_look_different() -> None:
+def test_the_past_the_known_and_the_other_future_look_different_and_where_one_stands() -> None:
     line = track(Span(0, 5, 2, other_last=8, diverged=None), 12, nothing)
     assert line.plain == "━━━───┄┄┄   "
-
-
-def test_where_one_stands_is_reversed() -> None:
     line = track(Span(0, 5, 2), 12, nothing)
     (reversed_,) = [span for span in line.spans if "reverse" in str(span.style)]
     assert (reversed_.start, reversed_.end) == (2, 3)
@@ -42,12 +38,10 @@ def test_of_several_marks_in_a_column_the_most_telling_is_shown() -> None:
     assert track(Span(0, 5, 5), 3, has).plain == "!◉★"
 
 
-@given(
-    first=st.integers(0, 50_000),
-    ticks=st.integers(0, 40_000),
-    other=st.none() | st.integers(0, 90_000),
-    width=st.integers(1, 300),
-)
+OTHER = st.none() | st.integers(0, 90_000)
+
+
+@given(st.integers(0, 50_000), st.integers(0, 40_000), OTHER, st.integers(1, 300))
 def test_every_tick_has_a_column_that_stands_for_it(
     first: int, ticks: int, other: int | None, width: int
 ) -> None:
@@ -61,22 +55,7 @@ def test_every_tick_has_a_column_that_stands_for_it(
         assert 0 <= column < width
 
 
-@pytest.mark.parametrize(
-    ("text", "tick"),
-    [
-        ("120", 120),
-        (" 1,200 ", 1200),
-        ("+50", 150),
-        ("-50", 50),
-        ("- 5", 95),
-        ("", None),
-        ("ten", None),
-        ("1.5", None),
-        ("٣", None),
-        ("-", None),
-    ],
-)
-def test_a_tick_is_typed_as_a_number_or_as_so_many_ticks_from_here(
-    text: str, tick: int | None
-) -> None:
-    assert tick_of(text, 100) == tick
+def test_a_tick_is_typed_as_a_number_or_as_so_many_ticks_from_here() -> None:
+    ticks = {"120": 120, " 1,200 ": 1200, "+50": 150, "-50": 50, "- 5": 95}
+    ticks_and_nonsense = ticks | dict.fromkeys(("", "ten", "1.5", "٣", "-"))
+    assert {text: tick_of(text, 100) for text in ticks_and_nonsense} == ticks_and_nonsense
