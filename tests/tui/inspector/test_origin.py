@@ -153,8 +153,7 @@ async def test_a_pin_and_what_a_proof_read_are_followed_until_their_branch_is_le
 
         monkeypatch.setattr(Explainer, "source", slow)
         game.inspector.trace(Traced(robot, memory("seen"), 5))
-        await game.until(lambda: hold.has_begun)
-        await game.sees("at tick 2, 3 ticks back")
+        await game.until(lambda: hold.has_begun and game.shows("at tick 2, 3 ticks back"))
         await game.press("escape")
         hold.release()
         await game.sees("Stopped at tick 2")

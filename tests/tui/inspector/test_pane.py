@@ -95,17 +95,14 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
         # Rows follow step by step. Memory is empty in tick 1, and what the program made of it in
         # tick 2.
         await inspect(game, "Seen")
-        await game.sees("Seen · tick 0 · 1 row")
-        await game.sees('""')
+        await game.until(lambda: game.shows("Seen · tick 0 · 1 row") and game.shows('""'))
         await game.press("n")
         await game.until(lambda: any(_is_counted(entry, "Late", "2•") for entry in listed(game)))
         assert any(_is_counted(entry, "Names", "1 ") for entry in listed(game))
         await game.press("n")
         table = game.main.query_one("#rows", ValueTable)
-        await game.until(lambda: game.tick == 2)
-        await game.until(lambda: table.shown.changed == {(0, 1)})
-        await game.sees("Seen · tick 2 · 1 row")
-        await game.sees("I am a robot")
+        await game.until(lambda: game.tick == 2 and table.shown.changed == {(0, 1)})
+        await game.until(lambda: game.shows("Seen · tick 2 · 1 row") and game.shows("I am a robot"))
         await pressed(game, "n", until=lambda: game.tick == 3 and not table.shown.changed)
         await pressed(game, "p", "p", "p", sees="Seen · tick 0 · 1 row")
 

@@ -47,8 +47,7 @@ async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_
         await game.sees("Decision of Q")
         await pressed(game, "escape", until=lambda: game.app.screen is game.main)
         await game.pilot.resize_terminal(120, 40)
-        await game.until(lambda: pages(game) == [ROWS])
-        await game.sees("Names · tick 2 · 3 rows")
+        await game.until(lambda: pages(game) == [ROWS] and game.shows("Names · tick 2 · 3 rows"))
         await game.sees_no("Decision of")
         assert game.inspector.inspected == "Names"
         assert game.main.focused is not None

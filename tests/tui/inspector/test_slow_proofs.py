@@ -66,8 +66,7 @@ async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stoppe
         assert view(game).has_focus
         await pressed(game, "n", sees="taking the rules of Robot apart")
         is_asked.set()
-        await game.until(lambda: view(game).lines)
-        await game.until(lambda: view(game).line is view(game).lines[place])
+        await game.until(lambda: view(game).lines and view(game).line is view(game).lines[place])
         assert told(game)[place] == CALL
 
         # While robots run, the first level is enough.

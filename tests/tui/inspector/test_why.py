@@ -111,8 +111,7 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
             await game.settled()
             assert view(game).line is view(game).lines[number]
         await game.click(WhyView, offset=(2 * depth + 6, place))
-        await game.until(lambda: told(game)[:1] == [PROVED])
-        await game.sees("← Robot")
+        await game.until(lambda: told(game)[:1] == [PROVED] and game.shows("← Robot"))
         assert game.shows("Speed(")
         await pressed(game, "left", until=lambda: told(game)[0].startswith("Robot("))
         await go_to(game, CALL)

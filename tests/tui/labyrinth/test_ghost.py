@@ -18,7 +18,7 @@ from tests.player.test_best_runs import win
 from tests.player.test_session import Table, table
 from tests.short import AHEAD
 from tests.tui.conftest import Opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.inspector.steps import pressed, run_until, started
 
 SLOWER = AHEAD.replace("0.5", "0.1")
 
@@ -152,20 +152,18 @@ async def test_a_replay_is_raced_unless_it_was_changed_by_hand(
         assert race.length is None
 
 
-def ghosts(game: Opened) -> list[tuple[int, int]]:
-    """Where the labyrinth shows ghosts, as (row, column)."""
+def ghosts(game: Opened) -> list[int]:
+    """The columns in which the labyrinth shows ghosts."""
     view = game.main.labyrinth.view
-    rows = enumerate(view._cells.plain())
     signs = view.drawing.glyphs.ghosts
-    return [(row, column) for row, line in rows for column, c in enumerate(line) if c in signs]
+    return [column for row in view._cells.plain() for column, c in enumerate(row) if c in signs]
 
 
-async def run_to(game: Opened, tick: int) -> None:
-    """Run to a tick, and wait until it is drawn."""
-    game.session.run_until(tick)
-    view = game.main.labyrinth.view
-    await game.until(lambda: not game.session.busy and view._frame is game.session.frame)
-    assert game.tick == tick
+async def ghosts_at(game: Opened, tick: int) -> list[int]:
+    """Run to a tick, and return the columns of ghosts when it is drawn."""
+    await run_until(game, tick)
+    await game.until(lambda: game.main.labyrinth.view._frame is game.session.frame)
+    return ghosts(game)
 
 
 @pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.slow), (120, 40)])
@@ -184,20 +182,16 @@ async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
         await game.until(lambda: game.session.state.applied == SLOWER)
         await pressed(game, "escape", "r", "G", sees=f"ghost: {won} ticks")
         assert not ghosts(game)  # the robot stands there
-        await run_to(game, won // 2)
-        ((_, halfway),) = ghosts(game)
-        await run_to(game, won)
-        ((_, there),) = ghosts(game)
+        (halfway,) = await ghosts_at(game, won // 2)
+        (there,) = await ghosts_at(game, won)
         assert there > halfway
-        await run_to(game, won + 5)
-        assert [column for _, column in ghosts(game)] == [there]
+        assert await ghosts_at(game, won + 5) == [there]
         game.session.go_to(won // 2)
-        await game.until(lambda: [column for _, column in ghosts(game)] == [halfway])
+        await game.until(lambda: ghosts(game) == [halfway])
         await pressed(game, "G", sees="The ghost is off.")
         await game.sees_no("ghost: ")
         assert not ghosts(game)
         await game.app.run_action("screen.command('race_replay')")
-        await game.sees("Race a replay")
-        await game.sees(f"{won} ticks")
+        await game.until(lambda: game.shows("Race a replay") and game.shows(f"{won} ticks"))
         await pressed(game, "enter", sees=f"ghost: {won} ticks")
-        await game.until(lambda: [column for _, column in ghosts(game)] == [halfway])
+        await game.until(lambda: ghosts(game) == [halfway])

@@ -95,7 +95,6 @@ async def test_a_victory_ticks_the_goals_that_it_reaches(
         game.app.push_screen(results)
         assert results.is_active
         results.follow()
-        await game.sees("Once more")
-        await game.sees("your best")
+        await game.until(lambda: game.shows("Once more") and game.shows("your best"))
     best = Progress(data_dir / FILE_NAME).record(str(short)).bests
     assert best.goals == ("at most 11 symbols",)

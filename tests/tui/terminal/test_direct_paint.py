@@ -13,12 +13,11 @@ from tests.terminal import looks
 
 COLUMNS, ROWS = 14, 6
 SPOT = Region(2, 1, 9, 4)
+WHOLE = [(row, 0, SPOT.width) for row in range(SPOT.height)]
 
 _styles = st.builds(
     lambda ink, paper, bold: ink << 24 | paper | bold,
-    st.sampled_from((0x102030, 0xFF8800)),
-    st.sampled_from((0x102030, 0x204060)),
-    st.sampled_from((0, BOLD)),
+    *map(st.sampled_from, ((0x102030, 0xFF8800), (0x102030, 0x204060), (0, BOLD))),
 )
 
 
@@ -33,12 +32,17 @@ def pictures(draw: st.DrawFn) -> Cells:
             is_wide = text == "機"
             if column + is_wide >= SPOT.width:
                 break
-            style = draw(_styles)
-            cells.text[row, column], cells.style[row, column] = text_id(text), style
+            cells.style[row, column : column + 1 + is_wide] = draw(_styles)
+            cells.text[row, column] = text_id(text)
             if is_wide:
-                cells.text[row, column + 1], cells.style[row, column + 1] = CONTINUED, style
+                cells.text[row, column + 1] = CONTINUED
             column += 1 + is_wide
     return cells
+
+
+def sent_in_strips(difference: Difference, cells: Cells) -> str:
+    difference.take((SPOT.y + row, SPOT.x, list(cells.strip(row))) for row in range(SPOT.height))
+    return difference.sequence()
 
 
 _regions = st.builds(
@@ -60,14 +64,10 @@ def test_a_spot_shows_its_cells_but_where_something_lies_over_it(
     straight, by_strips = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
     ours, theirs = (Difference(COLUMNS, ROWS, colours) for _ in range(2))
     spot = PaintTarget(ours, SPOT, over)
-    for cells, changes in (
-        (before, [(row, 0, SPOT.width) for row in range(SPOT.height)]),
-        (now, now.changes(before)),
-    ):
+    for cells, changes in ((before, WHOLE), (now, now.changes(before))):
         spot.put(cells, changes)
         pyte.Stream(straight).feed(ours.sequence())
-        theirs.take((SPOT.y + row, SPOT.x, list(cells.strip(row))) for row in range(SPOT.height))
-        pyte.Stream(by_strips).feed(theirs.sequence())
+        pyte.Stream(by_strips).feed(sent_in_strips(theirs, cells))
     shown, expected = looks(straight), looks(by_strips)
     for y in SPOT.line_range:
         for x in SPOT.column_range:
@@ -91,8 +91,7 @@ def test_of_a_spot_in_a_terminal_that_shrank_is_shown_what_there_is_room_for(
 ) -> None:
     straight, by_strips = pyte.Screen(columns, rows), pyte.Screen(columns, rows)
     ours, theirs = (Difference(columns, rows, None) for _ in range(2))
-    PaintTarget(ours, SPOT, []).put(cells, [(row, 0, SPOT.width) for row in range(SPOT.height)])
-    theirs.take((SPOT.y + row, SPOT.x, list(cells.strip(row))) for row in range(SPOT.height))
+    PaintTarget(ours, SPOT, []).put(cells, WHOLE)
     pyte.Stream(straight).feed(ours.sequence())
-    pyte.Stream(by_strips).feed(theirs.sequence())
+    pyte.Stream(by_strips).feed(sent_in_strips(theirs, cells))
     assert straight.display == by_strips.display

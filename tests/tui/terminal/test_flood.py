@@ -24,6 +24,13 @@ FLOODS = {
 }
 
 
+def play(tmp_path: Path, *options: str, code: str = "") -> list[str]:
+    """The command of a game, which some code of a test may start."""
+    start = ["-c", code] if code else ["-m", "logical_robots_tui"]
+    folder = ["--data-dir", str(tmp_path)]
+    return [sys.executable, *start, "play", "01-first-steps", *options, *folder]
+
+
 def flood(terminal: Terminal, data: bytes) -> None:
     """Send without reading what comes back, but for making room."""
     fileno = terminal.fileno()
@@ -43,8 +50,7 @@ def flood(terminal: Terminal, data: bytes) -> None:
 @pytest.mark.sampled
 @pytest.mark.parametrize("what", FLOODS)
 def test_after_a_flood_a_key_is_answered_and_no_memory_is_lost(what: str, tmp_path: Path) -> None:
-    game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "--restricted"]
-    with Terminal([*game, "--data-dir", tmp_path]) as terminal:
+    with Terminal(play(tmp_path, "--restricted")) as terminal:
         terminal.wait_for("· applied")
         before = memory_use(terminal.game)
         flood(terminal, FLOODS[what])
@@ -56,8 +62,7 @@ def test_after_a_flood_a_key_is_answered_and_no_memory_is_lost(what: str, tmp_pa
 
 @pytest.mark.slow
 def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Path) -> None:
-    game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps"]
-    with Terminal([*game, "--data-dir", tmp_path]) as terminal:
+    with Terminal(play(tmp_path)) as terminal:
         terminal.wait_for("· applied")
         begun = terminal.traffic
         terminal.resize(10_000, 10_000)
@@ -86,9 +91,8 @@ FAILS = """if True:
 
 @pytest.mark.slow
 def test_a_mistake_of_ours_in_the_thread_that_reads_ends_the_game_in_order(tmp_path: Path) -> None:
-    game = [sys.executable, "-c", FAILS, "play", "01-first-steps", "--data-dir", tmp_path]
     home = {"HOME": str(tmp_path), "XDG_STATE_HOME": str(tmp_path / "state")}
-    with Terminal(game, env=home) as terminal:
+    with Terminal(play(tmp_path, code=FAILS), env=home) as terminal:
         terminal.wait_to_receive("\x1b[?1049h")
         terminal.send("n")
         assert terminal.finish() == 70
@@ -111,8 +115,7 @@ SOON_GONE = """if True:
 def test_a_terminal_that_falls_silent_ends_a_restricted_game_and_the_text_is_kept(
     tmp_path: Path,
 ) -> None:
-    play = [sys.executable, "-c", SOON_GONE, "play", "01-first-steps", "--restricted"]
-    with Terminal([*play, "--data-dir", tmp_path]) as terminal:
+    with Terminal(play(tmp_path, "--restricted", code=SOON_GONE)) as terminal:
         terminal.wait_for("· applied")
         terminal.send("2# typed by ada")
         terminal.wait_for("not applied")
@@ -131,8 +134,7 @@ DEAF = """if True:
 
 
 def test_a_size_whose_signal_was_lost_is_noticed(tmp_path: Path) -> None:
-    play = [sys.executable, "-c", DEAF, "play", "01-first-steps", "--data-dir", tmp_path]
-    with Terminal(play, size=(120, 40)) as terminal:
+    with Terminal(play(tmp_path, code=DEAF), size=(120, 40)) as terminal:
         terminal.wait_for("╭─ Inspector")
         terminal.resize(80, 24)
         terminal.wait_for(" 1 Map   2 Program")

@@ -20,9 +20,7 @@ places = st.one_of(st.integers(0, 130), st.integers(0, 70_000))
 mouse = st.builds(
     "\x1b[<{};{};{}{}".format,
     st.sampled_from([0, 1, 2, 3, 4, 8, 16, 32, 34, 35, 48, 64, 65, 66, 67, 128, 255]),
-    places,
-    places,
-    st.sampled_from("Mm"),
+    *(places, places, st.sampled_from("Mm")),
 )
 keys = st.sampled_from([" ", "n", "p", "1", "2", "3", "?", "\t", "\x1b[A", "\x1b[B", "+", "b"])
 storms = st.one_of(
@@ -32,22 +30,19 @@ storms = st.one_of(
 )
 
 
-def send(terminal: Terminal, event: Event) -> None:
-    if isinstance(event, str):
-        terminal.send(event)
-    else:
-        terminal.resize(*event)
-
-
 def goes_through(terminal: Terminal, storm: list[Event]) -> bool:
     """Whether the game is still there after a storm, and draws; otherwise it was told to quit."""
     try:
         for event in storm:
-            send(terminal, event)
-            terminal.read_for(0.0 if isinstance(event, str) else ONE_FRAME)
+            if isinstance(event, str):
+                terminal.send(event)
+                terminal.read_for(0.0)
+            else:
+                terminal.resize(*event)
+                terminal.read_for(ONE_FRAME)
         for size in (120, 40), SIZE:
             before = terminal.traffic
-            send(terminal, size)
+            terminal.resize(*size)
             terminal.wait_for(lambda before=before: terminal.traffic > before)  # type: ignore[misc]  # a default
     except (AssertionError, OSError, ValueError):
         assert terminal.process.wait(terminal.patience) == 0, terminal.everything[-2000:]

@@ -57,8 +57,7 @@ async def test_a_run_cut_off_in_another_level_is_offered_when_that_level_is_open
             assert not isinstance(game.app.screen, Question)
             if is_opened:  # it may have been left without being opened, or without an answer
                 await game.app.main.player.library.open_level(level)
-                await game.sees("Cut off")
-                await game.sees("Yes, continue")
+                await game.until(lambda: game.shows("Cut off") and game.shows("Yes, continue"))
 
 
 async def test_there_is_no_going_back_to_the_start_or_through_a_level_changed_by_hand(

@@ -22,11 +22,8 @@ from tests.virtual_time import VirtualClock
 @asynccontextmanager
 async def played(replay: Replay, data_dir: Path) -> AsyncIterator[Opened]:
     level, sources = level_of(replay), sources_of(replay, data_dir / "programs")
-    app = LogicalRobotsApp(
-        Opening(
-            level=level, sources=sources, data_dir=data_dir, replay=replay, clock=VirtualClock()
-        )
-    )
+    opening = Opening(level, sources, data_dir, replay=replay, clock=VirtualClock())
+    app = LogicalRobotsApp(opening)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         game = Opened(app, pilot, data_dir)
         await game.ready()
@@ -62,8 +59,7 @@ async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
         await game.until(lambda: game.session.state.applied == AHEAD)
         await game.press("escape", "r")
         game.main.action_command("open_replay")
-        await game.until(lambda: isinstance(game.app.screen, Chooser))
-        await game.sees("5 ticks")
+        await game.until(lambda: isinstance(game.app.screen, Chooser) and game.shows("5 ticks"))
         await pressed(game, "enter", sees="Replay of 5 ticks")
         await game.until(lambda: game.tick == replay.last and not game.session.busy)
         assert game.session.state.applied == STILL
