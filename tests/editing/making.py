@@ -152,10 +152,7 @@ EDITS = st.one_of(
         ),
         *(_POINTS, _POINTS, st.integers(0, 4), _GRIDS, _BOTH),
     ),
-    st.builds(
-        lambda at, wall: _edit("fill", fill, x=at[0], y=at[1], wall=wall),
-        *(_POINTS, _BOTH),
-    ),
+    st.builds(lambda at, wall: _edit("fill", fill, x=at[0], y=at[1], wall=wall), *(_POINTS, _BOTH)),
     _THINGS.map(lambda new: Edit(f"add {new}", lambda level: add(level, new)[0])),
     _KINDS.flatmap(
         lambda kind: st.builds(

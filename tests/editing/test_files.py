@@ -1,4 +1,4 @@
-"""Saving levels: nothing is lost, and what didn't change keeps its bytes."""
+"""Saving levels: nothing is lost, what didn't change keeps its bytes, and what can't be saved."""
 
 from __future__ import annotations
 
@@ -8,23 +8,36 @@ import math
 import re
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.editing.edits import Edits
-from logical_robots_tui.editing.files import rewritten, save_level
+from logical_robots_tui.editing.files import is_made_here, rewritten, save_level
 from logical_robots_tui.editing.level_text import lost_in_web, record_of, write_native, write_web
 from logical_robots_tui.editing.strokes import paint, paint_rectangle
-from logical_robots_tui.editing.things import Ref, add, change, remove, resize, set_words
-from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility, load_level
+from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, resize, set_words
+from logical_robots_tui.world import (
+    Area,
+    Beacon,
+    Level,
+    LevelError,
+    Robot,
+    Score,
+    Team,
+    Visibility,
+    load_level,
+)
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
 from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room
 from tests.world.making import levels
+from tests.world.test_scoring import matches
 
 BY_HAND = """\
 # A level made by hand.
@@ -119,9 +132,6 @@ def after(text: str, level: Level) -> str:
     return new
 
 
-# -- the whole way -------------------------------------------------------------------------------
-
-
 @settings(deadline=None)
 @given(
     st.lists(st.one_of(EDITS, st.sampled_from(["undo", "redo", "save"])), max_size=15),
@@ -148,6 +158,17 @@ def test_any_sequence_of_edits_undos_and_saves_loads_back(
                 edits.do(step.what, step(edits.level))
 
 
+def says_no_more(level: Level, original: dict[str, Any]) -> dict[str, Any]:
+    """What a file of the platform says of a level; it adds nothing to the original."""
+    again: dict[str, Any] = json.loads(write_web(level))
+    assert again.keys() == original.keys()
+    assert again["walls"] == original["walls"].replace("2", "0")
+    for kind in ("robots", "beacons", "areas"):
+        for one, other in zip(again[kind], original[kind], strict=True):
+            assert one.items() <= other.items()
+    return again
+
+
 @settings(deadline=None)
 @given(levels())
 def test_a_level_of_the_web_platform_becomes_one_of_this_game_and_comes_back(level: Level) -> None:
@@ -165,14 +186,9 @@ def test_levels_of_the_platform_pass_through_both_formats(path: Path) -> None:
     level = load_level(path)
     native = read_native(write_native(level), path.stem, "")
     assert alike(native, level)
-    again = json.loads(write_web(native))
     original = json.loads(path.read_text())
-    assert again["walls"] == original["walls"].replace("2", "0")
+    again = says_no_more(native, original)
     assert [robot["x"] for robot in again["robots"]] == [r["x"] for r in original["robots"]]
-    assert again.keys() == original.keys()
-    for kind in ("robots", "beacons", "areas"):
-        for one, other in zip(again[kind], original[kind], strict=True):
-            assert one.items() <= other.items()
 
 
 def drawing(text: str) -> str:
@@ -187,9 +203,6 @@ def test_our_own_levels_are_written_anew_without_loss(path: Path) -> None:
     assert alike(read(text), level)
     assert drawing(text) == drawing(path.read_text())
     assert write_native(read(text)) == text
-
-
-# -- small changes -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -214,41 +227,38 @@ def test_a_save_without_a_change_changes_no_byte(
     assert path.stat().st_ino == before.st_ino
 
 
-def hand() -> Level:
-    return read(BY_HAND)
-
-
+HAND = read(BY_HAND)
 ANN, BOB, HOME, LAMP = (Ref("robots", 0), Ref("robots", 1), Ref("areas", 0), Ref("beacons", 0))
 
 
 @pytest.mark.parametrize(
     ("level", "difference"),
     [
-        (change(hand(), ANN, x=20.5), "-x = 1_5.50 # in the corner|+x = 20.5 # in the corner"),
+        (change(HAND, ANN, x=20.5), "-x = 1_5.50 # in the corner|+x = 20.5 # in the corner"),
         (
-            change(hand(), HOME, radius=9.0, victory_robots=("Bob",)),
+            change(HAND, HOME, radius=9.0, victory_robots=("Bob",)),
             '-  radius = 7.0|+  radius = 9|-  goal_for = [ "Ann", \'Bob\' ]|+  goal_for = ["Bob"]',
         ),
-        (change(hand(), HOME, sticky_switch=True), "-  sticky = false|+  sticky = true"),
+        (change(HAND, HOME, sticky_switch=True), "-  sticky = false|+  sticky = true"),
         (
-            change(hand(), BOB, battery_capacity=90.0),
+            change(HAND, BOB, battery_capacity=90.0),
             "-capacity = 100 # units|+capacity = 90 # units",
         ),
-        (change(hand(), ANN, angle=math.radians(-30)), "-heading = 0|+heading = -30"),
-        (change(hand(), ANN, angle=IN_NO_DEGREES), f"-heading = 0|+angle = {IN_NO_DEGREES!r}"),
-        (add(hand(), Beacon("bell", 5, 6))[0], '+|+[[beacons]]|+name = "bell"|+x = 5|+y = 6'),
-        (add(hand(), Robot("Cid", 5, 6))[0], '+[[robots]]|+name = "Cid"|+x = 5|+y = 6|+'),
-        (remove(hand(), LAMP), '-[[beacons]]|-name = "lamp"|-x = 50|-y = 30'),
+        (change(HAND, ANN, angle=math.radians(-30)), "-heading = 0|+heading = -30"),
+        (change(HAND, ANN, angle=IN_NO_DEGREES), f"-heading = 0|+angle = {IN_NO_DEGREES!r}"),
+        (add(HAND, Beacon("bell", 5, 6))[0], '+|+[[beacons]]|+name = "bell"|+x = 5|+y = 6'),
+        (add(HAND, Robot("Cid", 5, 6))[0], '+[[robots]]|+name = "Cid"|+x = 5|+y = 6|+'),
+        (remove(HAND, LAMP), '-[[beacons]]|-name = "lamp"|-x = 50|-y = 30'),
         (
-            set_words(hand(), title="Other"),
+            set_words(HAND, title="Other"),
             "-title   =   'Mixed'          # in many ways"
             '|+title   =   "Other"          # in many ways',
         ),
-        (set_words(hand(), idea="New."), '+idea = "New."'),
-        (set_words(hand(), hints=("one", "2")), '-  "two"]|+  "2"]'),  # comments in it stay
-        (paint(hand(), [(35, 15)], width=1, grid=10), "-#.. ...#|+#..#...#"),
+        (set_words(HAND, idea="New."), '+idea = "New."'),
+        (set_words(HAND, hints=("one", "2")), '-  "two"]|+  "2"]'),  # comments in it stay
+        (paint(HAND, [(35, 15)], width=1, grid=10), "-#.. ...#|+#..#...#"),
         (
-            paint(hand(), [(35, 35)], width=1, grid=10, wall=True),
+            paint(HAND, [(35, 35)], width=1, grid=10, wall=True),
             "-2* 1# 6. 1#|+1# 2. 1# 3. 1#|+1# 6. 1#",
         ),
     ],
@@ -257,44 +267,33 @@ def test_a_small_change_is_a_small_difference(level: Level, difference: str) -> 
     assert changed_lines(BY_HAND, after(BY_HAND, level)) == difference.split("|")
 
 
-def test_line_ends_and_mark_of_another_system_stay() -> None:
+def test_line_ends_and_a_mark_of_another_system_and_every_comment_stay() -> None:
     text = "\ufeff" + BY_HAND.replace("\n", "\r\n")
-    level = paint(change(hand(), ANN, x=20.0), [(35, 15)], grid=10)
-    new = after(text, level)
+    new = after(text, paint(change(HAND, ANN, x=20.0), [(35, 15)], grid=10))
     assert new.startswith("\ufeff")
     assert new.count("\r\n") == new.count("\n") == text.count("\n")
-
-
-def test_walls_finer_than_the_drawing_make_a_finer_drawing() -> None:
-    level = paint(hand(), [(35.5, 15.5)])
-    new = after(BY_HAND, level)
-    assert '"cell" = 1\n' in new
-    assert "# five rows" in new
-    assert "# Ann is the first." in new
-
-
-def test_every_comment_survives_many_changes() -> None:
-    level = hand()
+    level = HAND
     for ref in (ANN, BOB, HOME, LAMP):
         level = change(level, ref, name=f"new {ref.kind} {ref.index}", x=33.25, y=21.0)
     level = set_words(level, title="Other", visibility=Visibility("all", "all"), briefing="Go.")
-    level = add(resize(level, 90, 50), Area("far", 80, 20, 5))[0]
-    new = after(BY_HAND, level)
+    many = after(BY_HAND, add(resize(level, 90, 50), Area("far", 80, 20, 5))[0])
+    finer = after(BY_HAND, paint(HAND, [(35.5, 15.5)]))
+    assert '"cell" = 1\n' in finer
     comments = re.findall(r"# [A-Za-z].*$", BY_HAND, re.MULTILINE)
     assert len(comments) > 8
-    assert [comment for comment in comments if comment not in new] == []
+    assert [comment for comment in comments if comment not in many or comment not in finer] == []
+    assert "lenient = true" in after(BY_HAND, change(HAND, HOME, on_beacon="nothing"))
 
 
 def test_neither_a_row_that_ends_the_drawing_nor_words_like_our_own_mark_confuse() -> None:
-    text = SMALL.replace('"Small"', '"the drawing, the drawing itself"')
-    new = after(text, paint(read(text), [(15, 15)], grid=10))
-    assert changed_lines(text, new) == ["-#..#", "+##.#"]
-    text = SMALL.replace("####\n'''\n\n[[", "####'''\n# Ann.\n[[")
-    assert "####'''\n# Ann.\n[[" in text
-    new = after(text, change(read(text), ANN, x=16.0))
-    assert changed_lines(text, new) == ["-x = 15", "+x = 16"]
-    new = after(text, paint(read(text), [(15, 15)], grid=10))
-    assert changed_lines(text, new) == ["-#..#", "+##.#"]
+    worded = SMALL.replace('"Small"', '"the drawing, the drawing itself"')
+    ended = SMALL.replace("####\n'''\n\n[[", "####'''\n# Ann.\n[[")
+    assert "####'''\n# Ann.\n[[" in ended
+    for text in (worded, ended):
+        new = after(text, paint(read(text), [(15, 15)], grid=10))
+        assert changed_lines(text, new) == ["-#..#", "+##.#"]
+    new = after(ended, change(read(ended), ANN, x=16.0))
+    assert changed_lines(ended, new) == ["-x = 15", "+x = 16"]
 
 
 def test_what_is_written_on_one_line_is_changed_there() -> None:
@@ -304,11 +303,6 @@ def test_what_is_written_on_one_line_is_changed_there() -> None:
         '+areas = [{name = "home", x = 25, y = 15, radius = 6}] # only one',
     ]
     assert "# only one" in after(INLINE, paint(level, [(15, 15)], grid=5))
-
-
-def test_a_level_that_becomes_odd_says_that_it_is_lenient() -> None:
-    new = after(BY_HAND, change(hand(), HOME, on_beacon="nothing"))
-    assert "lenient = true" in new
 
 
 @pytest.mark.parametrize("old", ["[[robots]]", "[[areas]]"])
@@ -334,3 +328,202 @@ def test_what_the_web_platform_can_not_say_is_named() -> None:
     level = load_level("01-first-steps")
     words = "title idea briefing hints lesson further story questions starter solution"
     assert lost_in_web(level) == [*words.split(), "second_goals", "visibility"]
+
+
+TEAMS = """\
+title = "Match"
+cell = 10
+walls = '''
+####
+#..#
+####
+'''
+
+divided_charge = true  # fair
+match = {ticks = 50}
+
+# who plays
+[[teams]]
+name = "red"  # the first
+program = "herd"
+
+[[teams]]
+name = "blue"
+
+[[scores]]
+kind = "hold"
+area = "hill"  # the middle
+
+[[scores]]
+kind = "charged"
+points = 0.5
+
+[[areas]]
+name = "hill"
+x = 20
+y = 15
+radius = 5
+
+[[robots]]
+name = "Ann"
+x = 15
+y = 15
+team = "red"
+
+[[robots]]
+name = "Bob"
+x = 25
+y = 15
+team = "blue"
+"""
+
+
+MATCH = read(TEAMS)
+
+
+def test_teams_are_written_and_keep_their_comments() -> None:
+    assert alike(read(write_native(MATCH)), MATCH)
+    moved = change(MATCH, BOB, x=24)
+    assert rewritten(TEAMS, moved) == TEAMS.replace("x = 25", "x = 24")
+    joined, ref = add(moved, Robot("Cid", 16, 16))
+    assert joined.robots[2].team == "red"
+    for level in (
+        change(joined, ref, team="blue"),
+        set_words(MATCH, teams=(Team("red"), Team("blue", "swarm"))),
+        set_words(MATCH, match_ticks=60, scores=(Score("near", "hill", 2),)),
+    ):
+        after(TEAMS, level)
+
+
+def test_a_score_follows_an_area_that_is_called_otherwise() -> None:
+    renamed = change(MATCH, HOME, name="top")
+    assert renamed.scores == (Score("hold", "top"), Score("charged", points=0.5))
+    twice, ref = duplicate(MATCH, HOME, 2, 0)
+    assert change(twice, ref, name="top").scores == MATCH.scores
+
+
+@settings(deadline=None)
+@given(matches())
+def test_any_match_is_read_as_it_was_written(level: Level) -> None:
+    level = replace(level, areas=(*level.areas, Area("home", 10, 10, 5)))
+    assert alike(read(write_native(level)), level)
+
+
+def test_teams_are_lost_in_the_web_format() -> None:
+    level = replace(MATCH, solid_robots=True, all_goals=True, shuffled_names=("*",))
+    lost = ["teams", "match_ticks", "scores"]
+    lost += ["divided_charge", "solid_robots", "all_goals", "shuffled_names", "visibility"]
+    assert lost_in_web(level)[-8:] == lost
+    robots = tuple(replace(robot, team="") for robot in level.robots)
+    assert read_web(write_web(level), "match", "").robots == robots
+
+
+@pytest.mark.parametrize("ending", [".toml", ".json"])
+def test_a_new_file_is_made_with_its_folders(ending: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine" / f"maze{ending}"
+    saved = save_level(room(), path)
+    assert (saved.name, saved.source) == ("maze", str(path))
+    assert (load_level(path).walls == room().walls).all()
+    assert [file.name for file in path.parent.iterdir()] == [path.name]
+    path.write_text("walls = 3")  # a broken file is replaced
+    save_level(room(), path)
+    assert ending == ".json" or alike(load_level(path), room())  # that one has no title
+
+
+def test_a_file_of_the_web_platform_that_says_the_same_is_not_touched_and_else_is_made_here(
+    tmp_path: Path,
+) -> None:
+    path, text = tmp_path / "garden.json", CONFORMANCE[0].read_text()
+    assert is_made_here(path)
+    path.write_text(text)
+    assert not is_made_here(path)
+    level = load_level(path)
+    save_level(level, path)
+    assert path.read_text() == text
+    save_level(change(level, ANN, x=7.0), path)
+    assert load_level(path).robots[0].x == 7
+    assert is_made_here(path)
+    path.write_text("something else")
+    assert not is_made_here(path)
+    assert is_made_here(SHIPPED[0])
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "message"),
+    [
+        ("level.txt", {}, "no ending of a level format"),
+        ("level.toml", {"robots": ()}, "The level has no robots."),
+        ("level.toml", {"robots": (Robot("A", 1, 1),) * 2}, 'robots are called "A"'),
+        ("level.json", {"beacons": (Beacon("n" * 61, 1, 1),)}, "longer than 60"),
+        ("level.toml", vars(MATCH) | {"robots": MATCH.robots[:1]}, 'Team "blue" has no robots'),
+    ],
+)
+def test_what_could_not_be_loaded_is_not_saved(
+    name: str, changes: dict[str, Any], message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / name
+    with pytest.raises(LevelError, match=message) as caught:
+        save_level(replace(room(), **changes), path)
+    assert caught.value.place == str(path)
+    assert not path.exists()
+
+
+def test_a_file_that_can_not_be_written_or_is_ours_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    here.rmdir()
+    files = [tmp_path / "file" / "level.toml", Path("level.toml")]
+    for path, message in [(SHIPPED[0], "changed"), *((path, "written") for path in files)]:
+        with pytest.raises(LevelError, match=f"can't be {message}"):
+            save_level(room(), path)
+
+
+DIGITS, FLAGS, NAMES = st.integers(0, 9), st.booleans(), st.sampled_from(["", "a"])
+PLACED = {"name": st.text(st.sampled_from("abc"), min_size=1), "x": DIGITS, "y": DIGITS}
+COLORED = {**PLACED, "color": st.just("red")}
+WEB_LEVELS = st.fixed_dictionaries(
+    {
+        "width": st.just(3),
+        "height": st.just(2),
+        "walls": st.text("01", min_size=6, max_size=6),
+        "robots": st.lists(
+            st.fixed_dictionaries(
+                COLORED,
+                optional={
+                    "angle": st.floats(-9, 9),
+                    "has_battery": FLAGS,
+                    "can_charge": FLAGS,
+                    "battery_capacity": DIGITS,
+                    "battery_consumption_rate": st.floats(0, 9),
+                },
+            ),
+            min_size=1,
+            unique_by=lambda robot: robot["name"],
+        ),
+        "beacons": st.lists(st.fixed_dictionaries(PLACED, optional={"charging_station": FLAGS})),
+        "areas": st.lists(
+            st.fixed_dictionaries(
+                {**COLORED, "radius": DIGITS, "victory_robots": st.just(["a"])},
+                optional={
+                    "on_beacon": NAMES,
+                    "off_beacon": NAMES,
+                    "sticky_switch": FLAGS,
+                    "impenetrable": FLAGS,
+                },
+            )
+        ),
+    }
+)
+
+
+@settings(deadline=None)
+@given(WEB_LEVELS)
+def test_nothing_is_added_to_a_level_of_the_platform_on_its_way_there_and_back(
+    written: dict[str, Any],
+) -> None:
+    level = read_web(json.dumps(written), "level", "")
+    says_no_more(read(write_native(level)), written)
