@@ -32,24 +32,16 @@ def test_a_dab_of_the_brush_is_as_wide_as_the_brush_and_round_and_a_line_is_stra
 
 
 @settings(deadline=None)
-@given(st.tuples(INSIDE, INSIDE), st.tuples(INSIDE, INSIDE), st.integers(1, 6))
-def test_no_robot_slips_through_a_line(
-    one: tuple[float, float], other: tuple[float, float], width: int
-) -> None:
-    level = paint(room(80, 80), [one, other], width=width)
-    painted = Regions(level.walls, corners=False)
-    ends = [painted.at(math.floor(y), math.floor(x)) for x, y in (one, other)]
-    assert ends[0] == ends[1]
-    assert ends[0] >= 0 or width % 2 == 0
-    assert len({painted.at(*unit) for unit in np.argwhere(level.walls).tolist()}) == 1
-
-
-@settings(deadline=None)
 @given(st.tuples(INSIDE, INSIDE), st.tuples(INSIDE, INSIDE), st.integers(1, 9))
-def test_a_line_covers_what_is_near_it_and_nothing_else(
+def test_a_line_covers_what_is_near_it_and_nothing_else_and_lets_no_robot_slip_through(
     one: tuple[float, float], other: tuple[float, float], width: int
 ) -> None:
     walls = paint(room(80, 80), [one, other], width=width).walls
+    painted = Regions(walls, corners=False)
+    ends = [painted.at(math.floor(y), math.floor(x)) for x, y in (one, other)]
+    assert ends[0] == ends[1]
+    assert ends[0] >= 0 or width % 2 == 0
+    assert len({painted.at(*unit) for unit in np.argwhere(walls).tolist()}) == 1
     y, x = np.mgrid[:80, :80] + 0.5
     dx, dy = other[0] - one[0], other[1] - one[1]
     share = ((x - one[0]) * dx + (y - one[1]) * dy) / max(dx * dx + dy * dy, 1e-9)
@@ -87,14 +79,11 @@ def test_filling_stops_at_walls_also_where_they_only_touch_at_corners() -> None:
     assert sketch(fill(level, 2.5, 0.5, wall=False)) == [".....", ".#...", "#...."]
 
 
-def test_the_eraser_takes_walls_away() -> None:
+def test_the_eraser_takes_walls_away_and_what_changes_nothing_is_the_level_itself() -> None:
     full = paint_rectangle(room(), (0, 0), (119, 79))
     assert full.walls.all()
     assert (~paint(full, [(40, 40)], width=3, wall=False).walls).sum() == 9
     assert not paint_rectangle(full, (0, 0), (119, 79), wall=False).walls.any()
-
-
-def test_what_changes_nothing_is_the_level_itself() -> None:
     level = paint(room(), [(5, 5)])
     assert paint(level, [(5, 5)]) is level
     assert paint(level, [(-50, 5)]) is level
@@ -145,13 +134,15 @@ def flooded(
 @given(MAPS, st.booleans())
 def test_regions_are_what_a_search_finds(units: NDArray[np.bool_], corners: bool) -> None:
     regions = Regions(units, corners=corners)
-    for row in range(units.shape[0]):
-        for column in range(units.shape[1]):
-            region = regions.at(row, column)
-            assert (region >= 0) == units[row, column]
-            if region >= 0:
-                found = set(map(tuple, np.argwhere(regions.mask(region)).tolist()))
-                assert found == flooded(units, (row, column), corners)
+    for (row, column), is_free in np.ndenumerate(units):
+        region = regions.at(row, column)
+        assert (region >= 0) == is_free
+        if region >= 0:
+            found = set(map(tuple, np.argwhere(regions.mask(region)).tolist()))
+            assert found == flooded(units, (row, column), corners)
+    height, width = units.shape
+    outside = [(-1, 0), (height, 0), (0, -1), (0, width)]
+    assert [regions.at(*unit) for unit in outside] == [-1] * 4
 
 
 @settings(deadline=None)
@@ -166,8 +157,3 @@ def test_regions_within_a_circle_are_those_of_the_units_that_it_touches(
         if math.hypot(x - min(max(x, column), column + 1), y - min(max(y, row), row + 1)) < radius
     }
     assert regions.within(x, y, radius) == touched
-
-
-def test_outside_the_map_is_no_region() -> None:
-    regions = Regions(np.ones((3, 4), np.bool_), corners=False)
-    assert [regions.at(*unit) for unit in [(-1, 0), (3, 0), (0, -1), (0, 4)]] == [-1] * 4

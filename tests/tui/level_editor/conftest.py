@@ -239,11 +239,7 @@ async def bench(data_dir: Path, file: Path) -> AsyncIterator[Bench]:
     ui, drafts = Answers(), Drafts(data_dir / "drafts")
     source = source_of(AHEAD, data_dir / "programs")
     session = Session(
-        load_level(file),
-        {"": source},
-        spawn=ui.spawn,
-        changed=lambda: None,
-        clock=VirtualClock(),
+        load_level(file), {"": source}, spawn=ui.spawn, changed=lambda: None, clock=VirtualClock()
     )
 
     async def open_level(level: Level) -> None:

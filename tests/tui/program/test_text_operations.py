@@ -10,12 +10,7 @@ from rich.style import Style
 from textual.strip import Strip
 
 from logical_robots_tui.mind import Diagnostic
-from logical_robots_tui.tui.program.editor import (
-    find_after,
-    indentation_after,
-    rename,
-    shift_lines,
-)
+from logical_robots_tui.tui.program.editor import find_after, indentation_after, rename, shift_lines
 from logical_robots_tui.tui.program.mistakes import follow_rows, mark_of, sign
 from tests.mind.hostile.bounds import bounded_work
 
