@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,6 @@ from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
 from logical_robots_tui.world.level import LevelQuestion, SecondGoal
 from tests.world.making import make_level
-
-__all__ = ["CONFORMANCE", "EDITS", "SHIPPED", "Edit", "drawn", "room", "sketch"]
 
 CONFORMANCE = sorted((Path(__file__).parents[1] / "conformance" / "levels").glob("*.json"))
 SHIPPED = [shipped_folder("levels") / f"{name}.toml" for name in list_levels()]
@@ -67,6 +66,12 @@ def _edit(what: str, work: Callable[..., Level], **arguments: Any) -> Edit:
     return Edit(f"{what} {arguments}", lambda level: work(level, **arguments))
 
 
+def _edits(
+    what: str, work: Callable[..., Level], **arguments: st.SearchStrategy[Any]
+) -> st.SearchStrategy[Edit]:
+    return st.builds(partial(_edit, what, work), **arguments)
+
+
 def _on(level: Level, kind: Kind, index: int, work: Callable[[Level, Ref], Level]) -> Level:
     things = getattr(level, kind)
     return work(level, Ref(kind, index % len(things))) if things else level
@@ -76,12 +81,8 @@ def _change(level: Level, kind: Kind, index: int, values: dict[str, Any]) -> Lev
     return _on(level, kind, index, lambda level, ref: change(level, ref, **values))
 
 
-def _duplicate(level: Level, kind: Kind, index: int) -> Level:
-    return _on(level, kind, index, lambda level, ref: duplicate(level, ref, 3.5, 4)[0])
-
-
-def _remove(level: Level, kind: Kind, index: int) -> Level:
-    return _on(level, kind, index, remove)
+def _duplicate(level: Level, ref: Ref) -> Level:
+    return duplicate(level, ref, 3.5, 4)[0]
 
 
 _POINTS = st.tuples(PLACES, PLACES)
@@ -133,43 +134,30 @@ _GRIDS = st.sampled_from([1, 1, 3, 10])
 _INDEX = st.integers(0, 5)
 _KINDS = st.sampled_from(KINDS)
 
+_INK = {"grid": _GRIDS, "wall": _BOTH}
+_LINES = st.lists(_POINTS, min_size=1, max_size=3)
+_SIZES = {"width": st.integers(0, 150), "height": st.integers(1, 150)}
+_MARGINS = {"left": st.integers(-9, 9), "top": st.integers(-200, 99)}
+_CORNERS = {"corner": _POINTS, "opposite": _POINTS}
+
 EDITS = st.one_of(
-    st.builds(
-        lambda points, width, grid, wall: _edit(
-            "paint", paint, points=points, width=width, grid=grid, wall=wall
-        ),
-        *(st.lists(_POINTS, min_size=1, max_size=3), st.integers(0, 9), _GRIDS, _BOTH),
-    ),
-    st.builds(
-        lambda one, other, border, grid, wall: _edit(
-            "rectangle",
-            paint_rectangle,
-            corner=one,
-            opposite=other,
-            border=border,
-            grid=grid,
-            wall=wall,
-        ),
-        *(_POINTS, _POINTS, st.integers(0, 4), _GRIDS, _BOTH),
-    ),
-    st.builds(lambda at, wall: _edit("fill", fill, x=at[0], y=at[1], wall=wall), *(_POINTS, _BOTH)),
+    _edits("paint", paint, points=_LINES, width=st.integers(0, 9), **_INK),
+    _edits("rectangle", paint_rectangle, border=st.integers(0, 4), **_CORNERS, **_INK),
+    _edits("fill", fill, x=PLACES, y=PLACES, wall=_BOTH),
     _THINGS.map(lambda new: Edit(f"add {new}", lambda level: add(level, new)[0])),
     _KINDS.flatmap(
-        lambda kind: st.builds(
-            lambda index, values: _edit("change", _change, kind=kind, index=index, values=values),
-            _INDEX,
-            st.fixed_dictionaries({}, optional=_ALL | _VALUES[kind]),
+        lambda kind: _edits(
+            "change",
+            partial(_change, kind=kind),
+            index=_INDEX,
+            values=st.fixed_dictionaries({}, optional=_ALL | _VALUES[kind]),
         )
     ),
-    st.builds(lambda kind, i: _edit("duplicate", _duplicate, kind=kind, index=i), _KINDS, _INDEX),
-    st.builds(lambda kind, i: _edit("remove", _remove, kind=kind, index=i), _KINDS, _INDEX),
-    _WORDS.map(lambda values: _edit("set_words", set_words, **values)),
-    st.builds(
-        lambda width, height, left, top, wall: _edit(
-            "resize", resize, width=width, height=height, left=left, top=top, wall=wall
-        ),
-        *(st.integers(0, 150), st.integers(1, 150)),
-        *(st.integers(-9, 9), st.integers(-200, 99), _BOTH),
+    *(
+        _edits(work.__name__, partial(_on, work=work), kind=_KINDS, index=_INDEX)
+        for work in (_duplicate, remove)
     ),
+    _WORDS.map(lambda values: _edit("set_words", set_words, **values)),
+    _edits("resize", resize, **_SIZES, **_MARGINS, wall=_BOTH),
 )
 """Any edit that a player can do, and some that a level refuses."""
