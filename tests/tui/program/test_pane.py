@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from textual import events
 
 from logical_robots_tui.mind import Program
 from logical_robots_tui.player.opening import Permissions
+from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 from tests.tui.program.conftest import title
 
@@ -172,7 +174,11 @@ async def test_what_is_applied_last_overtakes_what_is_still_compiled(
         assert game.session.frame.memories == {"Solo": 1}
 
 
-async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:
+async def test_what_is_copied_or_cut_is_in_a_file_too_and_another_editor_may_edit_it(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VISUAL", """sh -c 'sed -i "s/memory: 1/memory: 2/" $0'""")
+    monkeypatch.setattr(LogicalRobotsApp, "suspend", lambda _: nullcontext())
     copied = data_dir / "copied.txt"
     async with opened(data_dir, text=STILL) as game:
         await game.ready()
@@ -188,6 +194,10 @@ async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:
         assert game.editor.text == ""
         await game.press("ctrl+v")
         await game.until(lambda: game.editor.text == STILL)
+        await game.press("escape", "space", "E")
+        edited = STILL.replace("memory: 1", "memory: 2")
+        await game.until(lambda: game.session.state.applied == game.editor.text == edited)
+        assert not game.session.running
 
 
 async def test_long_lines_are_wrapped_unless_the_player_wants_them_cut(data_dir: Path) -> None:
