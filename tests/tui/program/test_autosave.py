@@ -6,6 +6,7 @@ import asyncio
 import os
 import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -63,6 +64,10 @@ async def asked(game: Opened, name: str = "mine") -> Question:
     return question
 
 
+async def at_the_game(game: Opened) -> None:
+    await game.until(lambda: game.app.screen is game.main)
+
+
 async def test_typed_text_is_on_disk_soon_and_offered_at_the_next_start(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("2", "x")
@@ -80,20 +85,9 @@ async def test_typed_text_is_on_disk_soon_and_offered_at_the_next_start(data_dir
     assert texts(data_dir) == ["hello" + PAPER]
 
 
-@pytest.mark.slow
-async def test_a_question_left_unanswered_is_asked_again(data_dir: Path) -> None:
-    leave_behind(data_dir, mine="hello" + PAPER)
-    for _ in range(2):
-        async with opened(data_dir) as game:
-            await asked(game)
-            await game.press("escape")
-            await game.until(lambda: game.app.screen is game.main)
-            await game.press("2", "x", "backspace")
-            await game.until(lambda: game.editor.text == PAPER)
-    assert texts(data_dir) == ["hello" + PAPER]
-
-
-async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path) -> None:
+async def test_a_key_that_was_meant_for_the_game_is_no_answer_and_without_one_the_text_is_kept(
+    data_dir: Path,
+) -> None:
     leave_behind(data_dir, mine="hello" + PAPER)
     keys = ("n", "y", "s", "enter", "right", "tab", "escape")
     async with opened(data_dir) as game:
@@ -111,8 +105,11 @@ async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path) ->
         assert isinstance(question.focused, Button)
         assert question.focused.id == "answer-yes"
         await game.sees_no("hello")
-        await game.press("n")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press("escape")
+        await at_the_game(game)
+        await game.press("2", "x", "backspace")
+        await game.until(lambda: game.editor.text == PAPER)
+    assert texts(data_dir) == ["hello" + PAPER]
 
 
 async def test_text_that_is_unwanted_or_saved_is_not_offered_again(data_dir: Path) -> None:
@@ -160,7 +157,7 @@ async def test_a_question_waits_for_the_dialog_over_the_game_and_may_be_settled_
         await asked(game, "other")
         assert game.editor.text == "hello" + PAPER
         await game.press("n")
-        await game.until(lambda: game.app.screen is game.main)
+        await at_the_game(game)
         await game.settled()
         assert not game.shows("Continue with")
 
@@ -177,12 +174,12 @@ async def test_nobody_leaves_unasked_what_cannot_be_kept(data_dir: Path, tmp_pat
             await game.press("q")
             await game.sees("Your changes to “mine” are not saved and")
             await game.press(answer)
-            await game.until(lambda: game.app.screen is game.main)
+            await at_the_game(game)
         await game.press("s")
         await game.until(lambda: isinstance(game.app.screen, SaveAs))
         game.app.screen.query_one(Input).value = str(tmp_path / "elsewhere.l")
         await game.press("enter")
-        await game.until(lambda: game.app.screen is game.main)
+        await at_the_game(game)
         await game.press("q")
         await game.until(lambda: not game.app.is_running)
     assert (tmp_path / "elsewhere.l").read_text() == "x" + PAPER
@@ -198,7 +195,7 @@ async def test_who_does_not_want_what_cannot_be_kept_leaves(data_dir: Path) -> N
         game.main.action_command("quit")
         await game.sees("are not saved and can't be kept")
         await game.press("s")
-        await game.until(lambda: game.app.screen is game.main)
+        await at_the_game(game)
         await game.press("ctrl+c", "ctrl+c")
         await game.until(lambda: isinstance(game.app.screen, Question))
         await game.press("l")
@@ -246,39 +243,28 @@ async def test_a_question_that_comes_when_the_game_ends_is_no_mistake(is_exit: b
     assert app.mistake is None
 
 
-class Played(Terminal):
-    """The game in a real terminal, with a program of the player's own."""
-
-    def __init__(self, data_dir: Path) -> None:
-        program = data_dir / "programs" / "mine.l"
-        program.parent.mkdir(parents=True)
-        program.write_text(PAPER)
-        level = LEVELS / "open_room.json"
-        super().__init__([sys.executable, "-c", PLAY, level, program, data_dir], size=(100, 30))
-
-
-def type_hello(terminal: Terminal) -> None:
-    terminal.wait_for("1 Map")
-    terminal.send("2")
-    terminal.wait_for("Leave")
-    terminal.send("hello")
-    terminal.wait_for("helloFreedomMotion")
-
-
-def ways_to_end() -> list[object]:
-    """Signals, after which the terminal may be gone; the quick choice has both in one."""
-    signals: list[signal.Signals | None] = [signal.SIGHUP, signal.SIGTERM, signal.SIGKILL]
-    slow = [(number, False) for number in signals] + [(None, True)]
-    # A session leader with a terminal of its own is told by the kernel that it is gone.
-    return [(signal.SIGHUP, True), *(pytest.param(*way, marks=pytest.mark.slow) for way in slow)]
-
-
-@pytest.mark.parametrize(("number", "is_closed"), ways_to_end())
+@pytest.mark.parametrize(
+    ("number", "is_closed"),
+    [
+        # A session leader with a terminal of its own is told by the kernel that it is gone.
+        (signal.SIGHUP, True),
+        pytest.param(None, True, marks=pytest.mark.slow),
+        pytest.param(signal.SIGHUP, False, marks=pytest.mark.slow),
+        pytest.param(signal.SIGTERM, False, marks=pytest.mark.slow),
+        pytest.param(signal.SIGKILL, False, marks=pytest.mark.slow),
+    ],
+)
 def test_a_signal_or_a_closed_terminal_ends_the_game_and_all_it_started_with_the_text_kept(
     data_dir: Path, number: signal.Signals | None, is_closed: bool
 ) -> None:
-    with Played(data_dir) as terminal:
-        type_hello(terminal)
+    program = data_dir / "programs" / "mine.l"
+    program.parent.mkdir(parents=True)
+    program.write_text(PAPER)
+    game = [sys.executable, "-c", PLAY, LEVELS / "open_room.json", program, data_dir]
+    with Terminal(game, size=(100, 30)) as terminal:
+        for keys, shown in [("", "1 Map"), ("2", "Leave"), ("hello", "helloFreedomMotion")]:
+            terminal.send(keys)
+            terminal.wait_for(shown)
         group = os.getpgid(terminal.process.pid)
         if number == signal.SIGKILL:
             until(lambda: list((data_dir / "drafts").glob("*.json")))
@@ -291,13 +277,12 @@ def test_a_signal_or_a_closed_terminal_ends_the_game_and_all_it_started_with_the
             terminal.process.wait(PATIENCE)
         else:
             terminal.finish()
-        until(lambda: not alive(group))
+        until(lambda: not is_alive(group))
     assert texts(data_dir) == ["hello" + PAPER]
 
 
-def alive(group: int) -> bool:
-    try:
+def is_alive(group: int) -> bool:
+    with suppress(ProcessLookupError):
         os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
+        return True
+    return False
