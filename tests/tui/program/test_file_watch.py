@@ -33,10 +33,8 @@ async def test_a_file_that_changes_on_disk_is_applied_unless_something_else_was_
         await game.ready()
         path = game.session.source.path
         path.write_text(STILL)
-        await game.until(lambda: game.editor.text == STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
+        await game.until(lambda: game.editor.text == game.session.state.applied == STILL)
         await game.press("2", "ctrl+home", "x")
-        await game.until(lambda: game.editor.text == "x" + STILL)
         path.write_text("x" + STILL)  # it counts as saved
         await game.until(lambda: game.session.source.text == "x" + STILL)
         await game.handled()
@@ -51,7 +49,8 @@ async def test_a_file_that_changes_on_disk_is_applied_unless_something_else_was_
 async def test_the_disk_is_not_waited_for_and_what_comes_late_changes_nothing(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    holds, looked = {STILL: Hold(), f"{STILL}\n": Hold()}, threading.Event()
+    first, second, looked = Hold(), Hold(), threading.Event()
+    holds = {STILL: first, f"{STILL}\n": second}
     other = source_of(PAPER, data_dir / "programs", "other")
 
     def slowly(path: Path) -> Source:
@@ -68,19 +67,19 @@ async def test_the_disk_is_not_waited_for_and_what_comes_late_changes_nothing(
         path = game.session.source.path
         path.write_text(STILL)
         try:
-            await game.until(lambda: holds[STILL].has_begun)
+            await game.until(lambda: first.has_begun)
             await game.press("n")
             await game.until(lambda: game.tick == 1)
             assert game.editor.text == PAPER
         finally:
-            holds[STILL].release()
+            first.release()
         await game.until(lambda: game.editor.text == STILL)
         path.write_text(f"{STILL}\n")
         try:
-            await game.until(lambda: holds[f"{STILL}\n"].has_begun)
+            await game.until(lambda: second.has_begun)
             game.main.library.open_program(other)
         finally:
-            holds[f"{STILL}\n"].release()
+            second.release()
         await game.until(looked.is_set)
         assert game.editor.text == PAPER
         assert game.session.source.path == other.path

@@ -20,11 +20,8 @@ Ahead(x) :- x == 1;
 Robot(robot_name:, desire: {left_engine: x, right_engine: x}, memory: "redly") :-
   Sensor(robot_name:), Ahead(x);
 """
-BLUE = """\
-Backward(x) :- x == -1;
-Robot(robot_name:, desire: {left_engine: x, right_engine: x}, memory: "bluely") :-
-  Sensor(robot_name:), Backward(x);
-"""
+BLUE = RED.replace("Ahead", "Backward").replace("x == 1", "x == -1").replace("redly", "bluely")
+SCORE = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
 
 
 @asynccontextmanager
@@ -50,8 +47,10 @@ async def match(
         yield game
 
 
-async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path) -> None:
-    async with match(data_dir) as game:
+async def test_choosing_a_robot_shows_what_it_thinks_with_until_the_match_is_over(
+    data_dir: Path,
+) -> None:
+    async with match(data_dir, text="match = {ticks = 3}\n" + MATCH + SCORE) as game:
         await game.sees(" red   blue ")
         await game.sees("applied · red: redly")
         assert game.editor.text == RED
@@ -63,22 +62,26 @@ async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path)
         await game.until(lambda: game.editor.text == BLUE)
         assert game.main.labyrinth.view.selected == "Bo"
         assert game.main.session.source.name == "bluely"
-        game.main.select("Ada")
-        assert game.editor.text == RED
-        game.main.select("Bo")
-        assert game.editor.text == BLUE
+        for robot, program in [("Ada", RED), ("Bo", BLUE)]:
+            game.main.select(robot)
+            assert game.editor.text == program
         game.main.inspector.open("decision")
         await game.sees("Decision of Bo · tick 2")
-        await game.until(
-            lambda: (
-                game.shows('"bluely"')
-                and game.shows("Backward")
-                and not game.shows("Ahead")
-                and game.tick == 2
-            )
-        )
+        await game.sees('"bluely"')
+        await game.until(lambda: game.shows("Backward") and not game.shows("Ahead"))
+        assert game.tick == 2
         await game.press("w")
         await game.sees("Backward(x)")
+        await game.press("escape", "space")
+        await game.sees("MATCH OVER")
+        assert game.tick == 3
+        await game.sees("The match is over: red ")
+        await game.sees("red 8.3, blue 7.1.")
+        await game.press("n")
+        await game.until(lambda: game.tick == 4)
+        await game.sees("PAUSED")
+        await game.press("p")
+        await game.sees("MATCH OVER")
 
 
 async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Path) -> None:
@@ -153,18 +156,3 @@ async def test_teams_with_one_file_have_texts_of_their_own(data_dir: Path) -> No
         kept = {draft.path[-5:]: draft.text for draft in game.main.player.drafts._mine.values()}
         assert kept["=blue"] == RED + "# theirs\n"
         assert kept["m=red"] == RED + "# mine\n"
-
-
-async def test_the_points_are_counted_until_the_match_is_over(data_dir: Path) -> None:
-    score = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
-    async with match(data_dir, text="match = {ticks = 3}\n" + MATCH + score) as game:
-        await game.press("space")
-        await game.sees("MATCH OVER")
-        assert game.tick == 3
-        await game.sees("The match is over: red ")
-        await game.sees("red 8.3, blue 7.1.")
-        await game.press("n")
-        await game.until(lambda: game.tick == 4)
-        await game.sees("PAUSED")
-        await game.press("p")
-        await game.sees("MATCH OVER")
