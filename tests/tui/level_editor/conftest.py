@@ -19,7 +19,7 @@ from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.session_state import Background
 from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 from logical_robots_tui.tui.level_editor.controller import LevelController
 from logical_robots_tui.world import Level, load_level
 from tests.short import AHEAD
@@ -88,13 +88,12 @@ class Studio:
         """The level that the game runs in."""
         return self.game.session.level
 
-    def is_wall(self, x: int, y: int) -> bool:
-        return bool(self.level.walls[y, x])
-
     async def press(self, *keys: str) -> None:
         await self.game.press(*keys)
 
-    async def settled(self) -> None:
+    async def do(self, *keys: str) -> None:
+        """Press keys, and wait until what they lead to is done."""
+        await self.game.press(*keys)
         await self.game.settled()
 
     async def drag(self, *points: tuple[float, float]) -> None:
@@ -106,21 +105,19 @@ class Studio:
 
     async def _mouse(self, kind: type[events.MouseEvent], point: tuple[float, float]) -> None:
         """Move the mouse as a terminal reports it; the pilot would wait for an idle processor."""
-        view = self.game.main.labyrinth.view
-        assert view.view is not None
-        cell = view.view.cell(*point)
+        cell = self.viewport.cell(*point)
         assert cell is not None, f"{point} is out of sight"
-        x, y = view.region.x + cell[1], view.region.y + cell[0]
+        region = self.game.main.labyrinth.view.region
+        x, y = region.x + cell[1], region.y + cell[0]
         button = int(kind is not events.MouseMove)
         self.game.app.post_message(kind(None, x, y, 0, 0, button, False, False, False, x, y))
         await self.game.handled()
 
     @property
-    def units(self) -> float:
-        """Map units by which the mouse may be off."""
+    def viewport(self) -> Viewport:
         view = self.game.main.labyrinth.view.view
         assert view is not None
-        return view.units * CELL_ASPECT
+        return view
 
 
 @pytest.fixture

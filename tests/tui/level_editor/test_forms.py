@@ -145,8 +145,7 @@ async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
 
         await s.press("N")
         await game.until(lambda: game.tick == 10)
-        await s.press("tab")
-        await s.settled()
+        await s.do("tab")
         before = session.frame.after.robots[0]
         assert before.x > 44
         shown = await form(s, "i", ThingForm)

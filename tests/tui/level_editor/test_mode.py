@@ -29,8 +29,7 @@ async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(
         await game.until(lambda: game.main.editing.is_on and game.tick == 0)
         assert (len(s.level.areas), len(s.level.beacons)) == (areas + 1, beacons + 1)
         assert s.controller.levels.is_saved
-        await s.press("a", "enter", "escape", "h")
-        await s.settled()
+        await s.do("a", "enter", "escape", "h")
         assert len(s.level.areas) == areas + 1
         await s.drag((240, 50), (80, 50))
         await s.press("t")
@@ -109,7 +108,7 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
     async with studio(data_dir, room_file) as s:
         await s.press("b")
         await s.drag((100, 20), (100, 60))
-        await s.settled()
+        await s.game.settled()
     assert said(room_file) == ROOM
     async with opened(data_dir) as game:
         await game.sees("Continue editing the level “A room”")

@@ -11,6 +11,7 @@ import pytest
 from logical_robots_tui.editing.editor import Tool
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.paths import shipped_folder
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.level_editor.forms import FindingList
 from logical_robots_tui.tui.level_editor.panel import ToolLine
@@ -95,12 +96,12 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
     replace_in(room_file, "Door", name)
     async with studio(data_dir, room_file) as s:
         await s.drag((40, 50), (60, 50))
-        await s.settled()
-        assert s.level.robots[0].x == pytest.approx(60, abs=s.units)
+        await s.game.settled()
+        assert s.level.robots[0].x == pytest.approx(60, abs=s.viewport.units * CELL_ASPECT)
         await s.press("u", "b")
         await s.drag((100, 30), (100, 70))
         await s.game.until(lambda: s.live.walls[50, 100])
-        assert s.is_wall(100, 50)
+        assert s.level.walls[50, 100]
         await s.press("u")
         await s.game.until(lambda: s.controller.findings == [])
         await s.drag((200, 30), (205, 30), (200, 40))
@@ -111,43 +112,33 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
         s.editor.cursor = (0, 0)
         await s.press("enter")
         await s.game.until(lambda: s.editor.cursor == (200, 30))
-        await s.press("u")
-        await s.settled()
+        await s.do("u")
         s.editor.cursor = (140, 50)
-        await s.press("enter", "right", "right", "down", "enter", "right")
-        await s.settled()
+        await s.do("enter", "right", "right", "down", "enter", "right")
         walls = s.level.walls
-        assert s.is_wall(140, 50)
+        assert walls[50, 140]
         assert walls[50:60, 140:170].any()
-        await s.press("r", "v", "enter", "shift+left", "down", "enter")
-        await s.settled()
+        await s.do("r", "v", "enter", "shift+left", "down", "enter")
         assert s.level.walls.sum() > walls.sum()
-        await s.press("u")
-        await s.settled()
+        await s.do("u")
         assert np.array_equal(s.level.walls, walls)
-        await s.press("l", "enter", "right", "escape")
-        await s.settled()
+        await s.do("l", "enter", "right", "escape")
         assert s.editor.stroke is None
         assert s.controller.is_on
-        await s.press("U")
-        await s.settled()
+        await s.do("U")
         assert s.level.walls.sum() > walls.sum()
-        await s.press("shift+left", "shift+left")
-        await s.settled()
+        await s.do("shift+left", "shift+left")
         assert s.editor.cursor[0] == 0
         line = s.game.main.query_one(CommandBar).render().plain
         assert all(words in line for words in ("enter Use", "esc Leave", "space Run"))
         await s.press("u", "u", "h")
         s.editor.selected = None
-        await s.press("tab")
-        await s.settled()
+        await s.do("tab")
         assert s.editor.cursor == (40, 50)
-        await s.press("enter", "right", "right", "enter", "right")
-        await s.settled()
+        await s.do("enter", "right", "right", "enter", "right")
         assert s.level.robots[0].x == 60
         assert s.editor.edits.can_undo == "move"
-        await s.press("c", "shift+right", "enter", "enter")
-        await s.settled()
+        await s.do("c", "shift+right", "enter", "enter")
         assert len(s.level.beacons) == 2
         await s.press("tab")
         await s.game.sees(f"Area {name}")
@@ -157,19 +148,13 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
         row = next(row for row, line in enumerate(lines) if "Fill" in line)
         await s.game.click(ToolLine, offset=(lines[row].index("Fill"), row))
         await s.game.until(lambda: s.editor.settings.tool is Tool.FILL)
-        await s.press("g", "G")
-        await s.settled()
-        assert not s.editor.settings.is_grid_shown
-        assert s.editor.settings.grid == 20
-        await s.press("z", "z")
-        await s.settled()
+        await s.do("g", "G")
+        settings = s.editor.settings
+        assert (settings.is_grid_shown, settings.grid) == (False, 20)
+        await s.do("z", "z")
         assert s.game.main.labyrinth.view.camera.zoom > 1
-        for _ in range(4):
-            await s.press("shift+right")
-            await s.settled()
-        view = s.game.main.labyrinth.view.view
-        assert view is not None
-        assert view.cell(*s.editor.cursor) is not None
+        await s.do(*["shift+right"] * 4)
+        assert s.viewport.cell(*s.editor.cursor) is not None
         await s.press("o", "enter", "M")  # the key that ends editing keeps what was just placed
         await s.game.sees("Leave editing")
         assert len(s.level.robots) == 2
