@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 from textual import events
+from textual.screen import Screen
+from textual.widgets import TextArea
 
 from logical_robots_tui.editing.editor import LevelEditor
 from logical_robots_tui.editing.files import save_level
@@ -144,6 +146,13 @@ async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studi
         await game.press("M")
         await game.until(lambda: game.main.editing.is_on)
         yield Studio(game, file)
+
+
+def fill(form: Screen[Any], **values: str | bool) -> None:
+    """Give fields of a form their values."""
+    for name, value in values.items():
+        field: Any = form.query_one(f"#{name}")
+        setattr(field, "text" if isinstance(field, TextArea) else "value", value)
 
 
 def said(file: Path) -> str:

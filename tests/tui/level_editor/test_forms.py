@@ -2,43 +2,24 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pytest
-from textual.widget import Widget
-from textual.widgets import Checkbox, Input, Select, TextArea
+from textual.widgets import Input, Select
 
 from logical_robots_tui.tui.level_editor.forms import Form, LevelForm, ThingForm, Ticks
 from logical_robots_tui.world import Visibility
 from tests.tui.app.test_key_queue import press_at_once
 from tests.tui.conftest import Opened, opened
-from tests.tui.level_editor.conftest import Studio, replace_in, studio
+from tests.tui.level_editor.conftest import Studio, fill, replace_in, studio
 
 SomeForm = TypeVar("SomeForm", bound=Form)
 
-TEAMS = """\
-team = "red"
-
-[[teams]]
-name = "red"
-
-[[teams]]
-name = "blue"
-
-[[robots]]
-name = "Pop"
-x = 40
-y = 80
-team = "red"
-
-[[robots]]
-name = "Bo"
-x = 120
-y = 80
-team = "blue"
-"""
+TEAMS = 'team = "red"\n' + "".join(
+    f'[[teams]]\nname = "{team}"\n[[robots]]\nname = "{name}"\nx = {x}\ny = 80\nteam = "{team}"\n'
+    for team, name, x in [("red", "Pop", 40), ("blue", "Bo", 120)]
+)
 
 
 async def form(s: Studio, key: str, kind: type[SomeForm]) -> SomeForm:
@@ -51,12 +32,19 @@ async def form(s: Studio, key: str, kind: type[SomeForm]) -> SomeForm:
     return shown
 
 
+async def take(s: Studio, shown: Form, **values: Any) -> None:
+    """Fill some fields of a form, and take it."""
+    fill(shown, **values)
+    await s.press("f2")
+    await closed(s)
+
+
 async def closed(s: Studio) -> None:
     await s.game.until(lambda: s.game.app.screen is s.game.main)
 
 
-def focuses(game: Opened, widget: Widget) -> bool:
-    return game.app.focused is widget
+async def is_in(game: Opened, field: str) -> None:
+    await game.until(lambda: game.app.focused is game.app.screen.query_one(f"#{field}"))
 
 
 async def test_properties_of_an_area_are_typed_ticked_and_chosen(
@@ -74,15 +62,12 @@ async def test_properties_of_an_area_are_typed_ticked_and_chosen(
         area = s.level.areas[0]
         assert (area.name, area.x, area.radius, area.impenetrable) == ("Zoe", 240, 31, True)
         shown = await form(s, "i", ThingForm)
-        line = shown.query_one("#name", Input)
-        line.focus()
-        await s.game.until(partial(focuses, s.game, line))
-        shown.query_one("#radius", Input).value = "wide"
+        shown.query_one("#name").focus()
+        await is_in(s.game, "name")
+        fill(shown, radius="wide")
         await s.press("f2")
         await s.game.sees("The radius must be a number")
-        shown.query_one("#radius", Input).value = "22"
-        shown.query_one("#impenetrable", Checkbox).value = False
-        shown.query_one("#off_beacon", Select).value = "Lamp"
+        fill(shown, radius="22", impenetrable=False, off_beacon="Lamp")
         shown.query_one("#victory_robots", Ticks).toggle("Pip")
         press_at_once(s.game, "ctrl+u", *"Gate", "f2")  # what was typed before it is applied counts
         await closed(s)
@@ -102,10 +87,7 @@ async def test_properties_of_a_robot_and_of_the_level_are_set(
         robot_form = await form(s, "i", ThingForm)
         assert robot_form.query_one("#x", Input).value == "40.12"
         assert robot_form.query_one("#team", Select).value == "red"
-        robot_form.query_one("#team", Select).value = "blue"
-        robot_form.query_one("#has_battery", Checkbox).value = True
-        robot_form.query_one("#battery_capacity", Input).value = "300"
-        robot_form.query_one("#angle", Input).value = "90"
+        fill(robot_form, team="blue", has_battery=True, battery_capacity="300", angle="90")
         await s.press(*"Pat", "enter")
         await closed(s)
         robot = s.level.robots[0]
@@ -114,15 +96,9 @@ async def test_properties_of_a_robot_and_of_the_level_are_set(
         assert robot.angle == pytest.approx(1.5708, abs=1e-4)
         assert [robot.team for robot in s.level.robots] == ["blue", "red", "blue"]
         level_form = await form(s, "m", LevelForm)
-        level_form.query_one("#width", Input).value = "300"
-        level_form.query_one("#briefing", TextArea).text = "Go there."
-        level_form.query_one("#hints", TextArea).text = "Turn.\n\nGo on."
-        level_form.query_one("#sensor", Select).value = "all"
-        level_form.query_one("#shared_names", Input).value = "Lamp,  red light"
-        await s.press("f2")
-        await closed(s)
-        assert s.live.width == 300
-        assert s.live.briefing == "Go there."
+        fill(level_form, briefing="Go there.", hints="Turn.\n\nGo on.", sensor="all")
+        await take(s, level_form, width="300", shared_names="Lamp,  red light")
+        assert (s.live.width, s.live.briefing) == (300, "Go there.")
         assert s.live.hints == ("Turn.", "Go on.")
         assert s.live.visibility == Visibility("own", "all")
         assert s.live.shared_names == ("Lamp", "red light")
@@ -138,11 +114,6 @@ async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
 ) -> None:
     async with studio(data_dir, room_file) as s:
         game, session = s.game, s.game.session
-
-        async def close() -> None:
-            await s.press("f2")
-            await closed(s)
-
         await s.press("N")
         await game.until(lambda: game.tick == 10)
         await s.do("tab")
@@ -151,44 +122,38 @@ async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
         shown = await form(s, "i", ThingForm)
         assert float(shown.query_one("#x", Input).value) == pytest.approx(before.x, abs=0.01)
         assert shown.query_one("#start_x", Input).value == "40"
-        await close()
+        await take(s, shown)
         assert session.frame.after.robots[0] == before
         assert not s.editor.edits.can_undo
-        shown = await form(s, "i", ThingForm)
-        shown.query_one("#color", Input).value = "red"
-        shown.query_one("#start_y", Input).value = "60"
-        await close()
+        await take(s, await form(s, "i", ThingForm), color="red", start_y="60")
         assert (s.level.robots[0].x, s.level.robots[0].y) == (40, 60)
         assert session.frame.after.robots[0] == before
-        shown = await form(s, "i", ThingForm)
-        shown.query_one("#x", Input).value = "150"
-        shown.query_one("#name", Input).value = "Pat"
-        await close()
+        await take(s, await form(s, "i", ThingForm), x="150", name="Pat")
         after = session.frame.after.robots[0]
         assert (after.name, after.x, after.y, after.angle) == ("Pat", 150, before.y, before.angle)
         assert (s.level.robots[0].x, s.level.robots[0].y) == (40, 60)
         shown = await form(s, "i", ThingForm)
-        shown.query_one("#y", Input).value = "1e9"
+        fill(shown, y="1e9")
         await s.press("f2")
         await game.until(lambda: shown.query_one("#complaint").display)
         assert session.frame.after.robots[0] == after
 
 
 async def test_a_new_level_is_an_empty_room_or_a_labyrinth_drawn_by_lot(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
+    async with opened(data_dir, size=(80, 24)) as game:
         await game.ready()
         await game.press("H")
         await game.until(lambda: game.shows("Create") and game.shows("Cancel"))
         new = game.app.screen
-        await game.until(lambda: new.focused is new.query_one("#kind"))
+        await is_in(game, "kind")
         for field in ("title", "width", "height", "wall"):  # enter leads through the form
             await game.press("enter")
-            await game.until(partial(focuses, game, new.query_one(f"#{field}")))
+            await is_in(game, field)
         assert not new.query_one("#kind", Select).expanded
-        new.query_one("#width", Input).value = "wide"
+        fill(new, width="wide")
         await game.press("enter")
         await game.sees("The width must be a number")
-        new.query_one("#width", Input).value = "300"
+        fill(new, width="300")
         await game.press("enter")
         await game.until(lambda: game.main.editing.is_on)
         assert game.session.level.width == 300
@@ -196,17 +161,10 @@ async def test_a_new_level_is_an_empty_room_or_a_labyrinth_drawn_by_lot(data_dir
         await game.sees("New level")
         new = game.app.screen
         await game.until(lambda: new.query("#kind"))
-        new.query_one("#kind", Select).value = "labyrinth"
-        new.query_one("#columns", Input).value = "0"
+        fill(new, kind="labyrinth", columns="0")
         await game.press("f2")
         await game.sees("A labyrinth needs at least 2 cells")
-        for field, value in [
-            ("columns", "3"),
-            ("rows", "2"),
-            ("seed", "7"),
-            ("title", "Short cut"),
-        ]:
-            new.query_one(f"#{field}", Input).value = value
+        fill(new, columns="3", rows="2", seed="7", title="Short cut")
         await game.press("f2")
         await game.until(lambda: game.session.level.title == "Short cut")
         await game.until(lambda: game.main.editing.is_on)

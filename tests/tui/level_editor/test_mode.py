@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from textual.widgets import Input, Select
 
 from logical_robots_tui.tui.labyrinth.results import Results
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import load_level
 from tests.tui.conftest import opened
-from tests.tui.level_editor.conftest import ROOM, replace_in, said, studio
+from tests.tui.level_editor.conftest import ROOM, fill, replace_in, said, studio
 
 
 async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(
@@ -79,13 +78,11 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await s.press("k")
         await game.sees("Save the level as")
         await game.until(lambda: game.app.screen.query("#name"))
-        game.app.screen.query_one("#name", Input).value = "mine"
-        game.app.screen.query_one("#title", Input).value = "Mine"
+        fill(game.app.screen, name="mine", title="Mine")
         await s.press("enter")
         await game.until(lambda: not game.main.editing.is_on)
         kept = load_level(data_dir / "levels" / "mine.toml")
-        assert kept.title == "Mine"
-        assert kept.walls[40, 100]
+        assert (kept.title, kept.walls[40, 100]) == ("Mine", True)
         assert said(web_file) == before
         assert game.session.opened.source == kept.source
         await s.press("l")
@@ -94,9 +91,7 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await game.sees("▸ Mine")
         await s.press("ctrl+n")
         await game.until(lambda: game.app.screen.query("#kind"))
-        form = game.app.screen
-        form.query_one("#kind", Select).value = "copy"
-        form.query_one("#original", Select).value = "mine"
+        fill(game.app.screen, kind="copy", original="mine")
         await s.press("f2")
         await game.until(lambda: game.main.editing.is_on)
         assert game.session.level.title == "Mine (copy)"
