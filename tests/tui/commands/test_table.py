@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections import Counter
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -25,7 +26,7 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.theme.themes import INK
-from tests.tui.conftest import Opened, opened
+from tests.tui.conftest import opened
 from tests.waiting import PATIENCE
 
 SCREEN = [entry for entry in COMMANDS if entry.scope == "screen"]
@@ -40,10 +41,14 @@ def test_no_two_commands_share_an_id_or_a_key_or_a_title_in_one_place() -> None:
     assert not [shared for shared, count in (keys | titles).items() if count > 1]
 
 
-def test_keys_that_others_take_are_not_used() -> None:
-    keys = {key for entry in SCREEN for key in entry.keys}
-    assert not keys & TAKEN_BY_OTHERS
-    assert not any(key.startswith("shift+") for key in keys)
+def test_bindings_name_every_key_once_and_none_that_others_take() -> None:
+    bindings = key_bindings(*SCREEN).key_to_bindings
+    assert sorted(bindings) == sorted(key for entry in SCREEN for key in entry.keys)
+    assert all(len(bound) == 1 for bound in bindings.values())
+    assert not bindings.keys() & TAKEN_BY_OTHERS
+    assert not any(key.startswith("shift+") for key in bindings)
+    keys = ("ctrl+r", "f5", "space", "comma", "ctrl+space")
+    assert [key_name(key) for key in keys] == ["^R", "F5", "space", ",", "^space"]
 
 
 def test_a_command_has_a_title_one_sentence_of_help_and_does_something() -> None:
@@ -68,24 +73,10 @@ def test_the_table_is_read_without_loading_the_screen_or_the_game() -> None:
     assert not loaded & {f"logical_robots_tui.{part}" for part in heavy}
 
 
-def test_bindings_name_every_key_once() -> None:
-    bindings = key_bindings(*SCREEN).key_to_bindings
-    assert sorted(bindings) == sorted(key for entry in SCREEN for key in entry.keys)
-    assert all(len(bound) == 1 for bound in bindings.values())
-
-
-def test_keys_are_named_as_on_a_keyboard() -> None:
-    keys = ("ctrl+r", "f5", "space", "comma", "ctrl+space")
-    assert [key_name(key) for key in keys] == ["^R", "F5", "space", ",", "^space"]
-
-
 def test_the_keys_for_writing_are_those_of_the_editor() -> None:
-    owned = {
-        key
-        for binding in Binding.make_bindings([*TextArea.BINDINGS, *Editor.BINDINGS])
-        for key in binding.key.split(",")
-    }
-    assert {key for entry in WRITING for key in entry.keys} <= owned
+    bindings = Binding.make_bindings([*TextArea.BINDINGS, *Editor.BINDINGS])
+    owned = ",".join(binding.key for binding in bindings).split(",")
+    assert {key for entry in WRITING for key in entry.keys} <= set(owned)
 
 
 @pytest.mark.parametrize(
@@ -111,19 +102,11 @@ def test_the_palette_finds_by_words_the_best_first(typed: str, first: str | None
     assert (best if scores[best] else None) == first
 
 
-def bar(game: Opened) -> str:
-    return game.main.query_one(CommandBar).render().plain
-
-
-async def leave_dialog(game: Opened) -> None:
-    await game.press("escape")
-    await game.until(lambda: game.app.screen is game.main)
-
-
 async def test_the_bar_fits_in_80_columns_and_a_click_on_it_is_the_command(data_dir: Path) -> None:
     async with opened(data_dir, size=(80, 24)) as game:
         await game.ready()
-        line = game.main.query_one(CommandBar).render()
+        bar = game.main.query_one(CommandBar)
+        line = bar.render()
         assert line.cell_length <= 80
         for words in ("space Run", "r Restart", "^R Apply", "w Why", "h Hint", "? Help", "q Quit"):
             assert words in line.plain
@@ -138,9 +121,9 @@ async def test_the_bar_fits_in_80_columns_and_a_click_on_it_is_the_command(data_
         await game.press("y", "d")
         await game.until(lambda: view.rays and view.drawing is Drawing.QUADRANTS)
         await game.press("2")
-        await game.until(lambda: "Leave" in bar(game))
-        assert all(words in bar(game) for words in ("^R Apply", "F5 Run", "^S Save"))
-        assert "Quit" not in bar(game)
+        await game.until(lambda: "Leave" in bar.render().plain)
+        assert all(words in bar.render().plain for words in ("^R Apply", "F5 Run", "^S Save"))
+        assert "Quit" not in bar.render().plain
 
 
 @pytest.mark.parametrize(
@@ -195,11 +178,9 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
         def state() -> tuple[object, ...]:
             return editor.text, editor.selection, editor.completion.display, game.app.clipboard
 
-        def differs(before: object) -> bool:
-            return state() != before
-
-        def is_like(by_key: object) -> bool:
-            return state() == by_key
+        async def leave() -> None:
+            await game.press("escape")
+            await game.until(lambda: not editor.has_focus)
 
         async def begin(entry: Command) -> tuple[object, ...]:
             await game.press("2")
@@ -217,19 +198,17 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
         for entry in WRITING:
             before = await begin(entry)
             await game.press(*entry.keys)
-            await game.until(partial(differs, before))
+            await game.until(partial(lambda before: state() != before, before))
             by_key = state()
-            await game.press("escape", "escape")
-            await game.until(lambda: not editor.has_focus)
-            await begin(entry)
             await game.press("escape")
-            await game.until(lambda: not editor.has_focus)
+            await leave()
+            await begin(entry)
+            await leave()
             game.main.action_command(entry.id)
-            await game.until(partial(is_like, by_key))
+            await game.until(partial(lambda by_key: state() == by_key, by_key))
             assert editor.has_focus
             editor.completion.close()
-            await game.press("escape")
-            await game.until(lambda: not editor.has_focus)
+            await leave()
         game.main.action_command("copy")
         await game.sees("Select something to copy first.")
 
@@ -246,31 +225,33 @@ async def test_the_help_lists_every_command_and_begins_with_what_the_player_work
             await game.until(lambda: "Restart" in shown.plain)
             return shown
 
-        async def headings(about: str) -> list[str]:
-            lines = (await help_about(about)).plain.splitlines()
-            await leave_dialog(game)
-            return [line for line in lines if line[:1].isalpha()][:5]
+        def begins_with(shown: LinesView, heading: str) -> bool:
+            return heading in [line for line in shown.plain.splitlines() if line[:1].isalpha()][:5]
+
+        async def leave_dialog() -> None:
+            await game.press("escape")
+            await game.until(lambda: game.app.screen is game.main)
 
         shown = await help_about("map", "question_mark")
         for entry in COMMANDS:
             assert entry.title in shown.plain
             assert " · ".join(map(key_name, entry.keys)) in shown.plain
-        assert "Running" in [line for line in shown.plain.splitlines() if line[:1].isalpha()][:5]
+        assert begins_with(shown, "Running")
         await game.press(*"watch pin")
         await game.until(lambda: "Restart" not in shown.plain and "Watch" in shown.plain)
         await game.press(*"qqq")
         await game.sees("No matches.")
-        await leave_dialog(game)
-        await game.press("2")
-        assert "In the program" in await headings("editor")
-        await game.press("escape", "3")
-        assert "In the inspector" in await headings("inspector")
-        await game.press("T")
-        await game.until(lambda: game.main.focused is game.main.timeline)
-        assert "In the timeline" in await headings("timeline")
-        await game.press("M")
-        await game.until(lambda: game.main.editing.is_on)
-        assert "In the level editor" in await headings("editing")
+        await leave_dialog()
+        for keys, about, heading in [
+            ("2", "editor", "In the program"),
+            ("escape 3", "inspector", "In the inspector"),
+            ("T", "timeline", "In the timeline"),
+            ("M", "editing", "In the level editor"),
+        ]:
+            await game.press(*keys.split())
+            await game.settled()
+            assert begins_with(await help_about(about), heading)
+            await leave_dialog()
 
 
 async def test_a_robot_is_chosen_by_click_and_q_leaves_and_a_second_ctrl_c_but_not_ctrl_q(
@@ -279,12 +260,8 @@ async def test_a_robot_is_chosen_by_click_and_q_leaves_and_a_second_ctrl_c_but_n
     async with opened(data_dir, level="team_goal") as game:
         view = game.main.query_one(LabyrinthView)
         await game.sees("robot  ")
-        place = next(
-            (column, row)
-            for row in range(view.size.height)
-            for column in range(view.size.width)
-            if view.robot_at(column, row) == "R"
-        )
+        places = product(range(view.size.width), range(view.size.height))
+        place = next(place for place in places if view.robot_at(*place) == "R")
         await game.click(LabyrinthView, offset=place)
         await game.until(lambda: view.selected == "R")
         await game.sees('R remembers ""')
