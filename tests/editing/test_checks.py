@@ -15,10 +15,9 @@ from hypothesis import strategies as st
 from logical_robots_tui import World
 from logical_robots_tui.editing.checks import LevelFinding, check
 from logical_robots_tui.editing.strokes import paint, paint_rectangle
-from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility, list_levels, load_level
-from tests.editing.making import EDITS, Edit, room
+from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility, load_level
+from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room
 
-CONFORMANCE = Path(__file__).parents[1] / "conformance" / "levels"
 RADIUS = 9
 
 
@@ -58,9 +57,11 @@ def test_a_goal_behind_a_wall_or_a_narrow_gap_is_told_and_an_open_way_is_not() -
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("name", list_levels())
-def test_nothing_is_wrong_with_our_own_levels(name: str) -> None:
-    assert check(load_level(name)) == []
+@pytest.mark.parametrize("path", [*SHIPPED, *CONFORMANCE], ids=lambda path: path.stem)
+def test_nothing_is_wrong_with_our_own_levels_or_forbids_loading_one_that_was(path: Path) -> None:
+    findings = check(load_level(path))
+    assert not any(finding.forbids for finding in findings)
+    assert not findings or path in CONFORMANCE
 
 
 def test_a_solid_area_is_in_the_way_unless_something_switches_it_off() -> None:
@@ -111,19 +112,14 @@ def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
     ]
 
 
-def test_goals_that_are_solid_and_shared_names_that_nothing_shares_are_told() -> None:
-    assert texts(hall(areas=(goal(impenetrable=True),))) == [
-        'No robot can be inside the goal "home": it is solid.'
-    ]
-    level = hall(beacons=(Beacon("lamp", 60, 60),), areas=(goal(name="lamp"),))
-    assert texts(replace(level, shared_names=("lamp",))) == [
-        '"lamp" is a shared name, but no two beacons or areas have it.'
-    ]
-
-
-def test_switches_and_goals_that_name_nothing_are_told() -> None:
+def test_goals_that_are_solid_and_names_that_nothing_has_or_shares_are_told() -> None:
+    solid = 'No robot can be inside the goal "home": it is solid.'
+    assert texts(hall(areas=(goal(impenetrable=True),))) == [solid]
+    lamps = (Beacon("lamp", 60, 60),)
+    level = replace(hall(beacons=lamps, areas=(goal(name="lamp"),)), shared_names=("lamp",))
+    assert texts(level) == ['"lamp" is a shared name, but no two beacons or areas have it.']
     area = goal(victory_robots=("Ann", "ann"), on_beacon="lamb", off_beacon="xyz")
-    assert texts(hall(beacons=(Beacon("lamp", 60, 60),), areas=(area,))) == [
+    assert texts(hall(beacons=lamps, areas=(area,))) == [
         'Area "home" is a goal for "ann", but there is no such robot. Did you mean "Ann"?',
         'Area "home" is switched by "lamb", but there is no such beacon. Did you mean "lamp"?',
         'Area "home" is switched by "xyz", but there is no such beacon.',
@@ -183,12 +179,6 @@ def test_what_no_file_could_say_forbids_loading(
     changes: dict[str, Any], finding: LevelFinding
 ) -> None:
     assert check(replace(hall(), **changes)) == [finding]
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("path", sorted(CONFORMANCE.glob("*.json")), ids=lambda path: path.stem)
-def test_nothing_forbids_loading_a_level_that_was_loaded(path: Path) -> None:
-    assert not any(finding.forbids for finding in check(load_level(path)))
 
 
 @settings(deadline=None)
