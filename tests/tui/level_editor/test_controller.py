@@ -166,22 +166,6 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         assert np.array_equal(session.level.walls, b.controller.levels.saved.walls)
 
 
-async def test_undoing_brings_a_robot_back_to_where_it_was_taken(
-    data_dir: Path, room_file: Path
-) -> None:
-    async with bench(data_dir, room_file) as b:
-        await b.run_to(10)
-        x = b.session.frame.after.robots[0].x
-        assert x > 44
-        await b.stroke((x, 50), (180, 60))
-        assert b.session.frame.after.robots[0].x > 170
-        b.command("undo")
-        assert b.session.frame.after.robots[0].x == x
-        assert b.level.robots[0].x == 40
-        b.command("redo")
-        assert b.session.frame.after.robots[0].x > 170
-
-
 async def test_a_save_changes_little_and_one_without_a_change_nothing(
     data_dir: Path, room_file: Path
 ) -> None:

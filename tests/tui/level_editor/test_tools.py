@@ -45,7 +45,7 @@ async def test_walls_are_painted_with_each_tool(data_dir: Path, room_file: Path)
             assert bool(b.editor.edits.can_undo) != commands.startswith("undo undo")
 
 
-async def test_things_are_placed_dragged_turned_and_deleted(
+async def test_things_are_placed_dragged_turned_and_deleted_and_undoing_brings_them_back(
     data_dir: Path, room_file: Path
 ) -> None:
     async with bench(data_dir, room_file) as b:
@@ -92,6 +92,17 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         saved = b.controller.levels.saved
         assert (b.level.robots, b.level.beacons) == (saved.robots, saved.beacons)
         assert bodies()[0].x == 40
+        await b.run_to(10)
+        x = bodies()[0].x
+        assert x > 44
+        b.command("hand")
+        await b.stroke((x, 50), (180, 60))
+        assert bodies()[0].x > 170
+        b.command("undo")  # it is back where it was taken
+        assert bodies()[0].x == x
+        assert b.level.robots[0].x == 40
+        b.command("redo")
+        assert bodies()[0].x > 170
 
 
 async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_file: Path) -> None:
