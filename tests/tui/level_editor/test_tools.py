@@ -231,7 +231,7 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
     data_dir: Path, web_file: Path
 ) -> None:
     before = said(web_file)
-    async with studio(data_dir, web_file) as s:
+    async with studio(data_dir, web_file, size=(80, 24)) as s:
         game = s.game
         await s.drag((200, 30), (180, 30))
         for answer in ("escape", "s"):  # not to replace it, or to save it under another name
@@ -253,7 +253,8 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await s.press("enter")
         await game.until(lambda: not game.main.editing.is_on)
         kept = load_level(data_dir / "levels" / "mine.toml")
-        assert (kept.title, kept.walls[40, 100]) == ("Mine", True)
+        assert kept.title == "Mine"
+        assert kept.walls[40, 90:110].any()
         assert said(web_file) == before
         assert game.session.opened.source == kept.source
         await s.press("l")
@@ -266,7 +267,7 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await s.press("f2")
         await game.until(lambda: game.main.editing.is_on)
         assert game.session.level.title == "Mine (copy)"
-        assert game.session.level.walls[40, 100]
+        assert np.array_equal(game.session.level.walls, kept.walls)
 
 
 @pytest.mark.slow

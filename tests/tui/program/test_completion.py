@@ -58,15 +58,13 @@ def test_comments_and_quotes_offer_nothing_and_are_not_offered() -> None:
     assert "Sqrt" in names(text, 'x = "Sq", Sq')
 
 
-def test_definitions_are_the_first_lines_that_begin_with_a_predicate_and_come_first_in_help() -> (
-    None
-):
+def test_definitions_are_first_lines_that_begin_with_a_predicate_and_come_first_in_help() -> None:
     defined = definitions("# C(c)\nA(x) :- B(x);\nB(y) :-\n  C(y);\nA(z);\nD := E(F: G);\nH")
     assert {name: place.line for name, (place, _) in defined.items()} == {"A": 1, "B": 2, "D": 5}
     assert defined["A"][1] == "A(x)"
     own, of_the_game = help_on("Sensor(x);", "Sensor"), help_on("", "Sensor")
-    assert own is not None
-    assert of_the_game is not None
+    assert own
+    assert of_the_game
     assert own.told == "defined in line 1"
     assert "sensor readings" in of_the_game.told
     assert help_on("", "Nothing") is None
