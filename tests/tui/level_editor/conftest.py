@@ -225,6 +225,10 @@ class Bench:
         await self.until(lambda: any(text in message for message in self.ui.said))
         self.ui.said.clear()
 
+    async def save(self, answer: str) -> None:
+        self.command("save_level")
+        await self.says(answer)
+
     async def stroke(self, *points: tuple[float, float]) -> None:
         """Drag along points of the map, and wait until the game has followed."""
         self.editor.press(*points[0], 1.0)

@@ -170,19 +170,16 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
     data_dir: Path, room_file: Path
 ) -> None:
     async with bench(data_dir, room_file) as b:
-        b.command("save_level")
-        await b.says("It is already saved")
+        await b.save("It is already saved")
         assert said(room_file) == ROOM
         await b.stroke((200, 30), (180, 30))
-        b.command("save_level")
-        await b.says("Saved as room")
+        await b.save("Saved as room")
         assert said(room_file) == ROOM.replace("x = 200", f"x = {b.level.beacons[0].x:g}")
         assert b.controller.levels.is_saved
         say(room_file, ROOM.replace("A room", "Another room", 1))
         b.command("brush")
         await b.stroke((100, 50))
-        b.command("save_level")
-        await b.says("was changed by another program")
+        await b.save("was changed by another program")
         await b.settled()
         assert "Another room" in said(room_file)
 
@@ -237,17 +234,12 @@ async def test_a_file_of_the_platform_is_replaced_only_if_the_player_says_so(
     async with bench(data_dir, web_file) as b:
         before = said(web_file)
         await b.stroke((200, 30), (180, 30))
-        b.command("save_level")
-        await b.says("was not made by this game")
+        await b.save("was not made by this game")
         await b.settled()
         assert said(web_file) == before
         b.ui.answers = ["same"]
-        b.command("save_level")
-        await b.says("Saved as garden.json")
-        assert load_level(web_file).beacons[0].x == b.level.beacons[0].x
-        assert b.controller.levels.is_saved
-        await b.stroke((180, 30), (120, 30))
-        b.command("save_level")  # by now it was made here
-        await b.says("Saved as garden.json")
-        assert b.controller.levels.is_saved
-        assert load_level(web_file).beacons[0].x == b.level.beacons[0].x
+        for points in ([(180, 30)], [(180, 30), (120, 30)]):  # at last it was made here
+            await b.stroke(*points)
+            await b.save("Saved as garden.json")
+            assert load_level(web_file).beacons[0].x == b.level.beacons[0].x
+            assert b.controller.levels.is_saved

@@ -6,13 +6,12 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from logical_robots_tui.game.source import Source
 from logical_robots_tui.player.drafts import Draft
 from logical_robots_tui.player.opening import Opening
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH
-from tests.tui.conftest import Opened
+from tests.tui.conftest import Opened, source_of
 from tests.virtual_time import VirtualClock
 
 RED = """\
@@ -29,15 +28,11 @@ async def match(
     data_dir: Path, size: tuple[int, int] = (120, 40), text: str = MATCH, *, same: bool = False
 ) -> AsyncIterator[Opened]:
     """Open the game in a level with two teams, with two programs or with the same file."""
-    folder = data_dir / "programs"
-    folder.mkdir(parents=True)
+    red = source_of(RED, data_dir / "programs", "redly")
+    blue = red if same else source_of(BLUE, data_dir / "programs", "bluely")
+    sources = {"red": red, "blue": blue}
     file = data_dir / "match.toml"
     file.write_text(text, "utf-8")
-    sources = {}
-    for team, program in (("red", RED), ("blue", RED if same else BLUE)):
-        path = folder / f"{'red' if same else team}ly.l"
-        path.write_text(program, "utf-8")
-        sources[team] = Source(path.stem, program, path, shipped=False)
     app = LogicalRobotsApp(
         Opening(level=load_level(file), sources=sources, data_dir=data_dir, clock=VirtualClock())
     )
