@@ -160,8 +160,21 @@ class Opened:
     def status(self) -> str:
         return self.main.query_one(StatusLine).render().plain
 
-    async def press(self, *keys: str) -> None:
-        """Press keys as a terminal reports them, one after the other has been answered."""
+    async def press(
+        self,
+        *keys: str,
+        until: Callable[[], object] | None = None,
+        sees: str | None = None,
+        sees_no: str | None = None,
+    ) -> None:
+        """Press keys as a terminal reports them, one after the other has been answered.
+
+        Args:
+            keys: Their names.
+            until: What to wait for after that.
+            sees: What to wait for on the screen.
+            sees_no: What is to be gone from it.
+        """
         for key in keys:
             self.app.post_message(
                 events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
@@ -170,6 +183,12 @@ class Opened:
             if self.app.backlog:
                 with self.impatient():
                     await self.until(lambda: not self.app.backlog)
+        if until is not None:
+            await self.until(until)
+        if sees is not None:
+            await self.sees(sees)
+        if sees_no is not None:
+            await self.sees_no(sees_no)
 
     async def handled(self) -> None:
         """Wait until what was sent to the game is handled, but for what threads work on."""
@@ -223,6 +242,11 @@ class Opened:
         self.editor.put(text)
         await self.press("f4")
 
+    async def apply(self, text: str) -> None:
+        """Write a text that compiles, and wait until it is applied."""
+        await self.write(text)
+        await self.until(lambda: self.session.state.applied == text)
+
     def screen(self) -> str:
         """The characters on the screen, line by line."""
         height = self.app.size.height
@@ -232,9 +256,9 @@ class Opened:
     def shows(self, text: str) -> bool:
         return text in self.screen()
 
-    async def sees(self, text: str) -> None:
-        """Wait until the screen shows a text: what is drawn trails what is known."""
-        await self.until(lambda: self.shows(text))
+    async def sees(self, *texts: str) -> None:
+        """Wait until the screen shows all texts: what is drawn trails what is known."""
+        await self.until(lambda: all(map(self.shows, texts)))
 
     async def sees_no(self, text: str) -> None:
         """Wait until the screen no longer shows a text."""
@@ -307,10 +331,13 @@ _parse, _map_rules = Stylesheet.parse, vars(Stylesheet)["rules_map"].fget
 _replace_rules, _render_update = Stylesheet.replace_rules, Compositor.render_update
 _parsed: dict[tuple[object, ...], list[RuleSet]] = {}
 _mapped: dict[int, dict[str, list[RuleSet]]] = {}
+_variables: list[dict[str, str]] = []  # of each theme
 
 
 def _parsed_once(self: Stylesheet) -> None:
-    key = (*self.source.items(), *self._variables.items())
+    if self._variables not in _variables:
+        _variables.append(self._variables)
+    key = (*self.source.items(), _variables.index(self._variables))
     if key not in _parsed:
         _parse(self)
         _parsed[key] = self._rules
@@ -375,8 +402,9 @@ async def opened(
     name: str = "mine",
     welcome: bool = False,
     settings: Settings | None = None,
+    ready: bool = False,
 ) -> AsyncIterator[Opened]:
-    """Open the game with a program in the player's folder."""
+    """Open the game with a program in the player's folder, and wait for that if it is wanted."""
     file = level if isinstance(level, Path) else LEVELS / f"{level}.json"
     path = data_dir / "programs" / f"{name}.l"
     source = load_program(path) if path.exists() else source_of(text, path.parent, name)
@@ -389,4 +417,7 @@ async def opened(
     )
     app = LogicalRobotsApp(opening, settings=settings)
     async with app.run_test(size=size, notifications=True) as pilot:
-        yield Opened(app, pilot, data_dir)
+        game = Opened(app, pilot, data_dir)
+        if ready:
+            await game.ready()
+        yield game

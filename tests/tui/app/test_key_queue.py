@@ -19,8 +19,7 @@ def press_at_once(game: Opened, *keys: str) -> None:
 
 
 async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         for key in "soU":
             press_at_once(game, key, *"n12")
             await game.until(lambda: game.app.screen is not game.main)

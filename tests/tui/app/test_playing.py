@@ -27,47 +27,34 @@ async def test_the_robots_run_faster_and_slower_pause_step_and_restart(data_dir:
         await game.until(
             lambda: game.tick > 3 and game.session.running and "RUNNING" in game.status
         )
-        await game.press("space")
-        await game.until(lambda: "PAUSED" in game.status)
+        await game.press("space", until=lambda: "PAUSED" in game.status)
         stopped_at = game.tick
         assert f"tick {stopped_at}" in game.status
         await game.later(1)
         assert game.tick == stopped_at
 
-        await game.press("minus")
-        await game.until(lambda: "20/s" in game.status)
-        await game.press(*["plus"] * 9)
-        await game.until(lambda: "flat out" in game.status)
-        await game.press("space")
-        await game.until(lambda: "flat out " in game.status and "/s" in game.status)
+        await game.press("minus", until=lambda: "20/s" in game.status)
+        await game.press(*["plus"] * 9, until=lambda: "flat out" in game.status)
+        await game.press("space", until=lambda: "flat out " in game.status and "/s" in game.status)
         await game.press("n")  # one more tick
         await game.until(lambda: not game.session.busy)
         stopped_at = game.tick
-        await game.press("n")
-        await game.until(lambda: game.tick == stopped_at + 1)
+        await game.press("n", until=lambda: game.tick == stopped_at + 1)
 
-        await game.press("space")
-        await game.until(lambda: game.tick > stopped_at + 2)
-        await game.press("r")
-        await game.until(lambda: game.tick == 0 and not game.session.running)
+        await game.press("space", until=lambda: game.tick > stopped_at + 2)
+        await game.press("r", until=lambda: game.tick == 0 and not game.session.running)
         assert game.session.frame.decisions == ()
 
 
 async def test_stepping_forward_and_back_shows_the_same_tick_again(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
-        await game.press("n", "n")
-        await game.until(lambda: game.tick == 3)
+    async with opened(data_dir, ready=True) as game:
+        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("n", "n", until=lambda: game.tick == 3)
         third = game.session.frame
-        await game.press("p")
-        await game.until(lambda: game.tick == 2)
-        await game.press("full_stop")
-        await game.until(lambda: game.tick == 3)
+        await game.press("p", until=lambda: game.tick == 2)
+        await game.press("full_stop", until=lambda: game.tick == 3)
         assert game.session.frame.after == third.after
-        await game.press("comma", "comma", "comma", "comma")
-        await game.until(lambda: game.tick == 0)
+        await game.press("comma", "comma", "comma", "comma", until=lambda: game.tick == 0)
 
 
 @pytest.mark.slow
@@ -76,11 +63,9 @@ async def test_a_slow_thought_leaves_the_keys_alone_and_can_be_stopped(
 ) -> None:
     patient = Limits(think_steps=10**12, think_seconds=10 * PATIENCE)
     monkeypatch.setattr("logical_robots_tui.game.game.Limits", lambda: patient)
-    async with opened(data_dir, text=ENDLESS) as game:
-        await game.ready()
+    async with opened(data_dir, text=ENDLESS, ready=True) as game:
         with game.impatient():
-            await game.press("space")
-            await game.until(lambda: "thinking…" in game.status)
+            await game.press("space", until=lambda: "thinking…" in game.status)
             thought = game.session.thinking_for
             await game.press("y")
             await game.press("2", "x")
@@ -96,55 +81,39 @@ async def test_a_slow_thought_leaves_the_keys_alone_and_can_be_stopped(
 
 @pytest.mark.slow
 async def test_a_slow_step_can_be_stopped_too(data_dir: Path) -> None:
-    async with opened(data_dir, text=SLOW) as game:
-        await game.ready()
+    async with opened(data_dir, text=SLOW, ready=True) as game:
         with game.impatient():
-            await game.press("n")
-            await game.until(lambda: game.session.thinking_for)
+            await game.press("n", until=lambda: game.session.thinking_for)
             await game.press("space")
         await game.until(lambda: not game.session.busy)
-        await game.write(STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await game.apply(STILL)
+        await game.press("n", until=lambda: game.tick == 1)
 
 
 async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir: Path) -> None:
-    async with opened(data_dir, level="team_goal") as game:
-        await game.ready()
+    async with opened(data_dir, level="team_goal", ready=True) as game:
         assert "needs all: R · P · Q ·" in game.status
-        await game.press(*["plus"] * 6, "space")
-        await game.until(lambda: game.session.won_at is not None)
+        await game.press(*["plus"] * 6, "space", until=lambda: game.session.won_at is not None)
         await game.until(lambda: not game.session.running)
         await game.until(lambda: "needs all: R ✓ P ✓ Q ✓" in game.status)
         assert "WON" in game.status
-        await game.sees("Again")
-        await game.sees("Everyone made it")
-        await game.sees(f"{game.session.won_at} ticks")
-        await game.sees("Next level")
+        await game.sees("Again", "Everyone made it", f"{game.session.won_at} ticks", "Next level")
         for key, label in (("right", "Again"), ("right", "Stay"), ("left", "Again")):
-            await game.press(key)
-            await game.until(partial(answers, game, label))
-        await game.press("left", "left", "enter")
-        await game.until(lambda: game.app.screen is game.main)
+            await game.press(key, until=partial(answers, game, label))
+        await game.press("left", "left", "enter", until=lambda: game.app.screen is game.main)
         assert game.session.won_at is not None, "the game stays there"
         await game.until(lambda: not game.shows("Everyone made it"))
-        await game.press("p", "n")
-        await game.until(lambda: game.session.won_at is not None)
+        await game.press("p", "n", until=lambda: game.session.won_at is not None)
         await game.sees_no("Everyone made it")
-        await game.press("r")
-        await game.until(lambda: game.tick == 0)
-        await game.press("space")
-        await game.sees("Everyone made it")
-        await game.press("escape")
-        await game.sees_no("Everyone made it")
+        await game.press("r", until=lambda: game.tick == 0)
+        await game.press("space", sees="Everyone made it")
+        await game.press("escape", sees_no="Everyone made it")
 
 
 async def test_a_run_never_lays_the_screen_out_anew_and_a_pause_draws_nothing(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         await game.later(1)
         drawn: list[object] = []
         display = game.app._display
@@ -158,8 +127,7 @@ async def test_a_run_never_lays_the_screen_out_anew_and_a_pause_draws_nothing(
             await game.later(60)
         assert not drawn
 
-        await game.press("space")
-        await game.until(lambda: game.tick > 3)
+        await game.press("space", until=lambda: game.tick > 3)
         layouts: list[object] = []
         game.main.screen_layout_refresh_signal.subscribe(game.main, layouts.append)
         begun = game.tick
@@ -187,10 +155,8 @@ async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_pa
     }
     (tmp_path / "[link].json").write_text(json.dumps(wicked))
     text = STILL.replace("memory: 1", 'memory: "\x1b[2J[red]"')
-    async with opened(data_dir, level=str(tmp_path / "[link]"), text=text) as game:
-        await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+    async with opened(data_dir, level=str(tmp_path / "[link]"), text=text, ready=True) as game:
+        await game.press("n", until=lambda: game.tick == 1)
         assert "\x1b" not in game.screen()
         await game.sees("[link]")
         assert "[/]C: [b]A[/b] ·" in game.status
@@ -200,8 +166,7 @@ async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_pa
 async def test_victory_takes_no_key_from_somebody_who_types_and_leads_to_the_next_level(
     data_dir: Path,
 ) -> None:
-    async with opened(data_dir, level="team_goal") as game:
-        await game.ready()
+    async with opened(data_dir, level="team_goal", ready=True) as game:
         await game.press(*["plus"] * 6, "space", "2", "r")
         await game.until(lambda: game.session.won_at is not None)
         await game.press("greater_than_sign", "space")
@@ -212,12 +177,10 @@ async def test_victory_takes_no_key_from_somebody_who_types_and_leads_to_the_nex
         await game.sees("Again")
         assert game.session.won_at is not None
         assert game.editor.text.startswith("r> Free")
-        await game.press("r")
-        await game.until(lambda: game.tick == 0)
+        await game.press("r", until=lambda: game.tick == 0)
         assert game.app.screen is game.main
 
-        await game.press("f5")
-        await game.sees("Next level")
+        await game.press("f5", sees="Next level")
         await game.press("greater_than_sign")
         await game.until(lambda: game.session.level.name == list_levels()[0])
         assert game.app.screen is game.main
@@ -230,8 +193,7 @@ def answers(game: Opened, label: str) -> bool:
 
 
 async def test_two_messages_stand_apart(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         game.main.tell("One.")
         game.main.tell("Two.")
 
@@ -243,20 +205,16 @@ async def test_two_messages_stand_apart(data_dir: Path) -> None:
 
 
 async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir: Path) -> None:
-    async with opened(data_dir, text=WRONG) as game:
-        await game.ready()
-        await game.press("space")
-        await game.sees("an error in line 3")
+    async with opened(data_dir, text=WRONG, ready=True) as game:
+        await game.press("space", sees="an error in line 3")
         assert not game.session.busy
         await game.write(PAPER)
         await game.until(lambda: game.session.game is not None)
-        await game.press("1", "n")
-        await game.until(lambda: game.tick == 1)
+        await game.press("1", "n", until=lambda: game.tick == 1)
 
 
 async def test_the_mouse_at_what_has_just_gone_away_does_nothing(data_dir: Path) -> None:
-    async with opened(data_dir, text=STILL) as game:
-        await game.ready()
+    async with opened(data_dir, text=STILL, ready=True) as game:
         game.main.tell("This goes away soon.")
         await game.sees("This goes away soon.")
         toast = game.main.query_one(Toast)
@@ -266,5 +224,4 @@ async def test_the_mouse_at_what_has_just_gone_away_does_nothing(data_dir: Path)
         for kind in (events.MouseDown, events.MouseMove, events.MouseUp):
             await game.app.on_event(kind(None, x, y, 0, 0, 1, False, False, False, x, y))
         toast._parent = holder
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await game.press("n", until=lambda: game.tick == 1)

@@ -56,23 +56,18 @@ async def test_two_games_in_one_process_have_keys_of_their_own(data_dir: Path) -
 async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
     keys = {"step": ("percent_sign",), "restart": (), "editor": ("tilde",)}
     wanted = Settings("textual-light", cones=False, keys=keys, complaints=("run: odd",))
-    async with opened(data_dir, text=STILL, settings=wanted) as game:
-        await game.ready()
+    async with opened(data_dir, text=STILL, settings=wanted, ready=True) as game:
         await game.sees("run: odd")
         assert game.app.theme == "textual-light"
         assert not game.main.labyrinth.view.rays
         assert "% Step" in game.main.query_one(CommandBar).render().plain
-        await game.press("percent_sign")
-        await game.until(lambda: game.tick == 1)
-        await game.press("n", "r", "percent_sign")
-        await game.until(lambda: game.tick == 2)
-        await game.press("question_mark")
-        await game.until(lambda: len(game.app.screen_stack) == 2)
+        await game.press("percent_sign", until=lambda: game.tick == 1)
+        await game.press("n", "r", "percent_sign", until=lambda: game.tick == 2)
+        await game.press("question_mark", until=lambda: len(game.app.screen_stack) == 2)
         shown = game.app.screen.query_one("#help", LinesView)
         await game.until(lambda: "%            Step" in shown.plain)
         assert "palette      Restart" in shown.plain
-        await game.press("escape", "tilde")
-        await game.until(lambda: game.editor.has_focus)
+        await game.press("escape", "tilde", until=lambda: game.editor.has_focus)
 
 
 async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: Path) -> None:
@@ -80,33 +75,24 @@ async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: P
     wanted = Settings(keys=keys)
     async with opened(data_dir, level=short, text=STILL, welcome=True, settings=wanted) as game:
         await game.sees("1 of 4")
-        await game.press("enter")
-        await game.sees("tick. ~ goes there; edit it, F9 applies")
-        await game.press("enter", "enter")
-        await game.sees("^P gives a")
+        await game.press("enter", sees="tick. ~ goes there; edit it, F9 applies")
+        await game.press("enter", "enter", sees="^P gives a")
         await game.press("enter")
         await game.ready()
-        await game.press("at")
-        await game.sees("% shows what is pinned")
-        await game.press("W")
-        await game.until(lambda: game.shows("A hint (^P)"))
+        await game.press("at", sees="% shows what is pinned")
+        await game.press("W", until=lambda: game.shows("A hint (^P)"))
 
 
 async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> None:
     keys = {"brush": ("percent_sign",), "line": (), "edit_level": ("f9",)}
-    async with opened(data_dir, text=STILL, settings=Settings(keys=keys)) as game:
-        await game.ready()
-        await game.press("f9")
-        await game.until(lambda: game.main.editing.is_on)
-        await game.sees("% Brush")
+    async with opened(data_dir, text=STILL, settings=Settings(keys=keys), ready=True) as game:
+        await game.press("f9", until=lambda: game.main.editing.is_on, sees="% Brush")
         await game.sees("^P Line")
-        await game.press("percent_sign")
-        await game.sees("units wide")
+        await game.press("percent_sign", sees="units wide")
         await game.press("M", "percent_sign")  # the former is no key of anything now
         await game.settled()
         assert game.main.editing.is_on
-        await game.press("f9")
-        await game.until(lambda: not game.main.editing.is_on)
+        await game.press("f9", until=lambda: not game.main.editing.is_on)
 
 
 @pytest.fixture
@@ -118,8 +104,7 @@ def settings_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 async def change(game: Opened, name: str, *keys: str) -> None:
     """Open the settings, go to one, and press keys there."""
-    await game.press("ctrl+p")
-    await game.sees("Find a command")
+    await game.press("ctrl+p", sees="Find a command")
     await game.press(*"settings", "enter")
     await game.until(lambda: isinstance(game.app.screen, SettingsScreen))
     names = [row.name for row in rows()]
@@ -131,8 +116,7 @@ async def change(game: Opened, name: str, *keys: str) -> None:
 async def test_a_setting_is_followed_at_once_and_kept(
     data_dir: Path, settings_file: Path, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, text=STILL, size=size) as game:
-        await game.ready()
+    async with opened(data_dir, text=STILL, size=size, ready=True) as game:
         await change(game, "cones", "right")
         assert not game.main.labyrinth.view.rays
         await game.until(settings_file.exists)
@@ -176,21 +160,18 @@ def test_changing_a_setting_goes_through_all_its_values(row: Setting) -> None:
 
 
 async def test_a_theme_is_previewed_and_kept_or_not(data_dir: Path, settings_file: Path) -> None:
-    async with opened(data_dir, text=STILL) as game:
-        await game.ready()
+    async with opened(data_dir, text=STILL, ready=True) as game:
         before = game.app.theme
         screen = game.main
         command("theme").run(screen, screen.spawn)
         await game.until(lambda: isinstance(game.app.screen, ThemeList))
         assert game.shows(f"▸ {before}")
-        await game.press("down")
-        await game.until(lambda: game.app.theme != before)
+        await game.press("down", until=lambda: game.app.theme != before)
         await game.press("escape")
         await game.until(lambda: game.app.theme == before and game.app.screen is screen)
         command("theme").run(screen, screen.spawn)
         await game.until(lambda: isinstance(game.app.screen, ThemeList))
-        await game.press("down", "enter")
-        await game.until(lambda: game.app.screen is screen)
+        await game.press("down", "enter", until=lambda: game.app.screen is screen)
         chosen = game.app.theme
         assert chosen != before
     recorder = ProgressRecorder(data_dir / FILE_NAME)

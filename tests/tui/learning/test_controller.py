@@ -30,46 +30,35 @@ def versions(data_dir: Path, level: Path) -> list[Version]:
 
 async def win(game: Opened) -> None:
     await game.ready()
-    await game.press(*["plus"] * 6, "space")
-    await game.until(lambda: game.session.won_at is not None)
+    await game.press(*["plus"] * 6, "space", until=lambda: game.session.won_at is not None)
     await game.until(lambda: game.main.recorder.record.state == "won")
     await game.sees("Again")
 
 
 async def stay(game: Opened) -> None:
-    await game.press("escape")
-    await game.until(lambda: game.app.screen is game.main)
+    await game.press("escape", until=lambda: game.app.screen is game.main)
 
 
 async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short) as game:
-        await game.ready()
-        await game.press("h")
-        await game.sees("It is not far.")
-        await game.sees_no("straight ahead")
+    async with opened(data_dir, level=short, ready=True) as game:
+        await game.press("h", sees="It is not far.", sees_no="straight ahead")
         await game.sees("2 more")
-        await game.press("h")
-        await game.sees("It is straight ahead.")
+        await game.press("h", sees="It is straight ahead.")
         await stay(game)
     async with opened(data_dir, level=short) as game:
         await game.until(lambda: game.main.recorder.record.hints == 2)
-        await game.press("h")
-        await game.sees("It is straight ahead.")
-        await game.sees_no("Just go.")
+        await game.press("h", sees="It is straight ahead.", sees_no="Just go.")
         await game.sees("h next hint")
         await game.click("#more")
         await game.sees("There are no more.")
         await game.sees_no("h next hint")
-        await game.press("h", "t")
-        await game.sees("Lesson · ")
-        await game.press("q", "h", "h", "q")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press("h", "t", sees="Lesson · ")
+        await game.press("q", "h", "h", "q", until=lambda: game.app.screen is game.main)
     assert record_of(data_dir).record(str(short)).hints == 3
 
 
 async def test_a_level_without_texts_says_so(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         for key, words in (
             ("h", "has no hints"),
             ("t", "has no lesson"),
@@ -84,29 +73,21 @@ async def test_the_challenge_and_the_reference_program_are_for_those_who_have_wo
     data_dir: Path, short: Path
 ) -> None:
     solution = load_program("first-steps-starter").text.splitlines()[0]
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await game.press("t")
-        await game.sees("A rule with one case")
-        await game.sees_no("Further")
+    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
+        await game.press("t", sees="A rule with one case", sees_no="Further")
         await stay(game)
         for answer in "ny":
-            await game.press("W")
-            await game.until(lambda: isinstance(game.app.screen, Question))
+            await game.press("W", until=lambda: isinstance(game.app.screen, Question))
             assert not game.shows(solution[:40])
-            await game.press(answer)
-            await game.until(lambda: not isinstance(game.app.screen, Question))
+            await game.press(answer, until=lambda: not isinstance(game.app.screen, Question))
         await game.sees(solution[:40])
         await stay(game)
         await win(game)
         await stay(game)
-        await game.press("t")
-        await game.sees("Be there in fewer ticks.")
+        await game.press("t", sees="Be there in fewer ticks.")
         assert isinstance(game.app.screen, Reader)
-        await game.press("space")
-        await game.until(lambda: game.app.screen is game.main)
-        await game.press("W")
-        await game.sees(solution[:40])
+        await game.press("space", until=lambda: game.app.screen is game.main)
+        await game.press("W", sees=solution[:40])
         assert isinstance(game.app.screen, Reader)
 
 
@@ -135,10 +116,8 @@ async def test_a_victory_is_measured_and_compared_and_kept_and_its_buttons_can_b
         row = next(row for row, line in enumerate(lines) if "Again" in line and "Stay" in line)
         await game.click(offset=(lines[row].index("Again") + 1, row))
         await game.until(lambda: game.tick == 0 and game.app.screen is game.main)
-        await game.press("m")
-        await game.sees("Results")
-        await game.press("m")
-        await game.sees_no("Results")
+        await game.press("m", sees="Results")
+        await game.press("m", sees_no="Results")
     kept = record_of(data_dir)
     assert kept.measures(str(short), AHEAD) == game.main.recorder.latest
 
@@ -147,12 +126,9 @@ async def test_a_victory_is_measured_and_compared_and_kept_and_its_buttons_can_b
 async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
     data_dir: Path, short: Path
 ) -> None:
-    async with opened(data_dir, level=short, text=STILL) as game:
-        await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
-        await game.write(AHEAD)
-        await game.until(lambda: game.session.state.applied == AHEAD)
+    async with opened(data_dir, level=short, text=STILL, ready=True) as game:
+        await game.press("n", until=lambda: game.tick == 1)
+        await game.apply(AHEAD)
         await game.press("1")
         await win(game)
         won_at = game.session.won_at
@@ -173,8 +149,7 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
         return Measures(49, 11, 24.5, 13, 20)
 
     monkeypatch.setattr(measuring, "measure", measure_then)
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         game.main.action_command("stop_measuring")
         await game.sees("No robustness test is running.")
         await win(game)
@@ -184,8 +159,7 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
         assert game.main.recorder.record.state == "won"
         assert game.main.recorder.record.bests.wins is None
         await stay(game)
-        await game.press("r")
-        await game.until(lambda: game.tick == 0)
+        await game.press("r", until=lambda: game.tick == 0)
         await win(game)
         await stay(game)
         closed.set()
@@ -194,12 +168,9 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
 
 async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short: Path) -> None:
     text = load_program("first-steps-starter").text
-    async with opened(data_dir, level=short, text=text) as game:
-        await game.ready()
-        await game.press("v")
-        await game.sees("No earlier versions yet")
-        await game.press(*["plus"] * 6, "space")
-        await game.sees("Won by a reference program")
+    async with opened(data_dir, level=short, text=text, ready=True) as game:
+        await game.press("v", sees="No earlier versions yet")
+        await game.press(*["plus"] * 6, "space", sees="Won by a reference program")
     assert record_of(data_dir).record(str(short)).state == "started"
     assert record_of(data_dir).versions(str(short)) == []
 
@@ -208,20 +179,16 @@ async def test_each_applied_program_is_kept_and_comes_back_and_so_does_the_start
     data_dir: Path, short: Path
 ) -> None:
     starter = load_program("obstacle-avoider").text
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
-        await game.write(STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
-        await game.press("1", "v")
-        await game.until(lambda: isinstance(game.app.screen, Chooser))
+    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
+        await game.apply(STILL)
+        await game.press("1", "v", until=lambda: isinstance(game.app.screen, Chooser))
         entries = game.app.screen.query_one(OptionList)
         await game.until(lambda: entries.option_count == 2)
         assert entries.highlighted == 0, "the program at hand is the first"
         await game.press("down")
         preview = game.app.screen.query_one("#preview-text", Static)
         await game.until(lambda: "on my way" in str(preview.visual))
-        await game.press("enter")
-        await game.until(lambda: game.session.state.applied == AHEAD)
+        await game.press("enter", until=lambda: game.session.state.applied == AHEAD)
         assert game.editor.text == AHEAD
         game.editor.undo()
         assert game.editor.text == STILL
@@ -231,16 +198,12 @@ async def test_each_applied_program_is_kept_and_comes_back_and_so_does_the_start
         await game.until(lambda: sorted(game.editor.text) == sorted(f"x{STILL}"))
         typed = game.editor.text
         for answer, text in (("n", typed), ("y", starter)):
-            await game.press("x")
-            await game.until(lambda: isinstance(game.app.screen, Question))
-            await game.press(answer)
-            await game.until(lambda: game.app.screen is game.main)
+            await game.press("x", until=lambda: isinstance(game.app.screen, Question))
+            await game.press(answer, until=lambda: game.app.screen is game.main)
             assert game.editor.text == text
         await game.until(lambda: game.session.state.applied == starter)
-        await game.press("x")
-        await game.sees("This is the starter program.")
-        await game.press("v")
-        await game.until(lambda: isinstance(game.app.screen, Chooser))
+        await game.press("x", sees="This is the starter program.")
+        await game.press("v", until=lambda: isinstance(game.app.screen, Chooser))
     texts = [version.text for version in versions(data_dir, short)]
     assert texts[:2] == [starter, typed]
     assert {*texts[2:]} == {AHEAD, STILL}
@@ -250,23 +213,18 @@ async def test_the_players_program_comes_back_with_its_level(data_dir: Path) -> 
     progress = record_of(data_dir)
     progress.keep(FIRST, AHEAD)
     progress.close()
-    async with opened(data_dir) as game:
-        await game.ready()
-        await game.press("greater_than_sign")
-        await game.until(lambda: game.session.level.name == FIRST)
+    async with opened(data_dir, ready=True) as game:
+        await game.press("greater_than_sign", until=lambda: game.session.level.name == FIRST)
         assert game.editor.text == AHEAD
         await game.until(lambda: game.session.state.applied == AHEAD)
         await game.sees("Your program for this level has been restored.")
 
 
 async def test_text_that_is_kept_as_a_version_is_not_offered_as_unsaved(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        await game.write(STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
+    async with opened(data_dir, ready=True) as game:
+        await game.apply(STILL)
         await game.until(lambda: list((data_dir / "drafts").glob("*.json")))
-    async with opened(data_dir, text=PAPER) as game:
-        await game.ready()
+    async with opened(data_dir, text=PAPER, ready=True) as game:
         await game.until(lambda: not list((data_dir / "drafts").glob("*-adopted.json")))
         assert game.app.screen is game.main
 
@@ -279,8 +237,7 @@ async def test_what_is_wrong_with_the_disk_is_told_once_and_the_game_goes_on(
         await game.sees("Your progress can't be saved")
         await win(game)
         await stay(game)
-        await game.press("h")
-        await game.until(lambda: isinstance(game.app.screen, Hints))
+        await game.press("h", until=lambda: isinstance(game.app.screen, Hints))
         assert len([n for n in game.app._notifications if "progress" in n.message]) == 1
 
 

@@ -36,8 +36,7 @@ async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int
 
         await game.ready()
         await game.sees("1 of 4")
-        await game.press("enter", "enter", "enter", "enter")
-        await game.until(lambda: not game.shows("4 of 4"))
+        await game.press("enter", "enter", "enter", "enter", until=lambda: not game.shows("4 of 4"))
         game.session.pace.speed = FLAT_OUT
 
         await press("space")

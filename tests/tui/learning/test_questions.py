@@ -43,10 +43,8 @@ async def answer(game: Opened, query: str) -> None:
 
 async def begin(game: Opened) -> None:
     await game.ready()
-    await game.press("t")
-    await game.sees("enter questions (0 of 2)")
-    await game.press("enter")
-    await game.sees("1 of 2  Who is there?")
+    await game.press("t", sees="enter questions (0 of 2)")
+    await game.press("enter", sees="1 of 2  Who is there?")
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
@@ -55,8 +53,7 @@ async def test_the_lesson_leads_to_its_questions(
 ) -> None:
     async with opened(data_dir, level=asking, size=size) as game:
         await begin(game)
-        await game.sees("Questions · A short way · 0 of 2 answered")
-        await game.sees("FreedomMotion, Robot.")
+        await game.sees("Questions · A short way · 0 of 2 answered", "FreedomMotion, Robot.")
         many = "1 < 2, " * 10
         await answer(game, f"Here(robot_name:) :- Sensor(robot_name:), {many}Sensr(x:)")
         await game.sees("Did you mean Sensor?")
@@ -67,21 +64,15 @@ async def test_the_lesson_leads_to_its_questions(
         await game.sees("At tick 0 your only row is wrong; 1 row is expected.")
         assert game.app.screen.query_one(ValueTable).all.rows == (("Ann",),)
         await answer(game, "Sensor(robot_name:")
-        await game.sees("      ^")
-        await game.sees("is never closed")
+        await game.sees("      ^", "is never closed")
         await answer(game, "Sensor(robot_name:)")
-        await game.sees("Right at ticks 0 and 2.")
-        await game.sees("1 of 2 ✓  Who is there?")
-        await game.sees("1 of 2 answered")
-        await game.press("enter")
-        await game.sees("2 of 2  How far?")
+        await game.sees("Right at ticks 0 and 2.", "1 of 2 ✓  Who is there?", "1 of 2 answered")
+        await game.press("enter", sees="2 of 2  How far?")
         await answer(game, "Way(43);")
         await game.sees("Right at tick 0, but at tick 5 your only row is wrong")
-        await game.press("tab")
-        await game.sees("1 of 2 ✓  Who is there?")
+        await game.press("tab", sees="1 of 2 ✓  Who is there?")
         assert game.app.screen.query_one(QueryLine).value == "Sensor(robot_name:)"
-        await game.press("shift+tab", "escape")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press("shift+tab", "escape", until=lambda: game.app.screen is game.main)
         assert game.tick == 0, "the game at hand is left alone"
     progress = Progress(data_dir / FILE_NAME)
     assert progress.record(str(asking)).answers == (("Who is there?", "Sensor(robot_name:)"),)
@@ -95,20 +86,16 @@ async def test_answers_are_there_in_the_next_session_and_many_rows_are_scrolled(
     progress.answer(str(asking), "Who is there?", "Sensor(robot_name:)")
     progress.answer(str(asking), "What was asked before?", "Robot")
     progress.close()
-    async with opened(data_dir, level=asking, size=(80, 24)) as game:
-        await game.ready()
+    async with opened(data_dir, level=asking, size=(80, 24), ready=True) as game:
         recorder: ProgressRecorder = game.main.recorder
         await game.until(lambda: recorder.record.answers)
         game.main.action_command("questions")
-        await game.sees("1 of 2 answered")
-        await game.sees("2 of 2  How far?")
+        await game.sees("1 of 2 answered", "2 of 2  How far?")
         await answer(game, "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar")
         await game.sees("all its 31 rows are wrong")
         table = game.app.screen.query_one(ValueTable)
-        await game.press("pagedown", "pagedown")
-        await game.until(lambda: table.scroll_offset.y)
-        await game.press("pageup", "pageup")
-        await game.until(lambda: not table.scroll_offset.y)
+        await game.press("pagedown", "pagedown", until=lambda: table.scroll_offset.y)
+        await game.press("pageup", "pageup", until=lambda: not table.scroll_offset.y)
         assert isinstance(game.app.focused, QueryLine)
 
 
@@ -121,12 +108,10 @@ async def test_a_program_that_is_missing_is_named(data_dir: Path, gone: Path) ->
 
 
 async def test_a_lesson_without_questions_offers_none(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short) as game:
-        await game.ready()
+    async with opened(data_dir, level=short, ready=True) as game:
         game.main.action_command("questions")
         await game.sees("This level has no questions.")
-        await game.press("t")
-        await game.sees("A rule with one case")
+        await game.press("t", sees="A rule with one case")
         await game.press("enter")
         await game.settled()
         assert isinstance(game.app.screen, Reader)

@@ -45,32 +45,25 @@ async def test_one_goes_back_and_on_and_other_keys_do_what_they_always_do(data_d
         await game.sees("1 of 4")
         await game.click(Tour)
         await game.sees("2 of 4")
-        await game.press("left", "left")
-        await game.sees("1 of 4")
+        await game.press("left", "left", sees="1 of 4")
         await game.press("enter")
         await game.pilot.resize_terminal(80, 24)
         await game.until(lambda: game.main.region.contains_region(game.main.query_one(Tour).region))
         await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await game.press("n", until=lambda: game.tick == 1)
         assert is_shown(game)
-        await game.press("2", "x")
-        await game.until(lambda: game.editor.text.startswith("x"))
+        await game.press("2", "x", until=lambda: game.editor.text.startswith("x"))
         assert not is_shown(game)
     assert is_seen(data_dir)
 
 
 async def test_it_is_not_shown_unasked_but_can_be_asked_for_and_skipped(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         assert not is_shown(game)
-        await game.press("ctrl+p")
-        await game.sees("Find a command")
-        await game.press(*"guided", "enter")
-        await game.sees("1 of 4")
+        await game.press("ctrl+p", sees="Find a command")
+        await game.press(*"guided", "enter", sees="1 of 4")
         assert not is_seen(data_dir)
-        await game.press("escape")
-        await game.until(lambda: not is_shown(game))
+        await game.press("escape", until=lambda: not is_shown(game))
         assert game.main.focused is game.main.labyrinth
         game.main.tour.begin()
         await game.sees("1 of 4")
@@ -80,12 +73,10 @@ async def test_it_is_not_shown_unasked_but_can_be_asked_for_and_skipped(data_dir
 
 
 async def test_one_that_is_ended_before_it_stands_is_over(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         game.main.tour.begin()
         assert game.main.query(Tour)
         game.main.tour.end()
         await game.until(lambda: not is_shown(game))
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await game.press("n", until=lambda: game.tick == 1)
         assert game.main.focused is game.main.labyrinth

@@ -36,8 +36,7 @@ def is_at(game: Opened, level: str) -> bool:
 async def complains(game: Opened, text: str, why: str) -> None:
     """What is chosen or named in the dialog that is open does not do."""
     await fill(game, text)
-    await game.press("enter")
-    await game.until(lambda: why in complaint(game))
+    await game.press("enter", until=lambda: why in complaint(game))
 
 
 OUT_OF_REACH = (
@@ -57,33 +56,27 @@ async def drop(game: Opened, form: str, file: Path) -> None:
 
 
 async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+    async with opened(data_dir, ready=True) as game:
+        await game.press("n", until=lambda: game.tick == 1)
         await dialog(game, "l", LevelScreen)
         level = load_level(FIRST)
         await game.sees(level.title)
         await fill(game, FIRST)
         await game.sees(level.idea)
-        await game.press("enter")
-        await game.until(lambda: is_at(game, FIRST))
+        await game.press("enter", until=lambda: is_at(game, FIRST))
         assert game.app.screen is game.main
         assert game.tick == 0
         starter = load_program(level.starter)
         assert game.editor.text == starter.text
         await game.until(lambda: game.session.state.applied == starter.text)
         await game.sees(level.briefing[:14])
-        await game.press("space")
-        await game.until(lambda: game.tick > 0)
-        await game.sees_no("hides this")
+        await game.press("space", until=lambda: game.tick > 0, sees_no="hides this")
 
 
 async def test_a_level_file_is_opened_by_its_path_or_by_dropping_it_and_keeps_the_program(
     data_dir: Path, tmp_path: Path
 ) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         await dialog(game, "l", LevelScreen)
         for number, content in enumerate((None, b"", b"\xff\x00rubbish", b"{}", b"cell = 'x'")):
             bad = tmp_path / f"bad{number}.toml"
@@ -94,11 +87,9 @@ async def test_a_level_file_is_opened_by_its_path_or_by_dropping_it_and_keeps_th
             await complains(game, path, why)
         await fill(game, str(LEVELS / "team_goal.json"))
         await game.sees("Open the file")
-        await game.press("enter")
-        await game.until(lambda: is_at(game, "team_goal"))
+        await game.press("enter", until=lambda: is_at(game, "team_goal"))
         assert game.editor.text == PAPER
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
+        await game.press("n", until=lambda: game.tick == 1)
         for number, form in enumerate(AS_PASTED[0]):  # the dialog for programs takes the others
             file = tmp_path / f"from the web {number}.json"
             file.write_bytes((LEVELS / "team_goal.json").read_bytes())
@@ -110,20 +101,17 @@ async def test_a_level_file_is_opened_by_its_path_or_by_dropping_it_and_keeps_th
 async def test_programs_are_picked_by_their_first_comment_or_dropped_and_unsaved_text_comes_back(
     data_dir: Path, tmp_path: Path
 ) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         await dialog(game, "o", Chooser)
         await complains(game, f"{tmp_path}/", "folder")
         for path, why in OUT_OF_REACH:
             await complains(game, path, why)
-        await game.press("escape", "2", *"hello", "escape", "space")
-        await game.until(lambda: game.tick > 2)
+        await game.press("escape", "2", *"hello", "escape", "space", until=lambda: game.tick > 2)
         await dialog(game, "o", Chooser)
         await fill(game, "obstacle")
         source = load_program("obstacle-avoider")
         await game.until(lambda: game.shows(source.text.splitlines()[0].lstrip("# ")[:20]))
-        await game.press("enter")
-        await game.until(lambda: game.session.state.applied == source.text)
+        await game.press("enter", until=lambda: game.session.state.applied == source.text)
         assert game.editor.text == source.text
         assert game.tick > 2  # the world stays, only the program is another one
         await game.press("space")
@@ -131,8 +119,7 @@ async def test_programs_are_picked_by_their_first_comment_or_dropped_and_unsaved
         await dialog(game, "o", Chooser)
         await game.until(lambda: game.app.screen.query_one(OptionList).option_count > 1)
         await fill(game, "mine")
-        await game.press("enter")
-        await game.until(lambda: game.session.source.name == "mine")
+        await game.press("enter", until=lambda: game.session.source.name == "mine")
         assert game.editor.text == "hello" + PAPER
         await game.sees("unsaved text of mine has been restored")
 
@@ -152,33 +139,26 @@ def is_open(game: Opened, file: Path) -> bool:
 @pytest.mark.slow
 async def test_the_next_level_follows_and_so_does_the_next_arena(data_dir: Path) -> None:
     *_, last_but_one, last = list_arenas()
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         for name in list_levels():
-            await game.press("greater_than_sign")
-            await game.until(partial(is_at, game, name))
-        await game.press("greater_than_sign")
-        await game.sees("the last level")
+            await game.press("greater_than_sign", until=partial(is_at, game, name))
+        await game.press("greater_than_sign", sees="the last level")
         file = shipped_folder("levels") / ARENAS / f"{last_but_one}.toml"
         await game.main.library.open_level(await asyncio.to_thread(load_level, file))
-        await game.press("greater_than_sign")
-        await game.until(partial(is_at, game, last))
+        await game.press("greater_than_sign", until=partial(is_at, game, last))
 
 
 async def test_after_the_last_level_and_the_last_arena_there_is_none(data_dir: Path) -> None:
     async with opened(data_dir, level=shipped_folder("levels") / LAST_ARENA, text=STILL) as game:
         await game.ready()
-        await game.press("greater_than_sign")
-        await game.sees("the last level")
+        await game.press("greater_than_sign", sees="the last level")
 
 
 async def test_a_level_change_while_running_stands_still_at_its_start(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         await game.press("plus", "plus", "plus", "plus", "plus", "plus", "space")
         await game.until(lambda: game.tick > 5)
-        await game.press("greater_than_sign")
-        await game.until(lambda: is_at(game, FIRST))
+        await game.press("greater_than_sign", until=lambda: is_at(game, FIRST))
         await game.until(lambda: game.session.state.phase == "applied")
         assert game.tick == 0
         assert not game.session.busy
@@ -197,12 +177,10 @@ async def test_who_is_in_a_hurry_saves_once_under_a_new_name_and_takes_nothing_b
 
     monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
     async with opened(data_dir) as game:
-        await game.press("2", "x", "f2")
-        await game.until(lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("2", "x", "f2", until=lambda: isinstance(game.app.screen, SaveAs))
         assert game.app.screen.query_one(Input).value == "mine"
         await fill(game, "other")
-        await game.press("enter")
-        await game.until(lambda: begun)
+        await game.press("enter", until=lambda: begun)
         await game.press("enter", "escape")
         await game.settled()
         assert isinstance(game.app.screen, SaveAs)
@@ -222,14 +200,11 @@ async def test_saving_asks_before_it_replaces_another_program_and_refuses_odd_na
     (tmp_path / "up.l").mkdir()
     source_of(STILL, data_dir / "programs", "other")
     async with opened(data_dir) as game:
-        await game.press("2", "x", "f2")
-        await game.until(lambda: isinstance(game.app.screen, SaveAs))
-        await game.press("enter")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press("2", "x", "f2", until=lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("enter", until=lambda: game.app.screen is game.main)
         assert (data_dir / "programs" / "mine.l").read_text() == "x" + PAPER
 
-        await game.press("f2")
-        await game.until(lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("f2", until=lambda: isinstance(game.app.screen, SaveAs))
         for name, why in (
             ("", "needs a name"),
             ("obstacle-avoider", "is part of the game"),
@@ -243,14 +218,12 @@ async def test_saving_asks_before_it_replaces_another_program_and_refuses_odd_na
             await complains(game, name, why)
         await complains(game, "other", "enter again")
         assert (data_dir / "programs" / "other.l").read_text() == STILL
-        await game.press("enter")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press("enter", until=lambda: game.app.screen is game.main)
         assert (data_dir / "programs" / "other.l").read_text() == "x" + PAPER
 
 
 async def test_a_path_that_can_not_be_shown_is_not_proposed(data_dir: Path, tmp_path: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         for number, sign in enumerate("\udcff\x1b"):
             path = tmp_path / f"o{sign}n.l"
             path.write_text(STILL)
@@ -266,16 +239,13 @@ async def test_a_path_that_can_not_be_shown_is_not_proposed(data_dir: Path, tmp_
 async def test_the_key_in_the_editor_saves_what_is_the_players_and_asks_for_what_is_ours(
     data_dir: Path,
 ) -> None:
-    async with opened(data_dir, text=STILL) as game:
-        await game.ready()
+    async with opened(data_dir, text=STILL, ready=True) as game:
         path = game.session.source.path
-        await game.press("2", *"# so", "ctrl+s")
-        await game.until(lambda: path.read_text() == f"# so{STILL}")
+        await game.press("2", *"# so", "ctrl+s", until=lambda: path.read_text() == f"# so{STILL}")
         await game.sees("Saved as mine in")
         assert game.app.screen is game.main
         game.session.saved_as(load_program("obstacle-avoider"))
-        await game.press("ctrl+s")
-        await game.until(lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("ctrl+s", until=lambda: isinstance(game.app.screen, SaveAs))
 
 
 def test_a_version_shows_what_would_change() -> None:

@@ -17,8 +17,7 @@ from tests.tui.conftest import opened
 
 
 async def test_today_s_labyrinth_is_opened_in_the_chosen_size_or_not(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         before = game.session.level
         today = f"daily-{date.today().isoformat()}-small"
         game.main.recorder.progress.set_fact(f"won {today}", "900")
@@ -26,15 +25,13 @@ async def test_today_s_labyrinth_is_opened_in_the_chosen_size_or_not(data_dir: P
             assert game.session.level is before
             game.main.run_worker(game.main.library.open_daily())
             await game.until(lambda: isinstance(game.app.screen, Question))
-            await game.press(key)
-            await game.until(lambda: game.app.screen is game.main)
+            await game.press(key, until=lambda: game.app.screen is game.main)
         await game.until(lambda: game.session.level.name == today)
         await game.sees("Everybody has this labyrinth today.")
 
 
 async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.ready()
+    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         copy_result(game.main)
         await game.sees("win this level first")
         await game.press(*["plus"] * 6, "space")

@@ -35,8 +35,7 @@ NAMES = [*COURSE, DAILY, *list_arenas()]
 
 async def open_levels(game: Opened) -> LevelCards:
     await game.ready()
-    await game.press("l")
-    await game.until(lambda: isinstance(game.app.screen, LevelScreen))
+    await game.press("l", until=lambda: isinstance(game.app.screen, LevelScreen))
     cards = game.app.screen.query_one(LevelCards)
     await game.until(lambda: len(cards._cards) == len(NAMES))
     await game.until(lambda: all(has_been_read(card) for card in cards._cards))
@@ -82,20 +81,14 @@ async def test_cards_tell_what_was_achieved_and_are_filtered_and_clicked(data_di
         for words in ("★ won", "◐ started", "○ new", "not won yet"):
             await game.sees(words)
         await game.sees("1,255 ticks · size 1 · 19/20")
-        await game.press(*"won")
-        await game.until(lambda: names_on(cards) == [NAMES[0]])
+        await game.press(*"won", until=lambda: names_on(cards) == [NAMES[0]])
         await game.press(*["backspace"] * 3, *"arena")
         await game.until(lambda: names_on(cards) == list_arenas())
-        await game.sees("◇ arena")
-        await game.sees("teams: red, gold, blue, green")
-        await game.press(*["backspace"] * 5, *"xyzzy")
-        await game.sees("Nothing has this name.")
-        await game.press("enter", "right", "down", *["backspace"] * 5, *"daily")
-        await game.sees("◇ today")
-        await game.press("enter")
-        await game.sees("which size?")
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.sees("◇ arena", "teams: red, gold, blue, green")
+        await game.press(*["backspace"] * 5, *"xyzzy", sees="Nothing has this name.")
+        await game.press("enter", "right", "down", *["backspace"] * 5, *"daily", sees="◇ today")
+        await game.press("enter", sees="which size?")
+        await game.press("escape", until=lambda: game.app.screen is game.main)
         assert game.session.level.name == "open_room"
 
         cards = await open_levels(game)
@@ -104,8 +97,7 @@ async def test_cards_tell_what_was_achieved_and_are_filtered_and_clicked(data_di
         cards = await open_levels(game)
         assert cards.chosen == 1, "the level at hand"
         await game.sees(f"▸ 2 {load_level(NAMES[1]).title}")
-        await game.press(*"xyzzy", "enter", "escape")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press(*"xyzzy", "enter", "escape", until=lambda: game.app.screen is game.main)
         assert game.session.level.name == NAMES[1]
 
 
@@ -118,20 +110,14 @@ async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:
         cards = await open_levels(game)
         assert cards.across == 2
         assert cards.chosen == 0
-        await game.press("right")
-        await game.until(lambda: cards.chosen == 1)
-        await game.press("left", "left")
-        await game.until(lambda: cards.chosen == 0)
-        await game.press("down")
-        await game.until(lambda: cards.chosen == 2)
+        await game.press("right", until=lambda: cards.chosen == 1)
+        await game.press("left", "left", until=lambda: cards.chosen == 0)
+        await game.press("down", until=lambda: cards.chosen == 2)
         assert cards.scroll_offset.y > 0, "the chosen card is in sight"
-        await game.press(*["pagedown"] * len(NAMES))
-        await game.until(lambda: cards.chosen == len(NAMES) - 1)
-        await game.press(*["pageup"] * len(NAMES))
-        await game.until(lambda: cards.chosen == 0)
+        await game.press(*["pagedown"] * len(NAMES), until=lambda: cards.chosen == len(NAMES) - 1)
+        await game.press(*["pageup"] * len(NAMES), until=lambda: cards.chosen == 0)
         assert cards.scroll_offset.y == 0
-        await game.press("enter")
-        await game.until(lambda: game.session.level.name == NAMES[0])
+        await game.press("enter", until=lambda: game.session.level.name == NAMES[0])
         assert game.app.screen is game.main
 
 
@@ -151,13 +137,11 @@ async def test_what_is_typed_while_levels_are_read_costs_no_picture(
     async with opened(data_dir) as game:
         try:
             await game.ready()
-            await game.press("l")
-            await game.until(lambda: isinstance(game.app.screen, LevelScreen))
+            await game.press("l", until=lambda: isinstance(game.app.screen, LevelScreen))
             cards = game.app.screen.query_one(LevelCards)
             line = game.app.screen.query_one("#filter", Input)
             await game.until(lambda: len(cards._cards) == len(NAMES) + 1)
-            await game.press(*NAMES[1])
-            await game.until(lambda: names_on(cards) == [NAMES[1]])
+            await game.press(*NAMES[1], until=lambda: names_on(cards) == [NAMES[1]])
         finally:
             hold.release()
         await game.until(partial(has_picture, cards, NAMES[1]))
