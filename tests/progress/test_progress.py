@@ -18,17 +18,9 @@ def file(tmp_path: Path) -> Path:
     return tmp_path / "data" / "progress.sqlite"
 
 
-def fail(message: str) -> None:
-    raise AssertionError(message)
-
-
-def opened(file: Path) -> Progress:
-    return Progress(file, fail)
-
-
 @pytest.fixture
 def progress(file: Path) -> Progress:
-    return opened(file)
+    return Progress(file, pytest.fail)
 
 
 def texts(progress: Progress, level: str) -> list[str]:
@@ -44,9 +36,10 @@ def test_looking_makes_no_file(progress: Progress, file: Path) -> None:
     assert not file.parent.exists()
 
 
-def test_a_level_is_new_then_in_work_then_won(progress: Progress) -> None:
+def test_a_level_is_new_then_in_work_then_won_and_its_hints_stay(progress: Progress) -> None:
+    progress.reveal("one", 3)
     progress.reveal("one", 1)
-    assert progress.record("one").state == "new"
+    assert (progress.record("one").state, progress.record("one").hints) == ("new", 3)
     progress.begin("one")
     assert progress.record("one").state == "started"
     progress.win("one", "text", MEASURED)
@@ -54,14 +47,13 @@ def test_a_level_is_new_then_in_work_then_won(progress: Progress) -> None:
     assert progress.record("two") == NEW
 
 
-def test_everything_is_there_in_the_next_session(file: Path) -> None:
-    first = opened(file)
-    first.win("one", "text", MEASURED)
-    first.reveal("one", 2)
-    first.keep("one", "later")
-    first.set_fact("tour", "seen")
-    first.close()
-    second = opened(file)
+def test_everything_is_there_in_the_next_session(file: Path, progress: Progress) -> None:
+    progress.win("one", "text", MEASURED)
+    progress.reveal("one", 2)
+    progress.keep("one", "later")
+    progress.set_fact("tour", "seen")
+    progress.close()
+    second = Progress(file, pytest.fail)
     record = second.record("one")
     assert (record.state, record.hints, record.versions) == ("won", 2, 2)
     assert record.bests == Bests(100, 3, 250.5, 18, 20)
@@ -71,24 +63,17 @@ def test_everything_is_there_in_the_next_session(file: Path) -> None:
     assert second.fact("tour") == "seen"
 
 
-def test_the_last_answer_to_a_question_is_kept(file: Path) -> None:
-    first = opened(file)
-    first.answer("one", "Who?", "Robot")
-    first.answer("one", "How far?", "sensor.forward_distance")
-    first.answer("one", "Who?", "Here(1);")
-    first.answer("two", "Who?", "\ud800")
-    first.close()
-    second = opened(file)
+def test_the_last_answer_to_a_question_is_kept(file: Path, progress: Progress) -> None:
+    progress.answer("one", "Who?", "Robot")
+    progress.answer("one", "How far?", "sensor.forward_distance")
+    progress.answer("one", "Who?", "Here(1);")
+    progress.answer("two", "Who?", "\ud800")
+    progress.close()
+    second = Progress(file, pytest.fail)
     assert second.record("one") == NEW._replace(
         answers=(("How far?", "sensor.forward_distance"), ("Who?", "Here(1);"))
     )
     assert second.record("two").answers == (("Who?", "?"),)
-
-
-def test_hints_once_revealed_stay_revealed(progress: Progress) -> None:
-    progress.reveal("one", 3)
-    progress.reveal("one", 1)
-    assert progress.record("one").hints == 3
 
 
 def test_each_measure_has_a_best_of_its_own(progress: Progress) -> None:
@@ -155,7 +140,7 @@ def test_second_goals_are_those_of_all_victories_together(progress: Progress) ->
 
 @given(st.lists(st.tuples(st.sampled_from("ab"), st.text()), max_size=12))
 def test_any_texts_come_back_in_the_order_of_their_last_use(uses: list[tuple[str, str]]) -> None:
-    progress = Progress(None, fail)
+    progress = Progress(None, pytest.fail)
     for level, text in uses:
         progress.keep(level, text)
     for level in "ab":
@@ -169,34 +154,28 @@ def test_half_a_character_does_no_harm(progress: Progress) -> None:
     assert progress.holds("a\ud800b")
 
 
-@given(
-    st.lists(
-        st.builds(
-            Measures,
-            st.integers(1, 20_000),
-            st.integers(1, 100),
-            st.floats(0, 1e6),
-            st.none() | st.integers(0, 20),
-            st.just(20),
-        ),
-        min_size=1,
-        max_size=8,
-    )
+MEASURES = st.builds(
+    Measures,
+    st.integers(1, 20_000),
+    st.integers(1, 100),
+    st.floats(0, 1e6),
+    st.none() | st.integers(0, 20),
+    st.just(20),
 )
+
+
+@given(st.lists(MEASURES, min_size=1, max_size=8))
 def test_bests_are_the_least_and_the_most(found: list[Measures]) -> None:
-    progress = Progress(None, fail)
+    progress = Progress(None, pytest.fail)
     for number, measures in enumerate(found):
         progress.win("one", f"text {number}", measures)
-    bests = progress.record("one").bests
-    wins = [measures.wins for measures in found if measures.wins is not None]
-    assert bests.ticks == min(measures.ticks for measures in found)
-    assert bests.size == min(measures.size for measures in found)
-    assert bests.distance == min(measures.distance for measures in found)
-    assert bests.wins == max(wins, default=None)
+    ticks, sizes, distances, wins = list(zip(*found, strict=True))[:4]
+    most = max((won for won in wins if won is not None), default=None)
+    assert progress.record("one").bests[:4] == (min(ticks), min(sizes), min(distances), most)
 
 
 def test_a_level_whose_path_is_not_utf_8_is_kept_as_any_other() -> None:
-    progress, level = Progress(None, fail), "/tmp/\udcdcbung/own.toml"
+    progress, level = Progress(None, pytest.fail), "/tmp/\udcdcbung/own.toml"
     progress.begin(level)
     progress.reveal(level, 1)
     progress.keep(level, "text")

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import os
-import signal
 import sqlite3
 import subprocess
 import sys
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -61,6 +59,9 @@ print(*messages, sep="\\n")
 """
 
 
+UNSAVED = "Your progress can't be saved: {}. The game continues without saving it."
+
+
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     return tmp_path / "progress.sqlite"
@@ -86,27 +87,9 @@ def running(script: str, *arguments: object) -> Iterator[subprocess.Popen[str]]:
             process.kill()
 
 
-def output(script: str, *arguments: object) -> str:
-    done = subprocess.run(
-        [sys.executable, "-c", script, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=PATIENCE,
-    )
-    return done.stdout
-
-
-def first_line(process: subprocess.Popen[str]) -> str:
-    assert process.stdout is not None
-    return process.stdout.readline().strip()
-
-
 def kept(file: Path) -> set[str]:
-    progress = Progress(file, pytest.fail)
-    found = {version.text for version in progress.versions("level")}
-    progress.close()
-    return found
+    with contextlib.closing(Progress(file, pytest.fail)) as progress:
+        return {version.text for version in progress.versions("level")}
 
 
 def is_whole(file: Path) -> bool:
@@ -131,22 +114,21 @@ def test_what_was_written_before_a_kill_is_there_and_the_file_is_whole(
     file: Path, lines: int
 ) -> None:
     with running(WRITE_MANY, file, "a", 100_000) as process:
-        said = [first_line(process) for _ in range(lines)]
-        process.send_signal(signal.SIGKILL)
-        process.wait(30)
         assert process.stdout is not None
-        said += process.stdout.read().split()
-    assert {f"a {number}" for number in said} <= kept(file)
+        numbers = [process.stdout.readline().strip() for _ in range(lines)]
+        process.kill()
+        numbers += process.stdout.read().split()
+    assert {f"a {number}" for number in numbers} <= kept(file)
     assert is_whole(file)
 
 
 def test_half_a_transaction_of_a_killed_game_is_undone(file: Path) -> None:
     Progress(file, pytest.fail).keep("level", "before")
     with running(DIE_HALFWAY, file) as process:
-        assert first_line(process) == "halfway"
+        assert process.stdout is not None
+        assert process.stdout.readline() == "halfway\n"
         assert file.stat().st_size > 500_000, "it was to be written to the file already"
-        process.send_signal(signal.SIGKILL)
-        process.wait(30)
+        process.kill()
     progress = Progress(file, pytest.fail)
     progress.keep("level", "after")
     assert {version.text for version in progress.versions("level")} == {"before", "after"}
@@ -154,14 +136,26 @@ def test_half_a_transaction_of_a_killed_game_is_undone(file: Path) -> None:
     assert is_whole(file)
 
 
+def database(script: str) -> bytes:
+    with contextlib.closing(sqlite3.connect(":memory:")) as connection:
+        connection.executescript(script)
+        return connection.serialize()
+
+
 @pytest.mark.parametrize(
-    "content", [b"garbage", b"\0" * 5000, b"SQLite format 3\0" + b"\xff" * 5000, os.urandom(8192)]
+    "content",
+    [
+        *(b"garbage", b"\0" * 5000, b"SQLite format 3\0" + b"\xff" * 5000, os.urandom(8192)),
+        database("CREATE TABLE version (mine)"),
+    ],
+    ids=["garbage", "zeros", "header", "noise", "of somebody else"],
 )
-def test_a_file_that_is_not_a_database_is_set_aside_and_a_fresh_one_begun(
+def test_a_file_that_is_not_ours_is_set_aside_and_a_fresh_one_begun(
     file: Path, told: list[str], content: bytes
 ) -> None:
     file.write_bytes(content)
     progress = Progress(file, told.append)
+    assert progress.newest("level") is None
     progress.keep("level", "text")
     assert kept(file) == {"text"}
     (former,) = aside(file)
@@ -169,13 +163,6 @@ def test_a_file_that_is_not_a_database_is_set_aside_and_a_fresh_one_begun(
     assert len(told) == 1
     assert former.name in told[0]
     assert progress.is_kept
-
-
-def test_a_database_of_somebody_else_is_set_aside(file: Path, told: list[str]) -> None:
-    with contextlib.closing(sqlite3.connect(file)) as connection:
-        connection.execute("CREATE TABLE version (mine)")
-    assert Progress(file, told.append).newest("level") is None
-    assert len(aside(file)) == len(told) == 1
 
 
 def test_a_database_that_breaks_while_it_is_open_is_set_aside(file: Path, told: list[str]) -> None:
@@ -233,9 +220,13 @@ def test_a_file_of_a_newer_version_is_left_alone_and_told_politely(
 
 
 def test_a_full_disk_is_told_once_and_the_game_goes_on(file: Path) -> None:
-    (told,) = output(FULL, file).splitlines()
-    assert told.startswith("Your progress can't be saved: ")
-    assert told.endswith("The game continues without saving it.")
+    with running(FULL, file) as process:
+        assert process.stdout is not None
+        (told,) = process.stdout.read().splitlines()
+        assert process.wait(PATIENCE) == 0
+    before, after = UNSAVED.split("{}")
+    assert told.startswith(before)
+    assert told.endswith(after)
     assert kept(file) == {"before"}
     assert is_whole(file)
 
@@ -243,15 +234,14 @@ def test_a_full_disk_is_told_once_and_the_game_goes_on(file: Path) -> None:
 def test_a_database_that_may_not_grow_is_a_full_disk(file: Path, told: list[str]) -> None:
     progress = Progress(file, told.append)
     progress.keep("level", "before")
-    connection = progress._connection
-    assert connection is not None
-    connection.execute("PRAGMA max_page_count = 1")  # SQLite takes the present size for it
-    progress.keep("level", "x" * 100_000)
-    progress.keep("level", "y" * 100_000)
+    assert progress._connection is not None
+    progress._connection.execute(
+        "PRAGMA max_page_count = 1"
+    )  # SQLite takes the present size for it
+    for letter in "xy":
+        progress.keep("level", letter * 100_000)
     assert [version.text[0] for version in progress.versions("level")] == ["y", "x", "b"]
-    assert told == [
-        "Your progress can't be saved: the disk is full. The game continues without saving it."
-    ]
+    assert told == [UNSAVED.format("the disk is full")]
     assert kept(file) == {"before"}
 
 
@@ -271,24 +261,20 @@ def test_a_file_that_can_only_be_read_shows_what_it_holds(
     Progress(file, pytest.fail).keep("level", "before")
     # For root no file is read-only, so SQLite is asked to treat it so.
     connect = store_module._connect
-    monkeypatch.setattr(
-        store_module,
-        "_connect",
-        lambda name, uri=False: (
-            connect(name, uri=uri)
-            if uri or name == ":memory:"
-            else connect(f"{Path(name).as_uri()}?mode=ro", uri=True)
-        ),
-    )
+
+    def connect_to_read(name: str, uri: bool = False) -> sqlite3.Connection:
+        if uri or name == ":memory:":
+            return connect(name, uri=uri)
+        return connect(f"{Path(name).as_uri()}?mode=ro", uri=True)
+
+    monkeypatch.setattr(store_module, "_connect", connect_to_read)
     progress = Progress(file, told.append)
     assert progress.newest("level") == "before"
     progress.keep("level", "after")
     assert progress.newest("level") == "after"
     progress.keep("level", "again")
     assert progress.record("level").versions == 3
-    assert told == [
-        "Your progress can't be saved: it is read-only. The game continues without saving it."
-    ]
+    assert told == [UNSAVED.format("it is read-only")]
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="for root no folder is read-only")
@@ -327,20 +313,19 @@ def test_a_file_that_another_program_will_not_let_go_is_told_once(
 def test_a_write_waits_for_its_turn(file: Path) -> None:
     Progress(file, pytest.fail).keep("level", "before")
     with running(WRITE_MANY, file, "a", 1) as waiting:
+
+        def has_it_open() -> bool:
+            with contextlib.suppress(OSError):
+                handles = Path(f"/proc/{waiting.pid}/fd").iterdir()
+                return any(handle.resolve() == file.resolve() for handle in handles)
+            return False
+
         with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as other:
             other.execute("BEGIN IMMEDIATE")
-            until(partial(holds_open, waiting, file))
+            until(has_it_open)
             other.execute("COMMIT")
         assert waiting.wait(30) == 0
     assert kept(file) == {"before", "a 0"}
-
-
-def holds_open(process: subprocess.Popen[str], file: Path) -> bool:
-    """Whether a process has a file open."""
-    handles = Path(f"/proc/{process.pid}/fd")
-    with contextlib.suppress(OSError):
-        return any(handle.resolve() == file.resolve() for handle in handles.iterdir())
-    return False
 
 
 def test_the_file_says_what_it_is(file: Path) -> None:
