@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -27,15 +28,14 @@ pytestmark = pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
 )
 
+PAGE = CHECKOUT / "docs/ssh.md"
 NAMES = [f"player-{number}" for number in range(30)]
 
 
 def recipe(kind: str) -> str:
     """The block of that kind in the page."""
-    (found,) = re.findall(
-        rf"```{kind}\n(.*?)```", (CHECKOUT / "docs/ssh.md").read_text(), re.DOTALL
-    )
-    return str(found)
+    (block,) = re.findall(rf"```{kind}\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    return str(block)
 
 
 @dataclass(frozen=True)
@@ -67,14 +67,11 @@ class School:
         return self._run(["scp", how, *options, "-F", "none", f"{host}:{there}", str(here)])
 
     def _run(self, command: list[str], typed: str = "") -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            command,
-            input=typed,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=PATIENCE,
-        )
+        return run(command, input=typed)
+
+
+def run(command: list[str], **more: Any) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, **more)
 
 
 @contextmanager
@@ -114,6 +111,22 @@ def test_each_player_has_the_game_and_a_folder_by_the_name_of_their_key(school: 
     assert {NAMES[0], NAMES[1]} <= {folder.name for folder in school.players.iterdir()}
 
 
+def test_the_command_of_the_recipe_plays_in_lines_of_text(tmp_path: Path) -> None:
+    (line,) = re.findall(r"ForceCommand \S+ (.*)", recipe("sshd_config"))
+    arguments = line.replace("/srv/robots", str(tmp_path)).split()
+    environment = {
+        **os.environ,
+        "LOGICAL_ROBOTS_PLAYER": NAMES[0],
+        "SSH_ORIGINAL_COMMAND": "plain",
+    }
+    command = [sys.executable, "-m", "logical_robots_tui", *arguments]
+    done = run(command, input="hint\nsave mine\n", env=environment)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert all(words in done.stdout for words in ("First steps", "Hint 1: ", "Saved as mine in"))
+    assert (tmp_path / "players" / NAMES[0] / "programs" / "mine.l").exists()
+
+
+@pytest.mark.slow
 def test_a_player_learns_and_inspects_in_lines_of_text(school: School) -> None:
     typed = "hint\nlook\nstep 3\nwhy\norigin\nask Robot\ndiagnose\nline 1 #\napply\nsave mine\nnext"
     done = school.ssh(words=("plain",), typed=typed)
@@ -142,7 +155,7 @@ def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
 
     said = {"-O": "game needs a terminal", "-s": "Connection closed"}
     for how, words in said.items():
-        assert words in (CHECKOUT / "docs/ssh.md").read_text()
+        assert words in PAGE.read_text()
         copied = tmp_path / "copied"
         done = school.scp(how, "/etc/passwd", copied)
         assert done.returncode != 0
@@ -222,13 +235,7 @@ def has_walls() -> str:
     bwrap = shutil.which("bwrap")
     if bwrap is None or shutil.which("prlimit") is None:
         return "bubblewrap is not installed"
-    done = subprocess.run(
-        [bwrap, "--unshare-all", "--ro-bind", "/", "/", "--proc", "/proc", "true"],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
+    done = run([bwrap, "--unshare-all", "--ro-bind", "/", "/", "--proc", "/proc", "true"])
     return f"the kernel forbids namespaces: {done.stderr.strip()}" if done.returncode else ""
 
 
@@ -319,20 +326,10 @@ def test_a_session_runs_in_a_scope_of_systemd_where_there_is_one(
     runs = 'while [ "$1" != -- ]; do shift; done; shift; exec "$@"' if has_systemd else "exit 1"
     stand_in.write_text(f'#!/bin/sh\necho "$@" >> {notes}\n{runs}\n')
     stand_in.chmod(0o755)
-    environment = {
-        **os.environ,
-        "PATH": f"{stand_in.parent}:{os.environ['PATH']}",
-        "LOGICAL_ROBOTS_PLAYER": NAMES[0],
-    }
-    done = subprocess.run(
-        [wall, "echo", "inside"],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=60,
-    )
-    assert done.stdout == "inside\n"
+    path = f"{stand_in.parent}:{os.environ['PATH']}"
+    environment = {**os.environ, "PATH": path, "LOGICAL_ROBOTS_PLAYER": NAMES[0]}
+    done = run([str(wall), "echo", "inside"], env=environment)
+    assert (done.returncode, done.stdout) == (0, "inside\n")
     calls = notes.read_text().splitlines()
     assert len(calls) == (2 if has_systemd else 1)
     assert all(call.startswith(" ".join(words_of("scope")[1:])) for call in calls)
