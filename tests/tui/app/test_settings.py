@@ -53,8 +53,9 @@ async def test_two_games_in_one_process_have_keys_of_their_own(data_dir: Path) -
     assert "n Step" in with_the_usual
 
 
-async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
+async def test_the_game_and_the_level_editor_do_as_they_are_set(data_dir: Path) -> None:
     keys = {"step": ("percent_sign",), "restart": (), "editor": ("tilde",)}
+    keys |= {"brush": ("percent_sign",), "line": (), "edit_level": ("f9",)}
     wanted = Settings("textual-light", cones=False, keys=keys, complaints=("run: odd",))
     async with opened(data_dir, text=STILL, settings=wanted, ready=True) as game:
         await game.sees("run: odd")
@@ -69,6 +70,14 @@ async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
         assert "palette      Restart" in shown.plain
         await game.press("escape", "tilde", until=lambda: game.editor.has_focus)
 
+        await game.press("escape", "f9", until=lambda: game.main.editing.is_on)
+        await game.sees("% Brush", "^P Line")
+        await game.press("percent_sign", sees="units wide")
+        await game.press("M", "percent_sign")  # the former is no key of anything now
+        await game.settled()
+        assert game.main.editing.is_on
+        await game.press("f9", until=lambda: not game.main.editing.is_on)
+
 
 async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: Path) -> None:
     keys = {"editor": ("tilde",), "apply": ("f9",), "hint": (), "watch": ("percent_sign",)}
@@ -80,19 +89,7 @@ async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: P
         await game.press("enter")
         await game.ready()
         await game.press("at", sees="% shows what is pinned")
-        await game.press("W", until=lambda: game.shows("A hint (^P)"))
-
-
-async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> None:
-    keys = {"brush": ("percent_sign",), "line": (), "edit_level": ("f9",)}
-    async with opened(data_dir, text=STILL, settings=Settings(keys=keys), ready=True) as game:
-        await game.press("f9", until=lambda: game.main.editing.is_on, sees="% Brush")
-        await game.sees("^P Line")
-        await game.press("percent_sign", sees="units wide")
-        await game.press("M", "percent_sign")  # the former is no key of anything now
-        await game.settled()
-        assert game.main.editing.is_on
-        await game.press("f9", until=lambda: not game.main.editing.is_on)
+        await game.press("W", sees="A hint (^P)")
 
 
 @pytest.fixture
@@ -161,8 +158,7 @@ def test_changing_a_setting_goes_through_all_its_values(row: Setting) -> None:
 
 async def test_a_theme_is_previewed_and_kept_or_not(data_dir: Path, settings_file: Path) -> None:
     async with opened(data_dir, text=STILL, ready=True) as game:
-        before = game.app.theme
-        screen = game.main
+        before, screen = game.app.theme, game.main
         command("theme").run(screen, screen.spawn)
         await game.until(lambda: isinstance(game.app.screen, ThemeList))
         assert game.shows(f"▸ {before}")

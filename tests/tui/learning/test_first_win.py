@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -30,26 +31,22 @@ async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int
 
     async with opened(data_dir, level=file, text=starter, welcome=True, size=size) as game:
 
-        async def press(*keys: str) -> None:
+        async def press(*keys: str, **awaited: Any) -> None:
             pressed.extend(keys)
-            await game.press(*keys)
+            await game.press(*keys, **awaited)
 
         await game.ready()
         await game.sees("1 of 4")
         await game.press("enter", "enter", "enter", "enter", until=lambda: not game.shows("4 of 4"))
         game.session.pace.speed = FLAT_OUT
 
-        await press("space")
-        await game.sees("Ada is stuck")
-        await press("r")
-        await game.sees("Try first: change")
-        await press("2")
-        await game.until(lambda: game.editor.has_focus)
+        await press("space", sees="Ada is stuck")
+        await press("r", sees="Try first: change")
+        await press("2", until=lambda: game.editor.has_focus)
         while not line(game).endswith("forward_distance < 1"):
             await press("down")
         await press("end", "backspace", "6", "0", "ctrl+r")
         await game.until(lambda: "distance < 60" in (game.session.state.applied or ""))
-        await press("escape", "space")
-        await game.until(lambda: isinstance(game.app.screen, Results))
+        await press("escape", "space", until=lambda: isinstance(game.app.screen, Results))
         assert game.session.won_at is not None
     assert len(pressed) <= MOST_KEYS, pressed

@@ -28,7 +28,6 @@ def asking(short: Path) -> Path:
     return short
 
 
-@pytest.fixture
 def gone(asking: Path) -> Path:
     """The same, about a program that does not exist."""
     text = asking.read_text("utf-8").replace("ticks = ", 'program = "nowhere", ticks = ')
@@ -36,13 +35,13 @@ def gone(asking: Path) -> Path:
     return asking
 
 
-async def answer(game: Opened, query: str) -> None:
+async def answer(game: Opened, query: str, *told: str) -> None:
     game.app.screen.query_one(QueryLine).value = query
     await game.press("enter")
+    await game.sees(*told)
 
 
 async def begin(game: Opened) -> None:
-    await game.ready()
     await game.press("t", sees="enter questions (0 of 2)")
     await game.press("enter", sees="1 of 2  Who is there?")
 
@@ -51,25 +50,25 @@ async def begin(game: Opened) -> None:
 async def test_the_lesson_leads_to_its_questions(
     data_dir: Path, asking: Path, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, level=asking, size=size) as game:
+    async with opened(data_dir, level=asking, size=size, ready=True) as game:
         await begin(game)
         await game.sees("Questions · A short way · 0 of 2 answered", "FreedomMotion, Robot.")
         many = "1 < 2, " * 10
-        await answer(game, f"Here(robot_name:) :- Sensor(robot_name:), {many}Sensr(x:)")
-        await game.sees("Did you mean Sensor?")
+        await answer(
+            game, f"Here(robot_name:) :- Sensor(robot_name:), {many}Sensr(x:)", "you mean Sensor?"
+        )
         lines = game.screen().splitlines()
         (place,) = (n for n, line in enumerate(lines) if "^^^^^" in line)
         assert lines[place - 1].index("Sensr") == lines[place].index("^^^^^")
-        await answer(game, 'Here(name: "Ann");')
-        await game.sees("At tick 0 your only row is wrong; 1 row is expected.")
+        await answer(
+            game, 'Here(name: "Ann");', "At tick 0 your only row is wrong; 1 row is expected."
+        )
         assert game.app.screen.query_one(ValueTable).all.rows == (("Ann",),)
-        await answer(game, "Sensor(robot_name:")
-        await game.sees("      ^", "is never closed")
-        await answer(game, "Sensor(robot_name:)")
-        await game.sees("Right at ticks 0 and 2.", "1 of 2 ✓  Who is there?", "1 of 2 answered")
+        await answer(game, "Sensor(robot_name:", "      ^", "is never closed")
+        await answer(game, "Sensor(robot_name:)", "Right at ticks 0 and 2.", "1 of 2 answered")
+        await game.sees("1 of 2 ✓  Who is there?")
         await game.press("enter", sees="2 of 2  How far?")
-        await answer(game, "Way(43);")
-        await game.sees("Right at tick 0, but at tick 5 your only row is wrong")
+        await answer(game, "Way(43);", "Right at tick 0, but at tick 5 your only row is wrong")
         await game.press("tab", sees="1 of 2 ✓  Who is there?")
         assert game.app.screen.query_one(QueryLine).value == "Sensor(robot_name:)"
         await game.press("shift+tab", "escape", until=lambda: game.app.screen is game.main)
@@ -91,20 +90,19 @@ async def test_answers_are_there_in_the_next_session_and_many_rows_are_scrolled(
         await game.until(lambda: recorder.record.answers)
         game.main.action_command("questions")
         await game.sees("1 of 2 answered", "2 of 2  How far?")
-        await answer(game, "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar")
-        await game.sees("all its 31 rows are wrong")
+        rays = "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar"
+        await answer(game, rays, "all its 31 rows are wrong")
         table = game.app.screen.query_one(ValueTable)
         await game.press("pagedown", "pagedown", until=lambda: table.scroll_offset.y)
         await game.press("pageup", "pageup", until=lambda: not table.scroll_offset.y)
         assert isinstance(game.app.focused, QueryLine)
 
 
-async def test_a_program_that_is_missing_is_named(data_dir: Path, gone: Path) -> None:
-    async with opened(data_dir, level=gone) as game:
+async def test_a_program_that_is_missing_is_named(data_dir: Path, asking: Path) -> None:
+    async with opened(data_dir, level=gone(asking), ready=True) as game:
         await begin(game)
         await game.sees("nowhere: There is no such program")
-        await answer(game, "Robot")
-        await game.sees("nowhere: There is no such program")
+        await answer(game, "Robot", "nowhere: There is no such program")
 
 
 async def test_a_lesson_without_questions_offers_none(data_dir: Path, short: Path) -> None:

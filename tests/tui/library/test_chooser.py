@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -46,13 +47,13 @@ OUT_OF_REACH = (
 AS_PASTED = ("{}", " {} ", "'{}'", "'{}' ", "{escaped}"), ("{escaped} ", '"{}"', "file://{url}")
 
 
-async def drop(game: Opened, form: str, file: Path) -> None:
+async def drop(game: Opened, form: str, file: Path, until: Callable[[], bool]) -> None:
     """Drop a file into the terminal, and open what that proposes."""
     path = str(file)
     pasted = form.format(path, escaped=path.replace(" ", "\\ "), url=quote(path))
     game.app.post_message(events.Paste(pasted))
     await game.sees("Open the file")
-    await game.press("enter")
+    await game.press("enter", until=until)
 
 
 async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: Path) -> None:
@@ -94,8 +95,7 @@ async def test_a_level_file_is_opened_by_its_path_or_by_dropping_it_and_keeps_th
             file = tmp_path / f"from the web {number}.json"
             file.write_bytes((LEVELS / "team_goal.json").read_bytes())
             await dialog(game, "l", LevelScreen)
-            await drop(game, form, file)
-            await game.until(partial(is_at, game, file.stem))
+            await drop(game, form, file, partial(is_at, game, file.stem))
 
 
 async def test_programs_are_picked_by_their_first_comment_or_dropped_and_unsaved_text_comes_back(
@@ -127,8 +127,7 @@ async def test_programs_are_picked_by_their_first_comment_or_dropped_and_unsaved
             file = tmp_path / f"from the web {number}.l"
             file.write_text(STILL, encoding="utf-8")
             await dialog(game, "o", Chooser)
-            await drop(game, form, file)
-            await game.until(partial(is_open, game, file))
+            await drop(game, form, file, partial(is_open, game, file))
             assert game.editor.text == STILL
 
 
@@ -148,20 +147,18 @@ async def test_the_next_level_follows_and_so_does_the_next_arena(data_dir: Path)
         await game.press("greater_than_sign", until=partial(is_at, game, last))
 
 
-async def test_after_the_last_level_and_the_last_arena_there_is_none(data_dir: Path) -> None:
-    async with opened(data_dir, level=shipped_folder("levels") / LAST_ARENA, text=STILL) as game:
-        await game.ready()
-        await game.press("greater_than_sign", sees="the last level")
-
-
-async def test_a_level_change_while_running_stands_still_at_its_start(data_dir: Path) -> None:
+async def test_a_level_change_while_running_stands_still_and_the_last_arena_has_no_next(
+    data_dir: Path,
+) -> None:
     async with opened(data_dir, ready=True) as game:
-        await game.press("plus", "plus", "plus", "plus", "plus", "plus", "space")
-        await game.until(lambda: game.tick > 5)
+        await game.press(*["plus"] * 6, "space", until=lambda: game.tick > 5)
         await game.press("greater_than_sign", until=lambda: is_at(game, FIRST))
         await game.until(lambda: game.session.state.phase == "applied")
         assert game.tick == 0
         assert not game.session.busy
+        file = shipped_folder("levels") / LAST_ARENA
+        await game.main.library.open_level(await asyncio.to_thread(load_level, file))
+        await game.press("greater_than_sign", sees="the last level")
 
 
 async def test_who_is_in_a_hurry_saves_once_under_a_new_name_and_takes_nothing_back(

@@ -38,12 +38,10 @@ async def open_levels(game: Opened) -> LevelCards:
     await game.press("l", until=lambda: isinstance(game.app.screen, LevelScreen))
     cards = game.app.screen.query_one(LevelCards)
     await game.until(lambda: len(cards._cards) == len(NAMES))
-    await game.until(lambda: all(has_been_read(card) for card in cards._cards))
+    await game.until(
+        lambda: all(card.level or card.complaint or card.name == DAILY for card in cards._cards)
+    )
     return cards
-
-
-def has_been_read(card: LevelCard) -> bool:
-    return bool(card.level or card.complaint or card.name == DAILY)
 
 
 def has_picture(cards: LevelCards, name: str) -> bool:
@@ -63,8 +61,7 @@ async def test_every_level_has_a_card_with_its_picture_and_idea(
                 await game.sees("Labyrinth of the da")
                 continue
             await game.until(partial(has_picture, cards, name))
-            await game.until(partial(game.shows, load_level(name).title[:20]))
-            await game.sees("○ new")
+            await game.sees(load_level(name).title[:20], "○ new")
             assert any(sign in game.screen() for sign in "▀▄▌▐▛▜▙▟")
         for line in game.screen().splitlines():
             assert cell_len(line) == len(line) <= size[0]
@@ -77,9 +74,7 @@ async def test_cards_tell_what_was_achieved_and_are_filtered_and_clicked(data_di
     progress.close()
     async with opened(data_dir) as game:
         cards = await open_levels(game)
-        await game.until(lambda: game.shows(f"1 of {len(COURSE)} won"))
-        for words in ("★ won", "◐ started", "○ new", "not won yet"):
-            await game.sees(words)
+        await game.sees(f"1 of {len(COURSE)} won", "★ won", "◐ started", "○ new", "not won yet")
         await game.sees("1,255 ticks · size 1 · 19/20")
         await game.press(*"won", until=lambda: names_on(cards) == [NAMES[0]])
         await game.press(*["backspace"] * 3, *"arena")
@@ -163,8 +158,7 @@ async def test_the_screen_follows_the_size_of_the_terminal(
         lines = range(cards.size.height)
         before = [cards.render_line(line).text for line in lines]
         monkeypatch.setattr(type(game.app), "size", Size(80, 24))
-        now = [cards.render_line(line).text for line in lines]
-        assert now == before, "until the screen is laid out anew"
+        assert [cards.render_line(line).text for line in lines] == before, "until it is laid out"
 
 
 def fits(cards: LevelCards, name: str) -> bool:
@@ -173,25 +167,15 @@ def fits(cards: LevelCards, name: str) -> bool:
     return picture is not None and picture.text.shape == cards.picture_size[::-1]
 
 
-RECORDS = st.builds(
-    LevelRecord,
-    st.sampled_from(["new", "started", "won"]),
-    bests=st.builds(
-        Bests, st.integers(1, 10**6), st.integers(1, 99), st.floats(0, 1e7), st.integers(0, 20)
-    )
-    | st.just(Bests()),
+BESTS = st.just(Bests()) | st.builds(
+    Bests, st.integers(1, 10**6), st.integers(1, 99), st.floats(0, 1e7), st.integers(0, 20)
 )
+RECORDS = st.builds(LevelRecord, st.sampled_from(["new", "started", "won"]), bests=BESTS)
+TITLES, IDEAS = st.text(max_size=50), st.text(max_size=90)
 
 
 @settings(deadline=None)
-@given(
-    st.text(max_size=50),
-    st.text(max_size=90),
-    RECORDS,
-    st.integers(24, 80),
-    st.integers(1, 9),
-    st.booleans(),
-)
+@given(TITLES, IDEAS, RECORDS, st.integers(24, 80), st.integers(1, 9), st.booleans())
 def test_a_card_fills_its_room_whatever_it_tells(
     title: str, idea: str, record: LevelRecord, width: int, rows: int, chosen: bool
 ) -> None:
@@ -203,16 +187,16 @@ def test_a_card_fills_its_room_whatever_it_tells(
         assert [strip.cell_length for strip in strips] == [width] * (rows + LINES_AROUND)
 
 
+def text_of(card: LevelCard, *, chosen: bool = False) -> str:
+    return "\n".join(strip.text for strip in card_strips(card, None, 40, 4, chosen))
+
+
 def test_the_chosen_card_is_told_apart_without_colour() -> None:
     card = LevelCard(NAMES[0], load_level(NAMES[0]))
-    plain, chosen = (
-        [strip.text for strip in card_strips(card, None, 40, 4, chosen)] for chosen in (False, True)
-    )
-    assert plain != chosen
+    assert text_of(card) != text_of(card, chosen=True)
 
 
 def test_a_level_that_can_not_be_used_says_why_on_its_card() -> None:
-    card = LevelCard("99-broken", complaint="This is not valid TOML.")
-    text = "\n".join(strip.text for strip in card_strips(card, None, 40, 2, False))
+    text = text_of(LevelCard("99-broken", complaint="This is not valid TOML."))
     assert "99 broken" in text
     assert "This is not valid TOML." in text
