@@ -8,6 +8,8 @@ import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import get_args
@@ -16,22 +18,25 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.player.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, Kind
+from logical_robots_tui.player.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, Key, Kind
 from tests.waiting import PATIENCE, until
 
-HOLD = """
-import sys, time
+MINE: Key = ("program", "/p/mine.l")
+ANOTHER = """
+import os, signal, sys, time
 from pathlib import Path
 from logical_robots_tui.player.drafts import Draft, Drafts
-drafts = Drafts(Path(sys.argv[1]))
-drafts.keep(Draft("program", "mine", "/p/mine.l", sys.argv[2]))
-if "fork" in sys.argv:
-    import os
-    if os.fork() == 0:
-        print("kept", flush=True)
-        os.close(1)
-    time.sleep(60)
-print("kept", flush=True)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # nohup has its children ignore it
+folder, text, how = Path(sys.argv[1]), *sys.argv[2:]
+drafts = Drafts(folder)
+drafts.keep(Draft("program", "mine", "/p/mine.l", text))
+is_silent = how == "forks" and os.fork()
+if not is_silent:
+    print("kept", flush=True)
+if how == "forks":
+    os.close(1)
+for number in range(10**9 if how == "writes" else 0):
+    drafts.keep(Draft("program", "mine", "/p/mine.l", str(number) * 5000))
 time.sleep(60)
 """
 
@@ -42,34 +47,28 @@ def draft(text: str, path: str = "/p/mine.l") -> Draft:
 
 def left(folder: Path, *drafts: Draft) -> None:
     """Drafts that a session kept which has ended."""
-    session = Drafts(folder)
-    for each in drafts:
-        session.keep(each)
-    session.close()
+    with closing(Drafts(folder)) as session:
+        for unsaved in drafts:
+            session.keep(unsaved)
 
 
 def offered(folder: Path, kind: Kind = "program") -> list[str]:
     """The texts that the next session adopts."""
-    session = Drafts(folder)
-    texts = [kept.text for kept in session.adopt(kind)]
-    session.close()
-    return texts
+    with closing(Drafts(folder)) as session:
+        return [kept.text for kept in session.adopt(kind)]
 
 
-def held_by_another_process(folder: Path, text: str, *more: str) -> subprocess.Popen[str]:
-    process = subprocess.Popen(
-        [sys.executable, "-c", HOLD, str(folder), text, *more], stdout=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None
-    assert process.stdout.readline() == "kept\n"
-    return process
-
-
-def end(process: subprocess.Popen[str]) -> None:
-    process.kill()
-    process.wait(PATIENCE)
-    assert process.stdout is not None
-    process.stdout.close()
+@contextmanager
+def another_process(folder: Path, text: str, how: str = "waits") -> Iterator[subprocess.Popen[str]]:
+    """Another session, in a process that is killed in the end."""
+    command = [sys.executable, "-c", ANOTHER, str(folder), text, how]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "kept\n"
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 def test_what_a_session_kept_is_adopted_by_the_next(tmp_path: Path) -> None:
@@ -77,20 +76,19 @@ def test_what_a_session_kept_is_adopted_by_the_next(tmp_path: Path) -> None:
     second = Drafts(tmp_path)
     [kept] = second.adopt("program")
     assert kept == Draft("program", "mine", "/p/mine.l", "hello", kept.saved)
-    assert second.get(("program", "/p/mine.l")) is None
-    assert second.take(("program", "/p/mine.l")) == kept
-    assert second.take(("program", "/p/mine.l")) is None
-    assert second.get(("program", "/p/mine.l")) == kept
+    assert second.get(MINE) is None
+    assert second.take(MINE) == kept
+    assert second.take(MINE) is None
+    assert second.get(MINE) == kept
     assert offered(tmp_path) == []
     second.close()
 
 
 def test_kinds_of_one_path_are_kept_apart(tmp_path: Path) -> None:
-    session = Drafts(tmp_path)
-    for kind in get_args(Kind):
-        session.keep(Draft(kind, "mine", "/p/same", f"a {kind}"))
-    session.drop(("level", "/p/same"))
-    session.close()
+    with closing(Drafts(tmp_path)) as session:
+        for kind in get_args(Kind):
+            session.keep(Draft(kind, "mine", "/p/same", f"a {kind}"))
+        session.drop(("level", "/p/same"))
     assert offered(tmp_path, "place") == ["a place"]
     assert offered(tmp_path) == ["a program"]
     assert offered(tmp_path, "level") == []
@@ -103,24 +101,21 @@ def test_the_draft_kept_last_is_the_newest_and_comes_first_whatever_the_clock_sa
     for text, saved in (("older", late), ("newest", early)):
         mine = Draft("program", "mine", "/p/mine.l", text, saved)
         left(tmp_path, mine, Draft("program", text, f"/p/{text}.l", text, saved))
-    session = Drafts(tmp_path)
-    kept = session.adopt("program")
-    session.close()
-    assert [each.text for each in kept] == ["newest", "newest", "older", "older"]
-    assert [each.path for each in kept][:2] == ["/p/newest.l", "/p/mine.l"]
+    with closing(Drafts(tmp_path)) as session:
+        kept = session.adopt("program")
+    assert [unsaved.text for unsaved in kept] == ["newest", "newest", "older", "older"]
+    assert [unsaved.path for unsaved in kept][:2] == ["/p/newest.l", "/p/mine.l"]
 
 
 def test_what_was_adopted_and_not_taken_is_there_for_the_next(tmp_path: Path) -> None:
     left(tmp_path, draft("hello"))
-    second = Drafts(tmp_path)
-    second.adopt("program")
-    second.drop(("program", "/p/mine.l"))
-    second.close()
-    third = Drafts(tmp_path)
-    assert [kept.text for kept in third.adopt("program")] == ["hello"]
-    third.keep(draft("typed meanwhile"))
-    assert third.take(("program", "/p/mine.l")) == third.get(("program", "/p/mine.l"))
-    third.close()
+    with closing(Drafts(tmp_path)) as second:
+        second.adopt("program")
+        second.drop(MINE)
+    with closing(Drafts(tmp_path)) as third:
+        assert [kept.text for kept in third.adopt("program")] == ["hello"]
+        third.keep(draft("typed meanwhile"))
+        assert third.take(MINE) == third.get(MINE)
     assert "typed meanwhile" in "".join(p.read_text() for p in (tmp_path / "old").iterdir())
 
 
@@ -134,56 +129,43 @@ def test_what_was_adopted_and_not_taken_is_there_for_the_next(tmp_path: Path) ->
 def test_any_text_comes_back_as_it_was(
     tmp_path_factory: pytest.TempPathFactory, kind: Kind, text: str, name: str, path: str
 ) -> None:
-    folder = tmp_path_factory.mktemp("drafts")
-    session = Drafts(folder)
-    kept = Draft(kind, name, path, text)
-    session.keep(kept)
-    session.close()
-    other = Drafts(folder)
-    assert other.adopt(kind) == [kept]
-    other.close()
+    folder, kept = tmp_path_factory.mktemp("drafts"), Draft(kind, name, path, text)
+    left(folder, kept)
+    with closing(Drafts(folder)) as session:
+        assert session.adopt(kind) == [kept]
 
 
 def test_a_session_alive_keeps_its_own_and_a_killed_one_leaves_it(tmp_path: Path) -> None:
-    process = held_by_another_process(tmp_path, "typed")
-    session = Drafts(tmp_path)
-    try:
-        assert session.adopt("program") == []
-    finally:
-        end(process)
-    assert [found.text for found in session.adopt("program")] == ["typed"]
-    session.close()
+    with closing(Drafts(tmp_path)) as session:
+        with another_process(tmp_path, "typed"):
+            assert session.adopt("program") == []
+        assert [kept.text for kept in session.adopt("program")] == ["typed"]
 
 
 def test_a_child_that_a_session_forked_does_not_hold_its_drafts(tmp_path: Path) -> None:
-    process = held_by_another_process(tmp_path, "typed", "fork")
-    end(process)
+    with another_process(tmp_path, "typed", "forks"):
+        pass
     assert offered(tmp_path) == ["typed"]
 
 
 def test_two_sessions_at_once_do_not_take_from_each_other(tmp_path: Path) -> None:
-    first, second = Drafts(tmp_path), Drafts(tmp_path)
-    first.keep(draft("one"))
-    second.keep(draft("two"))
-    assert first.adopt("program") == []
-    assert second.adopt("program") == []
-    first.close()
-    second.close()
+    with closing(Drafts(tmp_path)) as first, closing(Drafts(tmp_path)) as second:
+        first.keep(draft("one"))
+        second.keep(draft("two"))
+        assert first.adopt("program") == second.adopt("program") == []
     assert offered(tmp_path) == ["two", "one"]
 
 
 def test_dropped_and_put_away_drafts_are_not_offered_again(tmp_path: Path) -> None:
-    session = Drafts(tmp_path)
-    late = session.next_turn()
-    session.keep(draft("a"))
-    session.drop(("program", "/p/mine.l"))
-    session.keep(draft("b", "/p/other.l"))
-    session.keep(draft("late"), late)  # was made before the drop, written after it
-    session.close()
-    other = Drafts(tmp_path)
-    assert [found.text for found in other.adopt("program")] == ["b"]
-    other.put_away(draft("b", "/p/other.l"))
-    other.close()
+    with closing(Drafts(tmp_path)) as session:
+        late = session.next_turn()
+        session.keep(draft("a"))
+        session.drop(MINE)
+        session.keep(draft("b", "/p/other.l"))
+        session.keep(draft("late"), late)  # was made before the drop, written after it
+    with closing(Drafts(tmp_path)) as other:
+        assert [kept.text for kept in other.adopt("program")] == ["b"]
+        other.put_away(draft("b", "/p/other.l"))
     assert offered(tmp_path) == []
     [old] = (tmp_path / "old").iterdir()
     assert json.loads(old.read_text())["text"] == "b"
@@ -195,7 +177,7 @@ def test_an_earlier_draft_does_not_replace_a_later_one(tmp_path: Path) -> None:
     turn = session.next_turn()
     session.keep(late)
     session.keep(draft("early"), turn)
-    assert session.get(("program", "/p/mine.l")) == late
+    assert session.get(MINE) == late
     session.close()
     assert offered(tmp_path) == ["late"]
 
@@ -203,10 +185,9 @@ def test_an_earlier_draft_does_not_replace_a_later_one(tmp_path: Path) -> None:
 def test_only_so_many_old_drafts_stay(tmp_path: Path) -> None:
     for number in range(OLD_DRAFTS_KEPT + 5):
         left(tmp_path, draft(f"text {number}"))
-        session = Drafts(tmp_path)
-        session.adopt("program")
-        session.put_away(draft(f"text {number}"))
-        session.close()
+        with closing(Drafts(tmp_path)) as session:
+            session.adopt("program")
+            session.put_away(draft(f"text {number}"))
     texts = [json.loads(p.read_text())["text"] for p in (tmp_path / "old").iterdir()]
     assert len(texts) == OLD_DRAFTS_KEPT
     assert "text 0" not in texts
@@ -223,10 +204,9 @@ def test_a_file_that_is_not_a_draft_is_put_away(tmp_path: Path, rubbish: bytes) 
 
 
 def test_nothing_is_left_of_a_session_without_drafts(tmp_path: Path) -> None:
-    session = Drafts(tmp_path)
-    session.keep(draft("a"))
-    session.drop(("program", "/p/mine.l"))
-    session.close()
+    with closing(Drafts(tmp_path)) as session:
+        session.keep(draft("a"))
+        session.drop(MINE)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -280,9 +260,9 @@ def test_a_session_ends_though_what_it_wrote_can_not_be_removed(tmp_path: Path) 
     for file in tmp_path.iterdir():
         file.unlink()
         file.mkdir()  # which can't be unlinked
-    drafts.drop(("program", "/p/mine.l"))
+    drafts.drop(MINE)
     drafts.close()
-    assert drafts.get(("program", "/p/mine.l")) is None
+    assert drafts.get(MINE) is None
 
 
 def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
@@ -303,35 +283,20 @@ def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
     "number",
     [
         signal.SIGKILL,
-        pytest.param(signal.SIGTERM, marks=pytest.mark.slow),
-        pytest.param(signal.SIGHUP, marks=pytest.mark.slow),
+        *(pytest.param(n, marks=pytest.mark.slow) for n in (signal.SIGTERM, signal.SIGHUP)),
     ],
 )
 def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
     tmp_path: Path, number: signal.Signals
 ) -> None:
-    script = HOLD.split("if ")[0] + (
-        "import signal\n"
-        "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"  # nohup has its children ignore it
-        'print("kept", flush=True)\n'
-        "for n in range(10**9):\n"
-        '    drafts.keep(Draft("program", "mine", "/p/mine.l", str(n) * 5000))\n'
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-c", script, str(tmp_path), "x"], stdout=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None
-    process.stdout.readline()
-    until(lambda: any(p.stat().st_size > 5000 for p in tmp_path.glob("*.json")))
-    os.kill(process.pid, number)
-    process.wait(PATIENCE)
-    process.stdout.close()
-    session = Drafts(tmp_path)
-    [found] = session.adopt("program")
-    count = found.text[: len(found.text) // 5000]
-    assert found.text == count * 5000
-    assert {p.suffix for p in tmp_path.iterdir()} == {".json", ".lock"}
-    session.close()
+    with another_process(tmp_path, "x", "writes") as process:
+        until(lambda: any(p.stat().st_size > 5000 for p in tmp_path.glob("*.json")))
+        process.send_signal(number)
+        assert process.wait(PATIENCE) == -number
+    with closing(Drafts(tmp_path)) as session:
+        [kept] = session.adopt("program")
+        assert kept.text == kept.text[: len(kept.text) // 5000] * 5000
+        assert {p.suffix for p in tmp_path.iterdir()} == {".json", ".lock"}
 
 
 def test_who_has_ended_neither_holds_nor_takes_what_it_left(tmp_path: Path) -> None:

@@ -41,28 +41,22 @@ def test_nonsense_is_not_a_place(text: str) -> None:
         Place.from_text(text)
 
 
+def place_at_5(rest: str) -> Place:
+    return Place.from_text(f'{{"level": "", "title": "", "program": "", "tick": 5, {rest}}}')
+
+
 @pytest.mark.parametrize(
     "programs",
     [
-        "[]",
-        '[[2, ""]]',
-        '[[1, ""], [1, ""]]',
-        '[[1, ""], [9, ""]]',
-        "[[1, {}]]",
-        '[[1, ""], [2, {}]]',
+        *("[]", '[[2, ""]]', '[[1, ""], [1, ""]]', '[[1, ""], [9, ""]]'),
+        *("[[1, {}]]", '[[1, ""], [2, {}]]'),
     ],
 )
 def test_programs_out_of_order_are_not_place(programs: str) -> None:
     with pytest.raises(ValueError, match="out of order"):
-        Place.from_text(
-            f'{{"level": "", "title": "", "program": "", "tick": 5, "programs": {programs}}}'
-        )
+        place_at_5(f'"programs": {programs}')
 
 
 @pytest.mark.parametrize(("speed", "wanted"), [("160.0", 160.0), ("null", None), ("41.0", 40.0)])
 def test_a_speed_that_there_is_not_is_the_usual_one(speed: str, wanted: float | None) -> None:
-    place = Place.from_text(
-        '{"level": "", "title": "", "program": "", "tick": 5, "programs": [[1, ""]], '
-        f'"speed": {speed}}}'
-    )
-    assert place.speed == wanted
+    assert place_at_5(f'"programs": [[1, ""]], "speed": {speed}').speed == wanted
