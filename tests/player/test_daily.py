@@ -27,15 +27,12 @@ def progress() -> Progress:
     return Progress(None)
 
 
+LATER = [(TODAY + timedelta(days), size) for days in range(4) for size in DAILY_SIZES][1:]
+
+
 @pytest.mark.parametrize(
     ("day", "size"),
-    [
-        pytest.param(
-            TODAY + timedelta(days), size, marks=[pytest.mark.slow] * (days > 0 or size != "small")
-        )
-        for days in range(4)
-        for size in DAILY_SIZES
-    ],
+    [(TODAY, "small"), *(pytest.param(*other, marks=pytest.mark.slow) for other in LATER)],
 )
 def test_our_program_wins_what_is_offered(day: date, size: DailySize, progress: Progress) -> None:
     level = daily_level(progress, day, size)
@@ -43,34 +40,34 @@ def test_our_program_wins_what_is_offered(day: date, size: DailySize, progress: 
     assert int(progress.fact(f"won {level.name}") or 0) > 100
 
 
-def test_it_is_offered_where_solutions_are_hidden(
-    progress: Progress, monkeypatch: pytest.MonkeyPatch
+NAME = "daily-2026-11-22-small"
+WON = Played(900, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("facts", "results", "offered"),
+    [
+        ({}, [WON], NAME),
+        ({f"won {NAME}": "1234"}, [], NAME),  # what was shown once is not played again
+        ({}, [Played(None, 0.0), WON], f"{NAME}-2"),  # what is not won is not offered
+    ],
+)
+def test_it_is_offered_once_won_even_where_solutions_are_hidden(
+    facts: dict[str, str],
+    results: list[Played],
+    offered: str,
+    progress: Progress,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(source, "_hiding", [progress])
-    monkeypatch.setattr(robustness, "play_through", lambda *_: Played(900, 0.0))
-    assert daily_level(progress, TODAY, "small").name == "daily-2026-11-22-small"
+    monkeypatch.setattr(robustness, "play_through", lambda *_: results.pop(0))
+    for name, value in facts.items():
+        progress.set_fact(name, value)
+    assert daily_level(progress, TODAY, "small").name == offered
+    assert not results
 
 
-def test_what_was_shown_once_is_not_shown_again(
-    progress: Progress, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    progress.set_fact("won daily-2026-11-22-small", "1234")
-    monkeypatch.delattr(robustness, "play_through")
-    monkeypatch.setattr(robustness, "play_through", None, raising=False)
-    assert daily_level(progress, TODAY, "small").name == "daily-2026-11-22-small"
-
-
-def test_a_labyrinth_that_is_not_won_is_not_offered(
-    progress: Progress, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    results = iter([Played(None, 0.0), Played(900, 0.0)])
-    monkeypatch.setattr(robustness, "play_through", lambda *_: next(results))
-    assert daily_level(progress, TODAY, "small").name == "daily-2026-11-22-small-2"
-
-
-def test_a_machine_that_is_too_busy_says_so(
-    progress: Progress, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_busy_machine_says_so(progress: Progress, monkeypatch: pytest.MonkeyPatch) -> None:
     def late(*_: object) -> Played:
         raise LateError
 

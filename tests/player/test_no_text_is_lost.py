@@ -77,10 +77,10 @@ class Player:
 class Session:
     """A session without a screen."""
 
-    def __init__(self, folder: Path, answers: list[str | None]) -> None:
+    def __init__(self, folder: Path, *answers: str | None) -> None:
         self.drafts = Drafts(folder / "drafts")
         self.recorder = ProgressRecorder(folder / "progress.sqlite")
-        self.player = Player(answers)
+        self.player = Player([*answers])
         sources, text = programs_to_begin_with(self.recorder.progress, LEVEL, (), {}, folder)
         self.editor = Editor(sources[""], sources[""].text if text is None else text)
         self.autosave = Autosave(
@@ -91,17 +91,12 @@ class Session:
             what="Unsaved text",
         )
         screen = cast("Any", self.editor)
+        player = cast("Any", self.player)
         self.library = Library(
-            screen,
-            cast("Any", self.player),
-            self.recorder,
-            self.drafts,
-            self.autosave,
-            screen,
-            folder,
+            screen, player, self.recorder, self.drafts, self.autosave, screen, folder
         )
 
-    async def begin(self) -> None:
+    async def begin(self) -> Session:
         nothing = cast("Any", lambda *_: None)
         self.recorder.attach(cast("Any", self.player), changed=nothing, measured=nothing)
         self.recorder.level_opened(LEVEL)
@@ -109,12 +104,16 @@ class Session:
         await self.library.offer(cast("Any", self.player))
         self.autosave.flush()
         await self.player.done()
+        return self
+
+    def type(self, text: str) -> None:
+        self.editor.put(self.editor.text + text)
 
     async def apply(self) -> None:
         self.recorder.keep(self.editor.text)
         await self.player.done()
 
-    async def end(self, *, killed: bool) -> None:
+    async def end(self, *, killed: bool = False) -> None:
         if not killed:
             self.autosave.stop()
             self.drafts.close()
@@ -144,7 +143,7 @@ class Sessions(RuleBasedStateMachine):
 
     @rule(target=sessions, answers=ANSWERS)
     def open(self, answers: list[str | None]) -> Session:
-        session = Session(Path(self.folder.name), answers)
+        session = Session(Path(self.folder.name), *answers)
         shown = session.editor.text
         self.runner.run(session.begin())
         self.alive.append(session)
@@ -159,7 +158,7 @@ class Sessions(RuleBasedStateMachine):
     @rule(session=sessions)
     def type(self, session: Session) -> None:
         self.number += 1
-        session.editor.put(f"{session.editor.text}# {self.number}\n")
+        session.type(f"# {self.number}\n")
         session.autosave.flush()
 
     @rule(session=sessions)
@@ -184,13 +183,12 @@ class Sessions(RuleBasedStateMachine):
     def teardown(self) -> None:
         for session in [*self.alive]:
             self._end(session, killed=True)
-        last = Session(Path(self.folder.name), [])
-        self.runner.run(last.begin())
-        found = self.runner.run(last.at_hand())
-        self.runner.run(last.end(killed=False))
+        last = self.runner.run(Session(Path(self.folder.name)).begin())
+        texts = self.runner.run(last.at_hand())
+        self.runner.run(last.end())
         self.runner.close()
         self.folder.cleanup()
-        assert self.wanted <= found
+        assert self.wanted <= texts
 
 
 Sessions.TestCase.settings = settings(
@@ -199,50 +197,39 @@ Sessions.TestCase.settings = settings(
 TestNoTextIsLost = pytest.mark.sampled(Sessions.TestCase)
 
 
-async def test_what_a_hung_session_left_is_offered_after_one_that_was_only_opened(
-    tmp_path: Path,
-) -> None:
-    hung = Session(tmp_path, [])
-    await hung.begin()
-    hung.editor.put(hung.editor.text + "# changed\n")
+async def test_what_a_hung_session_left_is_offered_after_one_only_opened(tmp_path: Path) -> None:
+    hung = await Session(tmp_path).begin()
+    hung.type("# changed\n")
     await hung.apply()
-    hung.editor.put(hung.editor.text + "# PRECIOUS WORK\n")
+    hung.type("# PRECIOUS WORK\n")
     hung.autosave.flush()
-    second = Session(tmp_path, [])
-    await second.begin()
+    second = await Session(tmp_path).begin()
     assert second.editor.text.endswith("# changed\n")
     await hung.end(killed=True)
-    await second.end(killed=False)
-    third = Session(tmp_path, ["yes"])
-    await third.begin()
+    await second.end()
+    third = await Session(tmp_path, "yes").begin()
     assert third.editor.text == hung.editor.text
-    await third.end(killed=False)
+    await third.end()
 
 
-async def test_what_was_set_aside_is_a_version_and_not_the_one_to_go_on_with(
-    tmp_path: Path,
-) -> None:
-    first = Session(tmp_path, [])
-    await first.begin()
-    first.editor.put(first.editor.text + "# unwanted\n")
-    await first.end(killed=False)
-    second = Session(tmp_path, ["no"])
-    await second.begin()
+async def test_what_was_set_aside_is_a_version_and_not_what_to_go_on_with(tmp_path: Path) -> None:
+    first = await Session(tmp_path).begin()
+    first.type("# unwanted\n")
+    await first.end()
+    second = await Session(tmp_path, "no").begin()
     versions = [version.text for version in await second.recorder.versions()]
     assert versions == [second.editor.text, first.editor.text]
-    await second.end(killed=False)
+    await second.end()
 
 
 async def test_two_texts_that_differ_are_both_offered(tmp_path: Path) -> None:
-    both = [Session(tmp_path, []), Session(tmp_path, [])]
+    both = [await Session(tmp_path).begin(), await Session(tmp_path).begin()]
     for number, session in enumerate(both):
-        await session.begin()
-        session.editor.put(session.editor.text + f"# {number}\n")
+        session.type(f"# {number}\n")
     for session in both:
-        await session.end(killed=False)
-    third = Session(tmp_path, ["yes", "yes"])
-    await third.begin()
+        await session.end()
+    third = await Session(tmp_path, "yes", "yes").begin()
     assert [text for text, _ in third.player.asked] == [s.editor.text for s in reversed(both)]
     assert third.editor.text == both[0].editor.text
     assert both[1].editor.text in [version.text for version in await third.recorder.versions()]
-    await third.end(killed=False)
+    await third.end()

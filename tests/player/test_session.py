@@ -58,7 +58,6 @@ class Chronicle(SessionListener):
 
     ticks: list[int] = field(default_factory=list)
     victories: list[Victory] = field(default_factory=list)
-    programs: list[str] = field(default_factory=list)
     events: list[str] = field(default_factory=list)
 
     def level_opened(self, level: Level) -> None:
@@ -72,9 +71,6 @@ class Chronicle(SessionListener):
 
     def restarted(self) -> None:
         self.events.append("restarted")
-
-    def program_used(self, program: Program) -> None:
-        self.programs.append(program.text)
 
     def tick_shown(self, frame: Frame) -> None:
         self.ticks.append(frame.tick)
@@ -202,22 +198,22 @@ async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
 
 async def test_a_victory_is_told_once_for_each_program_and_tick(tmp_path: Path) -> None:
     async with table(tmp_path) as t:
+        victories = t.chronicle.victories
         first = await t.win()
         t.session.back(2)
         await t.win()
-        assert [victory.tick for victory in t.chronicle.victories] == [first]
+        assert [victory.tick for victory in victories] == [first]
         t.session.back(first - 2)
         await t.apply(FAST)
         second = await t.win()
         assert second < first
-        assert [victory.tick for victory in t.chronicle.victories] == [first, second]
+        assert [victory.tick for victory in victories] == [first, second]
         t.session.restart()
         third = await t.win()
-        assert [victory.tick for victory in t.chronicle.victories] == [first, second, third]
-        assert [victory.verdict for victory in t.chronicle.victories] == ["counts"] * 3
-        measures = [victory.measures for victory in t.chronicle.victories]
-        assert measures[1] is None  # two programs have won it together
-        assert measures[2] is not None
+        assert [victory.tick for victory in victories] == [first, second, third]
+        assert [victory.verdict for victory in victories] == ["counts"] * 3
+        assert victories[1].measures is None  # two programs have won it together
+        assert victories[2].measures is not None
 
 
 async def test_a_level_changed_by_hand_is_won_for_nothing(tmp_path: Path) -> None:
