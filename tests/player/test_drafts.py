@@ -94,9 +94,7 @@ def test_kinds_of_one_path_are_kept_apart(tmp_path: Path) -> None:
     assert offered(tmp_path, "level") == []
 
 
-def test_the_draft_kept_last_is_the_newest_and_comes_first_whatever_the_clock_says(
-    tmp_path: Path,
-) -> None:
+def test_the_draft_kept_last_comes_first_whatever_the_clock_says(tmp_path: Path) -> None:
     late, early = (datetime(year, 1, 1, tzinfo=UTC) for year in (2040, 2020))
     for text, saved in (("older", late), ("newest", early)):
         mine = Draft("program", "mine", "/p/mine.l", text, saved)
@@ -235,9 +233,7 @@ def test_what_could_not_be_written_is_written_when_it_can_be(tmp_path: Path) -> 
     assert offered(tmp_path / "file") == ["another"]
 
 
-def test_a_disk_that_lets_nothing_be_moved_or_removed_keeps_all_and_raises_nothing(
-    tmp_path: Path,
-) -> None:
+def test_a_disk_that_lets_nothing_be_moved_keeps_all_and_raises_nothing(tmp_path: Path) -> None:
     left(tmp_path, draft("first", "/p/first.l"), draft("second", "/p/second.l"))
     (tmp_path / "old").write_text("in the way")
     drafts = Drafts(tmp_path)
@@ -286,9 +282,7 @@ def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
         *(pytest.param(n, marks=pytest.mark.slow) for n in (signal.SIGTERM, signal.SIGHUP)),
     ],
 )
-def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
-    tmp_path: Path, number: signal.Signals
-) -> None:
+def test_one_killed_writing_leaves_a_whole_draft(tmp_path: Path, number: signal.Signals) -> None:
     with another_process(tmp_path, "x", "writes") as process:
         until(lambda: any(p.stat().st_size > 5000 for p in tmp_path.glob("*.json")))
         process.send_signal(number)

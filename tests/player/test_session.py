@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ FAST = AHEAD.replace("0.5", "0.9")
 
 
 class Screen(Background, Dialogs):
-    """Works on the event loop and keeps what is said."""
+    """Works on the event loop and keeps what is said; nothing is to be asked."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -40,16 +40,14 @@ class Screen(Background, Dialogs):
     def tell(self, message: str) -> None:
         self.said.append(message)
 
+    def show(self, *dialog: object) -> Any:
+        raise AssertionError(dialog)
+
+    async def ask(self, *dialog: object) -> Any:
+        raise AssertionError(dialog)
+
     warn = tell
-
-    def show(self, dialog: object, closed: object = None) -> None:
-        raise AssertionError(f"nothing is to be asked, not even {dialog}")
-
-    async def choose(self, title: str, question: str, _answers: object) -> str | None:
-        raise AssertionError(f"nothing is to be asked, not even {title}: {question}")
-
-    async def ask(self, dialog: object) -> Any:
-        raise AssertionError(f"nothing is to be asked, not even {dialog}")
+    choose = ask  # type: ignore[assignment] # whatever it is asked
 
 
 @dataclass
@@ -108,6 +106,17 @@ class Table:
         assert self.session.won_at == self.session.frame.tick
         return self.session.frame.tick
 
+    def state_of(self, level: Path) -> str:
+        """What the record says of a level in the end."""
+        with closing(Progress(self.data_dir / FILE_NAME)) as progress:
+            return progress.record(str(level)).state
+
+    async def edit(self, *points: Point) -> None:
+        """Paint a wall, and wait until the game has followed."""
+        self.editing.open()
+        self.paint(*points)
+        await self.until(lambda: self.session.levels.shown is self.session.levels.edited)
+
     def paint(self, *points: Point) -> None:
         self.editor.settings = replace(self.editor.settings, tool=Tool.BRUSH)
         self.editor.press(*points[0], 1.0)
@@ -124,13 +133,8 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     program.write_text(text, "utf-8")
     data_dir, ui, chronicle = tmp_path / "data", Screen(), Chronicle()
     recorder, drafts = ProgressRecorder(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
-    session = Session(
-        load_level(file),
-        {"": load_program(program)},
-        spawn=ui.spawn,
-        changed=lambda: None,
-        clock=VirtualClock(),
-    )
+    sources, clock = {"": load_program(program)}, VirtualClock()
+    session = Session(load_level(file), sources, spawn=ui.spawn, changed=lambda: None, clock=clock)
 
     async def open_level(level: Level) -> None:
         session.open_level(level, {"": session.source}, text)
@@ -191,9 +195,7 @@ async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
         draft = t.drafts.get(("level", str(tmp_path / "short.toml")))
         assert draft is not None
         assert alike(read_native(draft.text, "short", ""), levels.edited)
-    kept = Progress(t.data_dir / FILE_NAME)
-    assert kept.record(str(tmp_path / "short.toml")).state == "won"
-    kept.close()
+    assert t.state_of(tmp_path / "short.toml") == "won"
 
 
 async def test_a_victory_is_told_once_for_each_program_and_tick(tmp_path: Path) -> None:
@@ -218,9 +220,7 @@ async def test_a_victory_is_told_once_for_each_program_and_tick(tmp_path: Path) 
 
 async def test_a_level_changed_by_hand_is_won_for_nothing(tmp_path: Path) -> None:
     async with table(tmp_path) as t:
-        t.editing.open()
-        t.paint((10, 8), (20, 8))
-        await t.until(lambda: t.session.levels.shown is t.session.levels.edited)
+        await t.edit((10, 8), (20, 8))
         await t.win()
         (victory,) = t.chronicle.victories
         assert victory.verdict == "edited"
@@ -244,11 +244,9 @@ async def test_what_is_looked_at_does_not_change(tmp_path: Path) -> None:
 
 async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: Path) -> None:
     async with table(tmp_path) as t:
-        t.editing.open()
-        t.paint((10, 8), (20, 8))
+        await t.edit((10, 8), (20, 8))
         levels = t.session.levels
         assert not levels.is_saved
-        await t.until(lambda: levels.shown is levels.edited)
         other = replace(levels.edited, name="other", source=str(tmp_path / "other.toml"))
         t.editing.saved(levels, str(tmp_path / "short.toml"), levels.edited, other)
         assert levels.is_saved
@@ -258,10 +256,8 @@ async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: P
         (victory,) = t.chronicle.victories
         assert victory.verdict == "counts"
         await t.until(lambda: t.recorder.record.state == "won")
-    kept = Progress(t.data_dir / FILE_NAME)
-    assert kept.record(str(tmp_path / "other.toml")).state == "won"
-    assert kept.record(str(tmp_path / "short.toml")).state == "started"
-    kept.close()
+    assert t.state_of(tmp_path / "other.toml") == "won"
+    assert t.state_of(tmp_path / "short.toml") == "started"
 
 
 async def test_a_program_whose_first_line_looks_like_teams_is_one_program(tmp_path: Path) -> None:
@@ -274,9 +270,7 @@ async def test_a_program_whose_first_line_looks_like_teams_is_one_program(tmp_pa
         assert [version.text for version in await t.recorder.versions()] == [text]
 
 
-async def test_a_step_is_taken_although_another_program_comes_into_use_meanwhile(
-    tmp_path: Path,
-) -> None:
+async def test_a_step_is_taken_although_another_program_comes_into_use(tmp_path: Path) -> None:
     async with table(tmp_path) as t:
         t.session.step()
         await virtual_loop().handled()

@@ -56,7 +56,7 @@ MOVED_NEXT = {
 
 
 @pytest.mark.parametrize(("steps", "moved"), [(5, MOVED_FIRST), (6, MOVED_NEXT)])
-def test_records_follow_their_levels_to_other_numbers(
+def test_records_follow_levels_to_new_numbers(
     file: Path, steps: int, moved: dict[str, str]
 ) -> None:
     last = [*moved][1]

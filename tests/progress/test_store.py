@@ -92,9 +92,13 @@ def kept(file: Path) -> set[str]:
         return {version.text for version in progress.versions("level")}
 
 
-def is_whole(file: Path) -> bool:
+def execute(file: Path, statement: str) -> list[tuple[object, ...]]:
     with contextlib.closing(sqlite3.connect(file)) as connection:
-        return connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+        return connection.execute(statement).fetchall()
+
+
+def is_whole(file: Path) -> bool:
+    return execute(file, "PRAGMA integrity_check") == [("ok",)]
 
 
 def aside(file: Path) -> list[Path]:
@@ -110,9 +114,7 @@ def test_two_games_write_at_once_and_nothing_is_lost(file: Path) -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("lines", [1, 5, 11])
-def test_what_was_written_before_a_kill_is_there_and_the_file_is_whole(
-    file: Path, lines: int
-) -> None:
+def test_what_was_written_before_a_kill_is_there_in_a_whole_file(file: Path, lines: int) -> None:
     with running(WRITE_MANY, file, "a", 100_000) as process:
         assert process.stdout is not None
         numbers = [process.stdout.readline().strip() for _ in range(lines)]
@@ -160,8 +162,8 @@ def test_a_file_that_is_not_ours_is_set_aside_and_a_fresh_one_begun(
     assert kept(file) == {"text"}
     (former,) = aside(file)
     assert former.read_bytes() == content
-    assert len(told) == 1
-    assert former.name in told[0]
+    (message,) = told
+    assert former.name in message
     assert progress.is_kept
 
 
@@ -173,8 +175,7 @@ def test_a_database_that_breaks_while_it_is_open_is_set_aside(file: Path, told: 
     with file.open("r+b") as handle:
         handle.seek(4096)
         handle.write(b"\xee" * (len(content) - 4096))
-    with contextlib.closing(sqlite3.connect(file)) as connection:  # so that caches are dropped
-        connection.execute("PRAGMA user_version = 1")
+    execute(file, "PRAGMA user_version = 1")  # so that caches are dropped
     progress.keep("level", "after")
     progress.close()
     assert kept(file) == {"after"}
@@ -203,20 +204,17 @@ def test_a_file_that_is_empty_is_filled_and_one_that_was_removed_is_made_anew(fi
     assert kept(file) == {"two"}
 
 
-def test_a_file_of_a_newer_version_is_left_alone_and_told_politely(
-    file: Path, told: list[str]
-) -> None:
+def test_a_file_of_a_newer_version_is_left_alone_and_told_of(file: Path, told: list[str]) -> None:
     Progress(file, pytest.fail).keep("level", "text")
-    with contextlib.closing(sqlite3.connect(file)) as connection:
-        connection.execute(f"PRAGMA user_version = {len(MIGRATIONS) + 1}")
+    execute(file, f"PRAGMA user_version = {len(MIGRATIONS) + 1}")
     before = file.read_bytes()
     progress = Progress(file, told.append)
     progress.keep("level", "mine")
     assert progress.newest("level") == "mine"
     assert file.read_bytes() == before
     assert aside(file) == []
-    assert len(told) == 1
-    assert "newer version of the game" in told[0]
+    (message,) = told
+    assert "newer version of the game" in message
 
 
 def test_a_full_disk_is_told_once_and_the_game_goes_on(file: Path) -> None:
@@ -278,9 +276,7 @@ def test_a_file_that_can_only_be_read_shows_what_it_holds(
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="for root no folder is read-only")
-def test_a_folder_that_can_only_be_read_shows_what_its_file_holds(
-    file: Path, told: list[str]
-) -> None:
+def test_a_folder_that_is_read_only_shows_what_its_file_holds(file: Path, told: list[str]) -> None:
     Progress(file, pytest.fail).keep("level", "before")
     file.with_suffix(".lock").unlink()
     file.parent.chmod(0o555)

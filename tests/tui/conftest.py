@@ -18,6 +18,7 @@ from textual.css.styles import RulesMap
 from textual.css.stylesheet import Stylesheet
 from textual.document._history import EditHistory
 from textual.dom import DOMNode
+from textual.keys import _character_to_key
 from textual.pilot import Pilot
 
 from logical_robots_tui.game import Source, load_program, measuring
@@ -35,24 +36,8 @@ from tests.virtual_time import VirtualClock, VirtualLoop, later, until, virtual_
 
 _PICTURE = 0.05  # seconds in which what has changed is laid out and drawn
 
-CHARACTERS = {
-    "space": " ",
-    "full_stop": ".",
-    "comma": ",",
-    "plus": "+",
-    "minus": "-",
-    "greater_than_sign": ">",
-    "question_mark": "?",
-    "left_square_bracket": "[",
-    "right_square_bracket": "]",
-    "left_parenthesis": "(",
-    "right_parenthesis": ")",
-    "left_curly_bracket": "{",
-    "right_curly_bracket": "}",
-    "slash": "/",
-    "enter": "\r",
-    "tab": "\t",
-}
+CHARACTERS = {_character_to_key(sign): sign for sign in " .,+->?[](){}/"}
+CHARACTERS |= {"enter": "\r", "tab": "\t"}
 LEVELS = Path(__file__).parents[1] / "conformance" / "levels"
 
 PAPER = """\
@@ -167,14 +152,7 @@ class Opened:
         sees: str | None = None,
         sees_no: str | None = None,
     ) -> None:
-        """Press keys as a terminal reports them, one after the other has been answered.
-
-        Args:
-            keys: Their names.
-            until: What to wait for after that.
-            sees: What to wait for on the screen.
-            sees_no: What is to be gone from it.
-        """
+        """Press keys as a terminal reports them, each after the last was answered, and wait."""
         for key in keys:
             self.app.post_message(
                 events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))

@@ -20,9 +20,7 @@ from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, Opened, opened
 from tests.waiting import PATIENCE
 
 
-async def test_the_robots_run_faster_and_slower_pause_restart_and_step_forward_and_back(
-    data_dir: Path,
-) -> None:
+async def test_the_robots_run_faster_and_slower_pause_restart_and_step(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         assert "40/s" in game.status
         await game.press("space")  # before the program is compiled
@@ -151,9 +149,7 @@ async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_pa
         await game.sees("[link]", r"[b]A[/b] remembers '\u001b[2J[red]'")
 
 
-async def test_victory_takes_no_key_from_somebody_who_types_and_leads_to_the_next_level(
-    data_dir: Path,
-) -> None:
+async def test_victory_takes_no_key_from_who_types_and_leads_to_a_level(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", ready=True) as game:
         await game.press(*["plus"] * 6, "space", "2", "r")
         await game.until(lambda: game.session.won_at is not None)
@@ -180,9 +176,7 @@ def answers(game: Opened, label: str) -> bool:
     return isinstance(focused, Button) and str(focused.label).startswith(label)
 
 
-async def test_two_messages_stand_apart_and_the_mouse_at_one_that_is_over_does_nothing(
-    data_dir: Path,
-) -> None:
+async def test_messages_stand_apart_and_a_click_on_a_past_one_is_nothing(data_dir: Path) -> None:
     async with opened(data_dir, text=STILL, ready=True) as game:
         game.main.tell("One.")
         game.main.tell("Two.")

@@ -57,9 +57,7 @@ async def test_what_is_missing_in_a_dialog_that_is_open_is_a_mistake() -> None:
         await show(Dialog(closes=False))
 
 
-async def test_work_for_a_part_that_has_lost_its_screen_is_no_mistake(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_work_for_a_part_off_screen_is_no_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
     begun: list[Callable[[], Awaitable[None]]] = []
     async with App[None]().run_test() as pilot:
         part = Static()

@@ -57,9 +57,7 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
     assert record_of(data_dir).record(str(short)).hints == 3
 
 
-async def test_a_level_without_texts_says_so_and_another_brings_the_players_program(
-    data_dir: Path,
-) -> None:
+async def test_a_level_without_texts_says_so_and_another_brings_a_program(data_dir: Path) -> None:
     progress = record_of(data_dir)
     progress.keep(FIRST, AHEAD)
     progress.close()

@@ -47,7 +47,7 @@ async def begin(game: Opened) -> None:
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
-async def test_the_lesson_leads_to_its_questions(
+async def test_a_lesson_leads_to_questions(
     data_dir: Path, asking: Path, size: tuple[int, int]
 ) -> None:
     async with opened(data_dir, level=asking, size=size, ready=True) as game:

@@ -56,9 +56,7 @@ async def test_one_goes_back_and_on_and_other_keys_do_what_they_always_do(data_d
     assert is_seen(data_dir)
 
 
-async def test_it_is_not_shown_unasked_but_can_be_asked_for_and_skipped_before_it_stands(
-    data_dir: Path,
-) -> None:
+async def test_it_is_shown_when_asked_for_and_skipped_even_before_it_stands(data_dir: Path) -> None:
     async with opened(data_dir, ready=True) as game:
         assert not is_shown(game)
         await game.press("ctrl+p", sees="Find a command")

@@ -147,9 +147,7 @@ async def test_the_next_level_follows_and_so_does_the_next_arena(data_dir: Path)
         await game.press("greater_than_sign", until=partial(is_at, game, last))
 
 
-async def test_a_level_change_while_running_stands_still_and_the_last_arena_has_no_next(
-    data_dir: Path,
-) -> None:
+async def test_a_level_begins_at_rest_and_the_last_arena_has_no_next(data_dir: Path) -> None:
     async with opened(data_dir, ready=True) as game:
         await game.press(*["plus"] * 6, "space", until=lambda: game.tick > 5)
         await game.press("greater_than_sign", until=lambda: is_at(game, FIRST))

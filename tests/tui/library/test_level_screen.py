@@ -50,9 +50,7 @@ def has_picture(cards: LevelCards, name: str) -> bool:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("size", [(120, 40), (80, 24), (40, 12)])
-async def test_every_level_has_a_card_with_its_picture_and_idea(
-    data_dir: Path, size: tuple[int, int]
-) -> None:
+async def test_each_level_has_a_card_with_picture(data_dir: Path, size: tuple[int, int]) -> None:
     async with opened(data_dir, size=size) as game:
         cards = await open_levels(game)
         for index, name in enumerate(NAMES):
