@@ -44,11 +44,15 @@ class Player:
         """Wait until the status line tells a tick, and return what the screen shows then."""
         return self.tmux.wait_until(lambda screen: tick_on(screen) == tick, f"tick {tick}")
 
+    def press(self, *keys: str, tick: int) -> None:
+        """Press keys, and wait until the status line tells a tick."""
+        self.tmux.press(*keys)
+        self.wait_for_tick(tick)
+
     def type_an_idea(self) -> None:
         """Type something into the editor that is not applied."""
         self.tmux.press("2")
-        self.tmux.type(TYPED)
-        self.tmux.wait_for(TYPED)
+        self.tmux.type(TYPED, sees=TYPED)
         self.tmux.press("Enter")
 
     def is_offered_the_idea(self, *others: str) -> None:
@@ -56,10 +60,8 @@ class Player:
         self.play("play", "short.toml", "ahead.l")
         for offer in ("unsaved", *others):
             self.tmux.wait_for(offer, "Yes, continue")
-            self.tmux.press("Enter")
-            self.tmux.wait_for_no(offer)
-        self.tmux.press("2")
-        self.tmux.wait_for(TYPED)
+            self.tmux.press("Enter", sees_no=offer)
+        self.tmux.press("2", sees=TYPED)
 
 
 def tick_on(screen: str) -> int:

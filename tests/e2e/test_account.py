@@ -10,18 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.test_class import recipe, words_of
+from tests.e2e.test_class import recipe, run, words_of
 from tests.sshd import SSHD, Server
-from tests.waiting import PATIENCE
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
 )
-def test_sshd_prints_nothing_when_the_account_logs_in_to_a_home_it_cannot_change(
-    tmp_path: Path,
-) -> None:
+def test_sshd_prints_nothing_at_a_login_to_a_home_that_cannot_be_changed(tmp_path: Path) -> None:
     if os.geteuid() != 0 or not all(map(shutil.which, ("useradd", "unshare"))):
         pytest.skip("nobody but root can make an account")
     own = tmp_path / "etc"  # a copy, which only this sshd sees
@@ -33,14 +30,7 @@ def test_sshd_prints_nothing_when_the_account_logs_in_to_a_home_it_cannot_change
     config = f"Match User robots\nAuthorizedKeysFile /srv/keys\nForceCommand {command}\n"
     inside = ("unshare", "-m", "sh", "-c", makes, "sh")
     with Server(tmp_path, config, inside=inside) as server:
-        done = subprocess.run(
-            server.client("-l", "robots"),
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=PATIENCE,
-        )
+        done = run(server.client("-l", "robots"), stdin=subprocess.DEVNULL)
     assert (done.returncode, done.stdout, done.stderr) == (0, "/var/empty\n", "")
 
 
@@ -71,13 +61,7 @@ def test_systemd_bounds_the_processes_of_a_scope() -> None:
     if shutil.which(scope[0]) is None:
         pytest.skip("there is no systemd-run")
     asks = "cat /sys/fs/cgroup$(cut -d: -f3 /proc/self/cgroup)/pids.max"
-    done = subprocess.run(
-        [*scope, "--", "sh", "-c", asks],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
+    done = run([*scope, "--", "sh", "-c", asks])
     if done.returncode:
         pytest.skip(f"no systemd runs for this user: {done.stderr.strip()}")
     assert done.stdout == "64\n"

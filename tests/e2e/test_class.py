@@ -45,29 +45,21 @@ class School:
     server: Server
     players: Path
 
-    @contextmanager
-    def seat(
-        self, name: str, *options: str, size: tuple[int, int] = (80, 24)
-    ) -> Iterator[Terminal]:
-        """A player who has logged in."""
-        ssh = self.server.client("-t", *options, player=name)
-        with Terminal(ssh, size=size) as terminal:
-            yield terminal
+    def seat(self, name: str, *options: str) -> Terminal:
+        """A player who logs in."""
+        return Terminal(self.server.client("-t", *options, player=name), size=(80, 24))
 
     def ssh(
         self, *options: str, words: tuple[str, ...] = (), typed: str = ""
     ) -> subprocess.CompletedProcess[str]:
         """A client that wants something else."""
-        return self._run([*self.server.client(*options, player=NAMES[0]), *words], typed)
+        return run([*self.server.client(*options, player=NAMES[0]), *words], input=typed)
 
     def scp(self, how: str, there: str, here: Path) -> subprocess.CompletedProcess[str]:
         """Copy a file from the machine."""
         *options, host = self.server.client(player=NAMES[0])[3:]
         options[0] = "-P"
-        return self._run(["scp", how, *options, "-F", "none", f"{host}:{there}", str(here)])
-
-    def _run(self, command: list[str], typed: str = "") -> subprocess.CompletedProcess[str]:
-        return run(command, input=typed)
+        return run(["scp", how, *options, "-F", "none", f"{host}:{there}", str(here)], input="")
 
 
 def run(command: list[str], **more: Any) -> subprocess.CompletedProcess[str]:
@@ -139,9 +131,7 @@ def test_a_player_learns_and_inspects_in_lines_of_text(school: School) -> None:
 
 
 @pytest.mark.slow
-def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
-    school: School, tmp_path: Path
-) -> None:
+def test_a_hostile_client_gets_no_shell_file_or_forwarding(school: School, tmp_path: Path) -> None:
     stolen = tmp_path / "stolen"
     for wish in ("sh -c 'echo pw$((1))ned'", "cat /etc/passwd", "scp -f /etc/passwd"):
         done = school.ssh(words=(wish,))
@@ -265,7 +255,7 @@ def walled(folder: Path, command: str) -> Server:
 
 
 @pytest.mark.slow
-def test_behind_the_second_wall_the_game_plays_and_keeps_what_is_typed(
+def test_behind_the_second_wall_the_game_is_played_and_kept(
     wall: Path, installed: Installed, tmp_path: Path
 ) -> None:
     folder = tmp_path / "sshd"
@@ -343,14 +333,13 @@ def leads_anywhere(school: School, option: str, way: str) -> bool:
         free = probe.getsockname()[1]
     sshd = school.server.port
     ssh = school.server.client("-N", option, way.format(free=free, sshd=sshd), player=NAMES[0])
-    greeting = b"\x05\x01\x00" if option == "-D" else b""
     target = b"\x05\x01\x00\x01\x7f\x00\x00\x01" + sshd.to_bytes(2, "big")
     with subprocess.Popen(ssh, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as client:
         try:
             until(lambda: is_open(free))
             with socket.create_connection(("127.0.0.1", free), 10) as end:
-                if greeting:
-                    end.sendall(greeting)
+                if option == "-D":
+                    end.sendall(b"\x05\x01\x00")  # a greeting
                     assert end.recv(2) == b"\x05\x00"
                     end.sendall(target)
                 return b"SSH" in end.recv(64)

@@ -42,7 +42,6 @@ def test_the_text_is_offered_when_the_process_was_killed_and_when_the_terminal_w
 def test_a_hangup_ends_even_a_robot_that_is_deep_in_thought(player: Player) -> None:
     (player.folder / "ahead.l").write_text(SLOW)
     player.play_short_way()
-    player.tmux.press("Space")
-    player.tmux.wait_for("thinking")
+    player.tmux.press("Space", sees="thinking")
     player.tmux.hang_up()
     until(lambda: not player.tmux.is_running, lambda: "the process ends")

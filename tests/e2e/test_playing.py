@@ -32,19 +32,14 @@ def test_a_level_is_cut_off_goes_on_exactly_there_and_is_won(player: Player) -> 
 
 
 @pytest.mark.slow
-def test_robots_run_pause_and_step_another_level_is_chosen_and_the_shell_given_back(
-    player: Player,
-) -> None:
+def test_robots_run_and_step_another_level_is_chosen_and_the_game_left(player: Player) -> None:
     tmux = player.tmux
     (player.folder / "ahead.l").write_text(STILL)
     player.play_short_way()
     for number in (1, 2, 3):
-        tmux.press("n")
-        player.wait_for_tick(number)
-    tmux.press("p")
-    player.wait_for_tick(2)
-    tmux.press("r")
-    player.wait_for_tick(0)
+        player.press("n", tick=number)
+    player.press("p", tick=2)
+    player.press("r", tick=0)
     tmux.click("Step")
     player.wait_for_tick(1)
     tmux.resize(20, 5)
@@ -56,12 +51,10 @@ def test_robots_run_pause_and_step_another_level_is_chosen_and_the_shell_given_b
     tmux.wait_until(lambda screen: "RUNNING" in screen and tick_on(screen) >= 3, "tick 3")
     tmux.press("Space")
     paused = tick_on(tmux.wait_for("PAUSED"))
-    tmux.press("n")
-    player.wait_for_tick(paused + 1)
+    player.press("n", tick=paused + 1)
 
     title = load_level(list_levels()[1]).title
-    tmux.press("l")
-    tmux.wait_for(title)
+    tmux.press("l", sees=title)
     tmux.type(title)
     tmux.press("Enter")
     tmux.wait_until(
@@ -71,30 +64,22 @@ def test_robots_run_pause_and_step_another_level_is_chosen_and_the_shell_given_b
     tmux.wait_until(lambda screen: screen.rstrip().endswith(PROMPT.strip()), "the prompt")
     until(lambda: not tmux.is_running)
     tmux.type("echo a$((20+22))b")
-    tmux.press("Enter")
-    tmux.wait_for("a42b")
+    tmux.press("Enter", sees="a42b")
 
 
 @pytest.mark.slow
-def test_a_pasted_program_is_what_robots_think_and_nonsense_gets_a_message_in_place(
-    player: Player,
-) -> None:
+def test_a_pasted_program_is_what_robots_think_and_nonsense_gets_a_message(player: Player) -> None:
     tmux = player.tmux
     player.play_short_way()
-    tmux.press("2")
-    tmux.press("C-End")
+    tmux.press("2", "C-End")
     tmux.paste(PASTED)
     tmux.wait_for("# pasted")
-    tmux.press("C-r")
-    tmux.wait_for("· applied")
-    tmux.press("Escape")
-    tmux.wait_for("space Run")
+    tmux.press("C-r", sees="· applied")
+    tmux.press("Escape", sees="space Run")
     tmux.press("3")
     tmux.wait_until(lambda screen: "Thought" in screen and "# pasted" not in screen, "the table")
     tmux.press("2", "C-Home")
-    tmux.type("nonsense(")
-    tmux.wait_for("nonsense(")
-    tmux.press("C-r")
-    tmux.wait_for("line 1, column")
+    tmux.type("nonsense(", sees="nonsense(")
+    tmux.press("C-r", sees="line 1, column")
     tmux.press("F5")
     tmux.wait_for("WON")  # by the last good program

@@ -40,19 +40,16 @@ def start_anew(player: Player) -> None:
 
 
 def enter_editor(player: Player) -> None:
-    player.tmux.press("2")
-    player.tmux.wait_for("^R Apply  F5 Run")
+    player.tmux.press("2", sees="^R Apply  F5 Run")
 
 
 def leave_editor(player: Player) -> None:
-    player.tmux.press("Escape")
-    player.tmux.wait_for("space Run")
+    player.tmux.press("Escape", sees="space Run")
 
 
 def skip_the_tour(player: Player) -> None:
     player.tmux.wait_for("skip the tour", "· applied")
-    player.tmux.press("Escape")
-    player.tmux.wait_for_no("skip the tour")
+    player.tmux.press("Escape", sees_no="skip the tour")
 
 
 @pytest.mark.slow
@@ -77,9 +74,7 @@ def test_the_first_level_is_ready_and_the_tour_shown_at_the_first_start_and_neve
 
 
 @pytest.mark.slow
-def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
-    player: Player,
-) -> None:
+def test_in_the_first_minute_somebody_new_wins_by_what_the_briefing_says(player: Player) -> None:
     asked = re.search(r'change "([^"]+)" to "([^"]+)"', FIRST.briefing.replace("\n", " "))
     assert asked
     before, after = asked.groups()
@@ -93,13 +88,10 @@ def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     # From below, because lines above the rule wrap.
     up = ["C-End", *["Up"] * (len(lines) - row)]
     player.tmux.press(*up, "End", *["Left"] * back, *["BSpace"] * len(before))
-    player.tmux.type(after)
-    player.tmux.wait_for(after)
-    player.tmux.press("C-r")
-    player.tmux.wait_for("· applied")
+    player.tmux.type(after, sees=after)
+    player.tmux.press("C-r", sees="· applied")
     leave_editor(player)
-    player.tmux.type("++++++")
-    player.tmux.wait_for("flat out")
+    player.tmux.type("++++++", sees="flat out")
     player.tmux.press("Space")
     won = tick_on(player.tmux.wait_for("WON", "your best", "reference"))
     until(lambda: record_of(player).record(FIRST.name).bests.ticks == won)
@@ -116,38 +108,30 @@ def test_hints_what_was_applied_and_the_last_level_are_there_after_a_kill(player
     player.play()
     skip_the_tour(player)
     for number in (1, 2):
-        tmux.press("h")
-        tmux.wait_for(f"{number}. ")
+        tmux.press("h", sees=f"{number}. ")
     until(lambda: record_of(player).record(FIRST.name).hints == 2)
-    tmux.press("Escape")
-    tmux.wait_for_no("2. ")
+    tmux.press("Escape", sees_no="2. ")
     enter_editor(player)
     for number in (1, 2):
         tmux.type(f"# idea {number}")
-        tmux.press("Enter")
-        tmux.wait_for(f"# idea {number}")
+        tmux.press("Enter", sees=f"# idea {number}")
         tmux.press("C-r")
         until(lambda number=number: record_of(player).record(FIRST.name).versions == number)  # type: ignore[misc] # bound now
     until(lambda: any("# idea 2\\n" in f.read_text() for f in player.folder.rglob("drafts/*.json")))
     kill(player)
 
     start_anew(player)
-    tmux.press("h")
-    tmux.wait_for("2. ")
-    tmux.press("Escape")
-    tmux.wait_for_no("2. ")
+    tmux.press("h", sees="2. ")
+    tmux.press("Escape", sees_no="2. ")
     enter_editor(player)
     assert "Continue" not in tmux.wait_for("# idea 2")
     leave_editor(player)
-    tmux.press("v")
-    tmux.wait_for("Earlier versions")
-    tmux.press("Down", "Enter")
-    tmux.wait_for_no("Earlier versions")
+    tmux.press("v", sees="Earlier versions")
+    tmux.press("Down", "Enter", sees_no="Earlier versions")
     enter_editor(player)
     assert "# idea 2" not in tmux.wait_for("# idea 1")
     leave_editor(player)
-    tmux.press("x")
-    tmux.wait_for("Put the starter program back?")
+    tmux.press("x", sees="Put the starter program back?")
     tmux.press("y")
     enter_editor(player)
     tmux.wait_for_no("# idea")
@@ -157,15 +141,13 @@ def test_hints_what_was_applied_and_the_last_level_are_there_after_a_kill(player
         lambda screen: f"2 {SECOND.title}" in screen and ("▀" in screen or "▄" in screen),
         "a miniature",
     )
-    tmux.press("Right", "Enter")
-    tmux.wait_for(f"LOGICAL ROBOTS   {SECOND.title}")
+    tmux.press("Right", "Enter", sees=f"LOGICAL ROBOTS   {SECOND.title}")
     until(lambda: record_of(player).fact("level") == SECOND.name)
     kill(player)
 
     start_anew(player)
     tmux.wait_for(f"LOGICAL ROBOTS   {SECOND.title}")
-    tmux.press("l")
-    tmux.wait_for(f"▸ 2 {SECOND.title}")
+    tmux.press("l", sees=f"▸ 2 {SECOND.title}")
     tmux.click(f"1 {FIRST.title}")
     tmux.wait_for(f"LOGICAL ROBOTS   {FIRST.title}")
 

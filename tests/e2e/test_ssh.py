@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -61,18 +62,24 @@ def host(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> Iter
 @contextmanager
 def playing(
     host: Host,
-    line: Line,
     data: Path,
     level: tuple[str, str],
     size: tuple[int, int],
     *options: str,
-) -> Iterator[Terminal]:
+    rate: int = 0,
+) -> Iterator[tuple[Line, Terminal]]:
     """A player who has started a level over a line."""
-    ssh = host.server.client("-t", *options, port=line.port)
-    with Terminal([*ssh, host.command(data, *level)], size=size) as terminal:
-        terminal.wait_for("· applied")
-        terminal.wait_for_quiet(0.5)
-        yield terminal
+    with Line(host.server.port, rate) as line:
+        ssh = host.server.client("-t", *options, port=line.port)
+        with Terminal([*ssh, host.command(data, *level)], size=size) as terminal:
+            terminal.wait_for("· applied")
+            terminal.wait_for_quiet(0.5)
+            yield line, terminal
+
+
+def run(terminal: Terminal) -> None:
+    terminal.send(" ")
+    terminal.wait_for("RUNNING")
 
 
 def wait_for_frames(terminal: Terminal, number: int) -> None:
@@ -83,31 +90,22 @@ def wait_for_frames(terminal: Terminal, number: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("level", "size", "options", "allowed"),
+    ("allowed", "how"),
     [
-        (THREE_ROBOTS, (120, 40), (), 2000),
-        pytest.param(THREE_ROBOTS, (120, 40), ("-C",), 500, marks=pytest.mark.proof),
-        pytest.param(THREE_ROBOTS, (80, 24), (), 1000, marks=pytest.mark.proof),
-        pytest.param(THREE_ROBOTS, (80, 24), ("-C",), 250, marks=pytest.mark.proof),
-        pytest.param(SIX_ROBOTS, (120, 40), (), 3300, marks=pytest.mark.proof),
-        pytest.param(SIX_ROBOTS, (120, 40), ("-C",), 830, marks=pytest.mark.proof),
+        (2000, (THREE_ROBOTS, (120, 40))),
+        pytest.param(500, (THREE_ROBOTS, (120, 40), "-C"), marks=pytest.mark.proof),
+        pytest.param(1000, (THREE_ROBOTS, (80, 24)), marks=pytest.mark.proof),
+        pytest.param(250, (THREE_ROBOTS, (80, 24), "-C"), marks=pytest.mark.proof),
+        pytest.param(3300, (SIX_ROBOTS, (120, 40)), marks=pytest.mark.proof),
+        pytest.param(830, (SIX_ROBOTS, (120, 40), "-C"), marks=pytest.mark.proof),
     ],
 )
 def test_a_running_game_sends_little_and_a_paused_one_nothing(
-    host: Host,
-    tmp_path: Path,
-    level: tuple[str, str],
-    size: tuple[int, int],
-    options: tuple[str, ...],
-    allowed: int,
+    host: Host, tmp_path: Path, allowed: int, how: Any
 ) -> None:
     """Bytes a frame."""
-    with (
-        Line(host.server.port) as line,
-        playing(host, line, tmp_path, level, size, *options) as terminal,
-    ):
-        terminal.send(" ")
-        terminal.wait_for("RUNNING")
+    with playing(host, tmp_path, *how) as (line, terminal):
+        run(terminal)
         before = line.traffic
         wait_for_frames(terminal, FRAMES)
         assert 0 < line.traffic - before <= FRAMES * allowed
@@ -118,25 +116,21 @@ def test_a_running_game_sends_little_and_a_paused_one_nothing(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [20_000, pytest.param(64_000, marks=pytest.mark.proof)])
-def test_on_a_slow_line_little_comes_before_the_effect_of_a_key(
+def test_a_slow_line_carries_little_before_a_key_shows(
     host: Host, tmp_path: Path, rate: int
 ) -> None:
-    with (
-        Line(host.server.port, rate) as line,
-        playing(host, line, tmp_path, SIX_ROBOTS, (120, 40)) as terminal,
-    ):
-        terminal.send(" ")
-        terminal.wait_for("RUNNING")
+    with playing(host, tmp_path, SIX_ROBOTS, (120, 40), rate=rate) as (line, terminal):
+        run(terminal)
         terminal.send("2")
         terminal.wait_for("Leave")
-        found = []
+        numbers = []
         for letter in "αβγδεζηθικλ":
             wait_for_frames(terminal, 2)
             before = line.traffic
             terminal.send(letter)
             terminal.wait_to_receive(letter)
-            found.append(line.traffic - before)
-        assert statistics.median(found) <= BEFORE_A_KEY, found
+            numbers.append(line.traffic - before)
+        assert statistics.median(numbers) <= BEFORE_A_KEY, numbers
 
 
 @pytest.mark.slow
@@ -146,17 +140,14 @@ def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> N
         tmux.start(*ssh, host.command(tmp_path / "data", *THREE_ROBOTS))
         tmux.wait_for("· applied")
         tmux.press("2", "C-Home")  # no dialog covers the first line
-        tmux.type(TYPED)
-        tmux.wait_for(TYPED)
-        tmux.press("F5")
-        tmux.wait_for("RUNNING")
+        tmux.type(TYPED, sees=TYPED)
+        tmux.press("F5", sees="RUNNING")
         line.cut()
         until(lambda: not host.is_playing, lambda: "the process ends")
         tmux.mend()
         tmux.start(*ssh, host.command(tmp_path / "data", *THREE_ROBOTS))
         tmux.wait_for("unsaved", "Yes, continue")
-        tmux.press("Enter")
-        tmux.wait_for(TYPED)
+        tmux.press("Enter", sees=TYPED)
 
 
 @pytest.mark.slow
@@ -165,17 +156,12 @@ def test_a_game_is_suspended_and_resized_and_goes_on(host: Host, tmp_path: Path)
         tmux.start(*host.server.client("-t"), f"PS1='{PROMPT}' sh -i")
         tmux.wait_until(lambda screen: screen.rstrip().endswith(PROMPT.strip()), "a shell")
         tmux.type(host.command(tmp_path / "data", *THREE_ROBOTS))
-        tmux.press("Enter")
-        tmux.wait_for("· applied")
-        tmux.press("n")
-        tmux.wait_for("tick 1")
-        tmux.press("C-z")
-        tmux.wait_for("Stopped")
+        tmux.press("Enter", sees="· applied")
+        tmux.press("n", sees="tick 1")
+        tmux.press("C-z", sees="Stopped")
         tmux.type("fg")
-        tmux.press("Enter")
-        tmux.wait_for("tick 1")
-        tmux.press("Space")
-        tmux.wait_for("RUNNING")
+        tmux.press("Enter", sees="tick 1")
+        tmux.press("Space", sees="RUNNING")
         tmux.resize(80, 24)
         screen = tmux.wait_until(lambda screen: re.search(r"tick [1-9]\d", screen), "it runs on")
         assert max(map(len, screen.splitlines())) <= 80

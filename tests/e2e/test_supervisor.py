@@ -9,8 +9,9 @@ import subprocess
 import sys
 import termios
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -99,17 +100,11 @@ def playing(
 
 @contextmanager
 def watched(
-    game: str,
-    folder: Path,
-    how: str = "waits in C",
-    *,
-    computed: float = NEVER,
-    idle: float = NEVER,
-    unwatched: float = NEVER,
-    editor: str = "vi",
+    game: str, folder: Path, how: str = "waits in C", *, editor: str = "vi", **seconds: float
 ) -> Iterator[Terminal]:
     """A game that can get stuck; the seconds are what the supervisor, or the kernel, leaves it."""
-    python = ["-c", GETS_STUCK + game, how, str(computed), str(idle), str(unwatched)]
+    limits = [str(seconds.get(limit, NEVER)) for limit in ("computed", "idle", "unwatched")]
+    python = ["-c", GETS_STUCK + game, how, *limits]
     with playing(folder, python, editor) as terminal:
         terminal.wait_for("applied")
         yield terminal
@@ -137,11 +132,10 @@ def settings(terminal: Terminal) -> list[object]:
 
 def texts(folder: Path) -> list[str]:
     """What the next session would find, as soon as this one has ended."""
-    drafts = Drafts(folder / "drafts")
-    until(lambda: drafts.adopt("program"))
-    found = drafts.adopt("program")
-    drafts.close()
-    return ["hello" if "hello" in draft.text else draft.text for draft in found]
+    with closing(Drafts(folder / "drafts")) as drafts:
+        until(lambda: drafts.adopt("program"))
+        kept = drafts.adopt("program")
+    return ["hello" if "hello" in draft.text else draft.text for draft in kept]
 
 
 def is_put_back(terminal: Terminal) -> bool:
@@ -149,21 +143,21 @@ def is_put_back(terminal: Terminal) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("game", "how", "computed", "idle"),
+    ("game", "how", "seconds"),
     [
-        pytest.param(SMALL, "computes in C", 0.2, NEVER, id="small, in C"),
-        pytest.param(WHOLE, "waits in C", NEVER, 2.0, id="idle in C"),
-        pytest.param(WHOLE, "waits in a lock", NEVER, 2.0, id="in a lock", marks=slow),
-        pytest.param(WHOLE, "computes in C", 1.0, NEVER, id="in C", marks=slow),
-        pytest.param(WHOLE, "computes in Python", 1.0, NEVER, id="in Python", marks=slow),
+        pytest.param(SMALL, "computes in C", {"computed": 0.2}, id="small, in C"),
+        pytest.param(WHOLE, "waits in C", {"idle": 2.0}, id="idle in C"),
+        pytest.param(WHOLE, "waits in a lock", {"idle": 2.0}, id="in a lock", marks=slow),
+        pytest.param(WHOLE, "computes in C", {"computed": 1.0}, id="in C", marks=slow),
+        pytest.param(WHOLE, "computes in Python", {"computed": 1.0}, id="in Python", marks=slow),
     ],
 )
 def test_a_stuck_game_is_ended_and_says_so(
-    tmp_path: Path, game: str, how: str, computed: float, idle: float
+    tmp_path: Path, game: str, how: str, seconds: dict[str, Any]
 ) -> None:
     with playing(tmp_path, ["-c", "pass"]) as shell:
         before = settings(shell)
-    with watched(game, tmp_path, how, computed=computed, idle=idle) as terminal:
+    with watched(game, tmp_path, how, **seconds) as terminal:
         assert settings(terminal) != before
         if game == WHOLE:
             type_hello(terminal)
@@ -219,9 +213,7 @@ def starved(process: int) -> Iterator[None]:
 
 @slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_game_without_a_processor_has_time_to_keep_the_text(
-    tmp_path: Path, number: signal.Signals
-) -> None:
+def test_a_game_without_a_processor_keeps_the_text(tmp_path: Path, number: signal.Signals) -> None:
     with playing(tmp_path) as terminal:
         terminal.wait_for("applied")
         with starved(terminal.game):
@@ -242,7 +234,7 @@ def test_a_game_without_a_processor_has_time_to_keep_the_text(
     ],
     ids=["fault", "kill", "fault of the whole game"],
 )
-def test_what_ended_a_game_is_said(
+def test_what_ended_it_is_said(
     tmp_path: Path, game: str, number: signal.Signals, said: str
 ) -> None:
     with playing(tmp_path, ["-c", "pass"]) as shell:
@@ -265,14 +257,9 @@ def test_a_game_whose_small_supervisor_is_killed_keeps_the_text_and_ends(tmp_pat
     assert texts(tmp_path) == ["hello"]
 
 
-@pytest.mark.parametrize(
-    ("game", "seconds"),
-    [(SMALL, 0.2), pytest.param(WHOLE, 3.0, marks=slow)],
-    ids=["small", "whole"],
-)
-def test_a_stuck_game_whose_supervisor_is_killed_ends_as_well(
-    tmp_path: Path, game: str, seconds: float
-) -> None:
+@either_game
+def test_a_stuck_game_whose_supervisor_is_killed_ends_as_well(tmp_path: Path, game: str) -> None:
+    seconds = 0.2 if game == SMALL else 3.0
     with watched(game, tmp_path, "computes in C", unwatched=seconds) as terminal:
         process = terminal.game
         get_stuck(terminal, game)
@@ -288,10 +275,14 @@ def test_a_stopped_game_is_not_stuck(tmp_path: Path, game: str) -> None:
         until(lambda: state(terminal.process.pid) == "T")
         terminal.process.send_signal(signal.SIGCONT)
         until(lambda: state(terminal.game) == "S" and state(terminal.process.pid) == "S")
-        terminal.send("n")
-        terminal.wait_for("tick 1 ")
-        terminal.send("q")
-        assert terminal.finish() == 0
+        step_and_quit(terminal, "n")
+
+
+def step_and_quit(terminal: Terminal, keys: str) -> None:
+    terminal.send(keys)
+    terminal.wait_for("tick 1 ")
+    terminal.send("q")
+    assert terminal.finish() == 0
 
 
 def state(process: int) -> str:
@@ -304,10 +295,7 @@ def test_another_program_in_the_terminal_is_not_taken_for_a_stuck_game(tmp_path:
         terminal.wait_for("editing")
         looks_before = looks(terminal.process.pid)
         until(lambda: looks(terminal.process.pid) > looks_before + 2)
-        terminal.send(" n")
-        terminal.wait_for("tick 1 ")
-        terminal.send("q")
-        assert terminal.finish() == 0
+        step_and_quit(terminal, " n")
 
 
 def looks(supervisor: int) -> int:

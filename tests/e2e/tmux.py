@@ -99,13 +99,17 @@ class Tmux:
         """Tell the process what the system tells it when its terminal is gone."""
         os.kill(self.pid, signal.SIGHUP)
 
-    def press(self, *keys: str) -> None:
-        """Press keys by tmux's names for them."""
+    def press(self, *keys: str, sees: str = "", sees_no: str | None = None) -> None:
+        """Press keys by tmux's names for them, and wait for one text and for the end of another."""
         self._tmux("send-keys", *keys)
+        if sees:
+            self.wait_for(sees)
+        if sees_no is not None:
+            self.wait_for_no(sees_no)
 
-    def type(self, text: str) -> None:
-        """Type a text letter by letter."""
-        self._tmux("send-keys", "-l", text)
+    def type(self, text: str, *, sees: str = "", sees_no: str | None = None) -> None:
+        """Type a text letter by letter, and wait as after keys."""
+        self.press("-l", text, sees=sees, sees_no=sees_no)
 
     def mend(self) -> None:
         """Make a terminal usable that a process left in disorder, as a player would."""

@@ -52,6 +52,10 @@ def test_everything_is_there_in_the_next_session(file: Path, progress: Progress)
     progress.reveal("one", 2)
     progress.keep("one", "later")
     progress.set_fact("tour", "seen")
+    progress.answer("one", "Who?", "Robot")
+    progress.answer("one", "How far?", "sensor.forward_distance")
+    progress.answer("one", "Who?", "Here(1);")
+    progress.answer("two", "Who?", "\ud800")
     progress.close()
     second = Progress(file, pytest.fail)
     record = second.record("one")
@@ -61,19 +65,9 @@ def test_everything_is_there_in_the_next_session(file: Path, progress: Progress)
     assert [version.won for version in second.versions("one")] == [False, True]
     assert second.versions("one")[1].measures == MEASURED
     assert second.fact("tour") == "seen"
-
-
-def test_the_last_answer_to_a_question_is_kept(file: Path, progress: Progress) -> None:
-    progress.answer("one", "Who?", "Robot")
-    progress.answer("one", "How far?", "sensor.forward_distance")
-    progress.answer("one", "Who?", "Here(1);")
-    progress.answer("two", "Who?", "\ud800")
-    progress.close()
-    second = Progress(file, pytest.fail)
-    assert second.record("one") == NEW._replace(
-        answers=(("How far?", "sensor.forward_distance"), ("Who?", "Here(1);"))
-    )
-    assert second.record("two").answers == (("Who?", "?"),)
+    answers = (("How far?", "sensor.forward_distance"), ("Who?", "Here(1);"))
+    assert record.answers == answers, "the last to each question"
+    assert second.record("two") == NEW._replace(answers=(("Who?", "?"),))
 
 
 def test_each_measure_has_a_best_of_its_own(progress: Progress) -> None:
@@ -130,11 +124,8 @@ def test_second_goals_are_those_of_all_victories_together(progress: Progress) ->
     progress.win("one", "neither", MEASURED)
     assert progress.record("one").bests.goals == ("at most 90 symbols", "never blocked")
     assert progress.measures("one", "quiet") == MEASURED._replace(goals=("never blocked",))
-    assert [version.measures.goals for version in progress.versions("one") if version.measures] == [
-        (),
-        ("at most 90 symbols", "never blocked"),
-        ("never blocked",),
-    ]
+    goals = [version.measures.goals for version in progress.versions("one") if version.measures]
+    assert goals == [(), ("at most 90 symbols", "never blocked"), ("never blocked",)]
     assert progress.record("two").bests.goals == ()
 
 
@@ -146,12 +137,6 @@ def test_any_texts_come_back_in_the_order_of_their_last_use(uses: list[tuple[str
     for level in "ab":
         mine = [text for at, text in uses if at == level]
         assert texts(progress, level) == list(dict.fromkeys(reversed(mine)))
-
-
-def test_half_a_character_does_no_harm(progress: Progress) -> None:
-    progress.keep("one", "a\ud800b")
-    assert texts(progress, "one") == ["a?b"]
-    assert progress.holds("a\ud800b")
 
 
 MEASURES = st.builds(
@@ -174,8 +159,11 @@ def test_bests_are_the_least_and_the_most(found: list[Measures]) -> None:
     assert progress.record("one").bests[:4] == (min(ticks), min(sizes), min(distances), most)
 
 
-def test_a_level_whose_path_is_not_utf_8_is_kept_as_any_other() -> None:
-    progress, level = Progress(None, pytest.fail), "/tmp/\udcdcbung/own.toml"
+def test_half_a_character_does_no_harm_not_even_in_the_path_of_a_level(progress: Progress) -> None:
+    progress.keep("one", "a\ud800b")
+    assert texts(progress, "one") == ["a?b"]
+    assert progress.holds("a\ud800b")
+    level = "/tmp/\udcdcbung/own.toml"
     progress.begin(level)
     progress.reveal(level, 1)
     progress.keep(level, "text")
