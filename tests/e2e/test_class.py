@@ -106,11 +106,7 @@ def test_each_player_has_the_game_and_a_folder_by_the_name_of_their_key(school: 
 def test_the_command_of_the_recipe_plays_in_lines_of_text(tmp_path: Path) -> None:
     (line,) = re.findall(r"ForceCommand \S+ (.*)", recipe("sshd_config"))
     arguments = line.replace("/srv/robots", str(tmp_path)).split()
-    environment = {
-        **os.environ,
-        "LOGICAL_ROBOTS_PLAYER": NAMES[0],
-        "SSH_ORIGINAL_COMMAND": "plain",
-    }
+    environment = {**os.environ, "LOGICAL_ROBOTS_PLAYER": NAMES[0], "SSH_ORIGINAL_COMMAND": "plain"}
     command = [sys.executable, "-m", "logical_robots_tui", *arguments]
     done = run(command, input="hint\nsave mine\n", env=environment)
     assert (done.returncode, done.stderr) == (0, "")

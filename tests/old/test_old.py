@@ -48,17 +48,9 @@ def test_each_team_gets_its_own_text(parts: dict[str, str], text: str) -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "",
-        COUNTER,
-        '{"red": 1}\none',
-        "# teams: ",
-        "# teams: {}",
-        "# teams: []\n",
-        '# teams: {"red": 2}\none\ntwo\nthree',
-        '# teams: {"red": 1}\none\ntwo',
-        '# teams: {"red": "1"}\none',
-        "# teams: {nonsense",
-        "# teams: " + "[" * 50_000,
+        *("", COUNTER, '{"red": 1}\none', "# teams: ", "# teams: {}", "# teams: []\n"),
+        *('# teams: {"red": 2}\none\ntwo\nthree', '# teams: {"red": 1}\none\ntwo'),
+        *('# teams: {"red": "1"}\none', "# teams: {nonsense", "# teams: " + "[" * 50_000),
         '# teams: {"' + "a" * 100_000 + '": 1}\none',
     ],
 )
@@ -67,15 +59,13 @@ def test_any_other_text_is_one_program(text: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "texts"), [("match", TEAMS), ("match-without", {"": NO_PROGRAM})])
-def test_a_replay_is_read_verified_and_shown(
-    name: str, texts: dict[str, str], command: Command
-) -> None:
+def test_a_replay_is_read_and_shown(name: str, texts: dict[str, str], command: Command) -> None:
     file = HERE / f"{name}.replay"
     assert load_replay(file).programs == {1: texts}
     told = command("replay", "verify", file, "--json").data
     assert (told["same"], told["ticks"], told["programs"]) == (True, 20, name == "match")
     shown = command("replay", "show", file, "--json").data["programs"]
-    assert {each["team"]: each["text"] or NO_PROGRAM for each in shown} == texts
+    assert {program["team"]: program["text"] or NO_PROGRAM for program in shown} == texts
 
 
 def test_a_replay_without_teams_has_one_program() -> None:
@@ -84,16 +74,18 @@ def test_a_replay_without_teams_has_one_program() -> None:
     assert "Robot(" in texts[""]
 
 
-def test_a_tournament_has_its_results(tmp_path: Path, command: Command) -> None:
-    folder = tmp_path / "tournament"
-    shutil.copytree(HERE / "tournament", folder)
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A tournament."""
+    return shutil.copytree(HERE / "tournament", tmp_path / "tournament")
+
+
+def test_a_tournament_has_its_results(folder: Path, command: Command) -> None:
     assert command("lab", "status", folder, "--mixed").out.startswith("The hill: 4 runs done")
 
 
 @pytest.mark.slow
-def test_a_tournament_goes_on_with_the_same_results(tmp_path: Path, command: Command) -> None:
-    folder = tmp_path / "tournament"
-    shutil.copytree(HERE / "tournament", folder)
+def test_a_tournament_goes_on_with_the_same_results(folder: Path, command: Command) -> None:
     with closing(sqlite3.connect(folder / "ledger.db")) as ledger, ledger:
         jobs = set(ledger.execute("SELECT job FROM results"))
         (job,) = ledger.execute("SELECT min(job) FROM results").fetchone()
@@ -109,9 +101,7 @@ def test_a_tournament_goes_on_with_the_same_results(tmp_path: Path, command: Com
         assert (folder / f"{name}.csv").read_bytes() == old
 
 
-def test_a_victory_with_teams_is_that_of_the_player_s_own_program(
-    tmp_path: Path,
-) -> None:
+def test_a_victory_with_teams_is_that_of_the_player_s_own_program(tmp_path: Path) -> None:
     """It was kept with the programs of all teams in one text."""
     file = tmp_path / "progress.sqlite"
     with closing(sqlite3.connect(file)) as connection:

@@ -110,7 +110,7 @@ def test_old_versions_go_but_never_one_that_holds_a_best(
     for number in range(10):
         progress.keep("one", f"try {number}")
     assert texts(progress, "one") == [
-        *("try 9", "try 8", "try 7", "quiet", "robust", "straight", "short", "fast"),
+        *("try 9", "try 8", "try 7", "quiet", "robust", "straight", "short", "fast")
     ]
     assert progress.record("one").bests == Bests(1, 1, 1.0, 20, 20, ("never blocked",))
     assert texts(progress, "two") == ["elsewhere"]

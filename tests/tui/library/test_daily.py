@@ -46,10 +46,7 @@ async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: P
     ("measures", "line"),
     [
         (Measures(1258, 2, 971.4), "1,258 ticks · 2 symbols · 971 units driven"),
-        (
-            Measures(31, 1, 15.5, 19, 20),
-            "31 ticks · 1 symbol · 16 units driven · 19 of 20 starts",
-        ),
+        (Measures(31, 1, 15.5, 19, 20), "31 ticks · 1 symbol · 16 units driven · 19 of 20 starts"),
     ],
 )
 def test_a_result_is_one_line(measures: Measures, line: str) -> None:
