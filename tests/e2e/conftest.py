@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import pytest
 
@@ -70,8 +71,11 @@ def tick_on(screen: str) -> int:
     return int(found[1]) if found else -1
 
 
+Seat: TypeAlias = Callable[..., AbstractContextManager[Player]]
+
+
 @pytest.fixture
-def seat(installed: Installed, tmp_path: Path) -> Callable[..., AbstractContextManager[Player]]:
+def seat(installed: Installed, tmp_path: Path) -> Seat:
     """Gives a player a terminal of some size; the same player may sit down again."""
     (tmp_path / "short.toml").write_text(LEVEL)
     (tmp_path / "ahead.l").write_text(AHEAD)
@@ -85,7 +89,7 @@ def seat(installed: Installed, tmp_path: Path) -> Callable[..., AbstractContextM
 
 
 @pytest.fixture
-def player(seat: Callable[..., AbstractContextManager[Player]]) -> Iterator[Player]:
+def player(seat: Seat) -> Iterator[Player]:
     """A player at a terminal of 80 columns and 24 lines."""
     with seat() as player:
         yield player

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 
 import pytest
 
 from docs.debugging import LEVEL, PAGE, PICTURES, PROGRAM, page, play
-from tests.e2e.conftest import Player
+from tests.e2e.conftest import Seat
 
 
 @pytest.mark.slow
@@ -19,9 +17,7 @@ def test_the_page_is_up_to_date() -> None:
 
 
 @pytest.mark.slow
-def test_the_mistake_is_found_and_mended_as_the_page_says(
-    seat: Callable[..., AbstractContextManager[Player]],
-) -> None:
+def test_the_mistake_is_found_and_mended_as_the_page_says(seat: Seat) -> None:
     with seat(120, 40) as player:
         shutil.copy(LEVEL, player.folder)
         shutil.copy(PROGRAM, player.folder)

@@ -1,16 +1,25 @@
-"""The installed game, played in a real terminal."""
+"""The installed game, played, edited and interrupted in a real terminal."""
 
 from __future__ import annotations
+
+import os
+import signal
 
 import pytest
 
 from logical_robots_tui import list_levels, load_level
-from tests.e2e.conftest import Player, tick_on
-from tests.e2e.tmux import PROMPT
+from tests.e2e.conftest import TYPED, Player, Seat, tick_on
+from tests.e2e.tmux import PROMPT, place_of
 from tests.short import AHEAD
 from tests.waiting import until
 
 STILL = AHEAD.replace("0.5", "0")
+SLOW = """\
+N(x) :- x in Range(3000);
+Big(s? += a * b) distinct :- N(a), N(b), N(c);
+Robot(robot_name:, desire: {left_engine: s, right_engine: 0}, memory: 1) :-
+  Sensor(robot_name:), Big(s:);
+"""
 PASTED = '\n# pasted\nThought(robot_name:, idea: "left") :- Sensor(robot_name:);\n'
 
 
@@ -83,3 +92,111 @@ def test_a_pasted_program_is_what_robots_think_and_nonsense_gets_a_message(playe
     tmux.press("C-r", sees="line 1, column")
     tmux.press("F5")
     tmux.wait_for("WON")  # by the last good program
+
+
+def timeline(screen: str) -> str:
+    """The line above the command bar."""
+    return screen.splitlines()[22]
+
+
+@pytest.mark.slow
+def test_the_timeline_is_dragged_driven_with_keys_and_shows_an_old_future(player: Player) -> None:
+    tmux = player.tmux
+    player.play_short_way()
+    tmux.press("U", sees="Run until tick")
+    tmux.type("30")
+    player.press("Enter", tick=30)
+    tmux.wait_for("tick 30 of 30")
+    tmux.drag((12, 23), (22, 23))
+    player.wait_for_tick(20)
+    player.press("P", tick=10)
+    player.press("N", tick=20)
+    player.press(")", tick=30)
+    player.press("(", tick=0)
+    tmux.press("T")
+    player.press("End", tick=30)
+    player.press("PageUp", tick=20)
+    tmux.press("g", sees="Go to tick")
+    tmux.type("99")
+    tmux.press("Enter", sees="The history holds ticks 0 to 30, not 99.")
+
+    tmux.press("Escape", sees_no="Go to tick")
+    player.press("(", tick=0)
+    tmux.press("2")
+    tmux.paste("# another\nTwo(x: 1) :- Sensor();\n")
+    tmux.wait_for("# another")
+    tmux.press("C-r", sees="· applied")
+    tmux.press("Escape", sees="space Run")
+    player.press("n", tick=1)
+    tmux.wait_until(lambda screen: "┄┄┄" in timeline(screen), "the old future")
+    tmux.press("C", sees="The two branches are equal as far as both")
+    tmux.press("F")
+    player.press(")", tick=30)
+
+
+@pytest.mark.slow
+def test_a_run_stops_at_a_breakpoint(player: Player) -> None:
+    player.play_short_way()
+    player.tmux.press("B", sees="a add ")
+    player.tmux.press("a", sees="a robot enters an area")
+    player.tmux.press("Down", "Down", "Down", "Enter", sees="enter set")
+    player.tmux.type("Door")
+    player.tmux.press("Enter", sees="◉ a robot enters Door")
+    player.tmux.press("Escape", sees_no="─ Breakpoints")
+    player.tmux.press("Space", sees="a robot enters Door: Pip is in Door")
+
+
+@pytest.mark.slow
+def test_a_level_is_edited_with_the_mouse_saved_and_survives_a_hangup(player: Player) -> None:
+    tmux = player.tmux
+    player.play_short_way()
+    tmux.press("M", sees="h Hand")
+    tmux.click("b Brush")
+    tmux.wait_for("units wide")
+    tmux.drag((30, 8), (30, 18))
+    tmux.wait_for("● not saved", "finding")
+    tmux.press("s", sees="Saved as short")
+    walls = load_level(player.folder / "short.toml").walls
+    assert walls[10:15, 15:45].any()
+    tmux.press("h", "Tab")
+    column, line = place_of("+", tmux.wait_for("Robot Pip at 12, 12.5", "+"))
+    tmux.drag((column, line), (column + 8, line))
+    tmux.wait_until(lambda screen: "Robot Pip at" in screen and "at 12, " not in screen)
+    tmux.wait_for("● not saved")
+    drafts = player.folder / "data" / "drafts"
+    until(lambda: list(drafts.glob("*.json")), lambda: "a draft on disk")
+    tmux.hang_up()
+    until(lambda: not tmux.is_running, lambda: "the game has ended")
+    tmux.mend()
+    player.play("play", "short.toml", "ahead.l")
+    tmux.wait_for("Continue editing the level", "Yes, continue")
+    tmux.press("y", sees="● not saved")
+    tmux.press("Escape", sees="What should happen to your changes")
+    tmux.press("t", sees="q Quit")
+
+
+@pytest.mark.slow
+def test_the_text_is_offered_when_the_process_was_killed_and_when_the_terminal_was_gone(
+    seat: Seat,
+) -> None:
+    with seat() as player:
+        player.play_short_way()
+        player.type_an_idea()
+        until(lambda: any(TYPED in f.read_text() for f in player.folder.rglob("data/**/*.json")))
+        os.kill(player.tmux.game, signal.SIGKILL)
+        until(lambda: not player.tmux.is_running)
+        player.tmux.mend()
+        player.is_offered_the_idea()
+        player.tmux.close()
+        until(lambda: not player.tmux.is_running, lambda: "the process ends")
+    with seat() as player:
+        player.is_offered_the_idea()
+
+
+@pytest.mark.slow
+def test_a_hangup_ends_even_a_robot_that_is_deep_in_thought(player: Player) -> None:
+    (player.folder / "ahead.l").write_text(SLOW)
+    player.play_short_way()
+    player.tmux.press("Space", sees="thinking")
+    player.tmux.hang_up()
+    until(lambda: not player.tmux.is_running, lambda: "the process ends")

@@ -6,8 +6,6 @@ import contextlib
 import os
 import re
 import signal
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
@@ -15,10 +13,8 @@ import pytest
 from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import FILE_NAME, Progress
-from tests.e2e.conftest import Player, tick_on
+from tests.e2e.conftest import Player, Seat, tick_on
 from tests.waiting import until
-
-Seat = Callable[..., AbstractContextManager[Player]]
 
 FIRST, SECOND = (load_level(name) for name in list_levels()[:2])
 
