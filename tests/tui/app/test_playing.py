@@ -86,7 +86,9 @@ async def test_a_slow_step_can_be_stopped_too(data_dir: Path) -> None:
         await game.press("n", until=lambda: game.tick == 1)
 
 
-async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir: Path) -> None:
+async def test_victory_is_celebrated_once_takes_no_key_from_who_types_and_leads_on(
+    data_dir: Path,
+) -> None:
     async with opened(data_dir, level="team_goal", ready=True) as game:
         assert "needs all: R · P · Q ·" in game.status
         await game.press(*["plus"] * 6, "space", until=lambda: game.session.won_at is not None)
@@ -103,6 +105,25 @@ async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir:
         await game.press("r", until=lambda: game.tick == 0)
         await game.press("space", sees="Everyone made it")
         await game.press("escape", sees_no="Everyone made it")
+
+        await game.press("r", "space", "2", "r")
+        await game.until(lambda: game.session.won_at is not None)
+        await game.press("greater_than_sign", "space")
+        await game.until(lambda: game.editor.text.startswith("r> "))
+        assert not game.shows("Everyone made it")
+        await game.sees("Everyone made it")
+        await game.press("r", "greater_than_sign", "enter")  # too early to be an answer
+        await game.sees("Again")
+        assert game.session.won_at is not None
+        assert game.editor.text.startswith("r> Free")
+        await game.press("r", until=lambda: game.tick == 0)
+        assert game.app.screen is game.main
+
+        await game.press("f5", sees="Next level")
+        await game.press("greater_than_sign")
+        await game.until(lambda: game.session.level.name == list_levels()[0])
+        assert game.app.screen is game.main
+        assert ">" not in game.editor.text.splitlines()[0]
 
 
 async def test_a_run_never_lays_the_screen_out_anew_and_a_pause_draws_nothing(
@@ -147,28 +168,6 @@ async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_pa
         assert "\x1b" not in game.screen()
         assert "[/]C: [b]A[/b] ·" in game.status
         await game.sees("[link]", r"[b]A[/b] remembers '\u001b[2J[red]'")
-
-
-async def test_victory_takes_no_key_from_who_types_and_leads_to_a_level(data_dir: Path) -> None:
-    async with opened(data_dir, level="team_goal", ready=True) as game:
-        await game.press(*["plus"] * 6, "space", "2", "r")
-        await game.until(lambda: game.session.won_at is not None)
-        await game.press("greater_than_sign", "space")
-        await game.until(lambda: game.editor.text.startswith("r> "))
-        assert not game.shows("Everyone made it")
-        await game.sees("Everyone made it")
-        await game.press("r", "greater_than_sign", "enter")  # too early to be an answer
-        await game.sees("Again")
-        assert game.session.won_at is not None
-        assert game.editor.text.startswith("r> Free")
-        await game.press("r", until=lambda: game.tick == 0)
-        assert game.app.screen is game.main
-
-        await game.press("f5", sees="Next level")
-        await game.press("greater_than_sign")
-        await game.until(lambda: game.session.level.name == list_levels()[0])
-        assert game.app.screen is game.main
-        assert ">" not in game.editor.text.splitlines()[0]
 
 
 def answers(game: Opened, label: str) -> bool:

@@ -98,7 +98,9 @@ def names_on(cards: LevelCards) -> list[str]:
     return [card.name for card in cards._cards]
 
 
-async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:
+async def test_arrows_choose_a_card_enter_plays_it_and_it_has_any_size(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with opened(data_dir, size=(80, 18)) as game:
         cards = await open_levels(game)
         assert cards.across == 2
@@ -110,6 +112,16 @@ async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:
         await game.press(*["pagedown"] * len(NAMES), until=lambda: cards.chosen == len(NAMES) - 1)
         await game.press(*["pageup"] * len(NAMES), until=lambda: cards.chosen == 0)
         assert cards.scroll_offset.y == 0
+        for size in ((80, 24), (200, 60), (20, 8), (120, 40)):
+            await game.pilot.resize_terminal(*size)
+            await game.until(partial(fits, cards, NAMES[0]))
+            assert game.app.screen.query_one(Input).has_focus
+        lines = range(cards.size.height)
+        before = [cards.render_line(line).text for line in lines]
+        with monkeypatch.context() as patch:
+            patch.setattr(type(game.app), "size", Size(80, 24))
+            now = [cards.render_line(line).text for line in lines]
+        assert now == before, "until the screen is laid out anew"
         await game.press("enter", until=lambda: game.session.level.name == NAMES[0])
         assert game.app.screen is game.main
 
@@ -142,21 +154,6 @@ async def test_what_is_typed_while_levels_are_read_costs_no_picture(
         await game.until(lambda: len(cards._cards) == len(NAMES) + 1)
         for name in (*COURSE, *list_arenas()):
             await game.until(partial(has_picture, cards, name))
-
-
-async def test_the_screen_follows_the_size_of_the_terminal(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with opened(data_dir) as game:
-        cards = await open_levels(game)
-        for size in ((80, 24), (200, 60), (20, 8), (120, 40)):
-            await game.pilot.resize_terminal(*size)
-            await game.until(partial(fits, cards, NAMES[0]))
-            assert game.app.screen.query_one(Input).has_focus
-        lines = range(cards.size.height)
-        before = [cards.render_line(line).text for line in lines]
-        monkeypatch.setattr(type(game.app), "size", Size(80, 24))
-        assert [cards.render_line(line).text for line in lines] == before, "until it is laid out"
 
 
 def fits(cards: LevelCards, name: str) -> bool:
