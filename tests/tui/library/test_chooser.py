@@ -217,30 +217,27 @@ async def test_saving_asks_before_it_replaces_another_program_and_refuses_odd_na
         assert (data_dir / "programs" / "other.l").read_text() == "x" + PAPER
 
 
-async def test_a_path_that_can_not_be_shown_is_not_proposed(data_dir: Path, tmp_path: Path) -> None:
-    async with opened(data_dir, ready=True) as game:
+async def test_the_key_in_the_editor_saves_what_is_the_players_and_asks_for_the_name_of_others(
+    data_dir: Path, tmp_path: Path
+) -> None:
+    async with opened(data_dir, text=STILL, ready=True) as game:
+        mine = game.session.source.path
+        await game.press("2", *"# so", "ctrl+s", until=lambda: mine.read_text() == f"# so{STILL}")
+        await game.sees("Saved as mine in")
+        assert game.app.screen is game.main
+        game.session.saved_as(load_program("obstacle-avoider"))
+        await game.press("ctrl+s", until=lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("escape", "escape", until=lambda: game.app.screen is game.main)
         for number, sign in enumerate("\udcff\x1b"):
-            path = tmp_path / f"o{sign}n.l"
+            path = tmp_path / f"o{sign}n.l"  # which can't be shown, and is not proposed
             path.write_text(STILL)
             game.main.library.open_program(load_program(path))
             await game.until(partial(is_open, game, path))
             await dialog(game, "s", SaveAs)
             assert game.app.screen.query_one(Input).value == ""
             await fill(game, f"own{number}")
-            await game.press("enter")
-            await game.until(partial(is_open, game, data_dir / "programs" / f"own{number}.l"))
-
-
-async def test_the_key_in_the_editor_saves_what_is_the_players_and_asks_for_what_is_ours(
-    data_dir: Path,
-) -> None:
-    async with opened(data_dir, text=STILL, ready=True) as game:
-        path = game.session.source.path
-        await game.press("2", *"# so", "ctrl+s", until=lambda: path.read_text() == f"# so{STILL}")
-        await game.sees("Saved as mine in")
-        assert game.app.screen is game.main
-        game.session.saved_as(load_program("obstacle-avoider"))
-        await game.press("ctrl+s", until=lambda: isinstance(game.app.screen, SaveAs))
+            own = data_dir / "programs" / f"own{number}.l"
+            await game.press("enter", until=partial(is_open, game, own))
 
 
 def test_a_version_shows_what_would_change() -> None:
