@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import resource
 import sys
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -32,25 +31,13 @@ def leave_room(terminal: Terminal, room: int) -> None:
     )
 
 
-def draw(terminal: Terminal) -> None:
-    terminal.resize(1000, 400)
-
-
-def think(terminal: Terminal) -> None:
-    terminal.send("\x1b ")
-
-
-def compile_it(terminal: Terminal) -> None:
-    terminal.send("\x12")
-
-
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     ("work", "room"),
-    [(draw, 4), (draw, 30), (think, 1), (think, 12), (compile_it, 1), (compile_it, 12)],
+    [("draw", 4), ("draw", 30), ("think", 1), ("think", 12), ("compile", 1), ("compile", 12)],
 )
 def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
-    work: Callable[[Terminal], None], room: int, tmp_path: Path
+    work: str, room: int, tmp_path: Path
 ) -> None:
     play = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "--restricted"]
     with Terminal([*play, "--data-dir", tmp_path]) as terminal:
@@ -61,7 +48,10 @@ def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
         terminal.wait_for("not applied")
         playing = terminal.game
         leave_room(terminal, room * MIB)
-        work(terminal)
+        if work == "draw":
+            terminal.resize(1000, 400)
+        else:
+            terminal.send({"think": "\x1b ", "compile": "\x12"}[work])
         terminal.wait_for_quiet(1.0)
         if terminal.process.poll() is None:
             with suppress(ProcessLookupError):  # it may be about to end
