@@ -44,10 +44,7 @@ TEXTS = {
 }
 """Texts by what they are; any other name is that of a shipped program."""
 
-PROGRAMS = [
-    *TEXTS,
-    *(pytest.param(name, marks=pytest.mark.sampled) for name in list_programs()),
-]
+PROGRAMS = [*TEXTS, *(pytest.param(name, marks=pytest.mark.sampled) for name in list_programs())]
 
 
 @cache

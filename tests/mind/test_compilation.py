@@ -197,7 +197,7 @@ def test_the_compile_process_ends_with_a_parent_that_is_killed_while_it_compiles
             "import sys, pathlib; from logical_robots_tui.mind import Program;"
             "Program.compile(pathlib.Path(sys.argv[1]).read_text())",
             str(text),
-        ],
+        ]
     )
     until(lambda: any(busy(pid) for pid in children(parent.pid)))
     (child,) = children(parent.pid)

@@ -45,12 +45,7 @@ STATEMENTS: list[tuple[str, str, Any, object]] = [
         "home",
     ),
     ("a list of a type `[Str]`", "Element(TryCast(memory, [Str]), 0)", ["a"], "a"),
-    (
-        '`"STRUCT(count DOUBLE)"`',
-        'TryCast(memory, "STRUCT(count DOUBLE)").count',
-        {"count": 3},
-        3,
-    ),
+    ('`"STRUCT(count DOUBLE)"`', 'TryCast(memory, "STRUCT(count DOUBLE)").count', {"count": 3}, 3),
     ("`Cast(2.5, Int)` is 3", "Cast(2.5, Int)", "", 3),
     ("`Cast(Sqrt(6.25), Int)` is 2", "Cast(Sqrt(6.25), Int)", "", 2),
     (

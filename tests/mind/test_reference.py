@@ -66,10 +66,6 @@ def test_reading_the_help_needs_no_compiler() -> None:
         "print(len(r.REFERENCE), 'logica' in sys.modules)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", script],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=PATIENCE,
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=PATIENCE
     )
     assert done.stdout.split() == [str(len(REFERENCE)), "False"]

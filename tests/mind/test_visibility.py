@@ -17,11 +17,7 @@ Minds(l? List= n) distinct :- Memory(robot_name: n);
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {sensors: s, memories: m}) :-
   Sensor(robot_name:), Names(l: s), Minds(l: m);
 """
-ROWS = [
-    row("Ada", sees={3: (40, "robot", "Bo"), 4: (40, "beacon", "Cy")}),
-    row("Bo"),
-    row("Cy"),
-]
+ROWS = [row("Ada", sees={3: (40, "robot", "Bo"), 4: (40, "beacon", "Cy")}), row("Bo"), row("Cy")]
 
 
 def _seen(text: str, **options: Any) -> dict[str, Any]:

@@ -49,10 +49,7 @@ def _coordinates(size: int) -> st.SearchStrategy[float]:
     )
 
 
-_angles = st.one_of(
-    st.floats(-10, 10),
-    st.integers(-8, 8).map(lambda n: n * math.pi / 4),
-)
+_angles = st.one_of(st.floats(-10, 10), st.integers(-8, 8).map(lambda n: n * math.pi / 4))
 
 
 @st.composite

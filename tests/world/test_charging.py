@@ -95,8 +95,7 @@ def test_a_robot_that_drives_away_is_charged_where_it_was() -> None:
 def test_the_order_of_robots_makes_no_difference(level: Level, data: st.DataObject) -> None:
     level = replace(level, divided_charge=True)
     level = replace(
-        level,
-        robots=tuple(replace(r, x=10.5 + i, y=10.5) for i, r in enumerate(level.robots)),
+        level, robots=tuple(replace(r, x=10.5 + i, y=10.5) for i, r in enumerate(level.robots))
     )
     shuffled = replace(level, robots=tuple(data.draw(st.permutations(level.robots))))
     one, other = World(level), World(shuffled)

@@ -12,12 +12,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from logical_robots_tui.world.levels.fields import Fields
-from logical_robots_tui.world.levels.native import (
-    coarsest_cell,
-    draw_rows,
-    expresses,
-    read_drawing,
-)
+from logical_robots_tui.world.levels.native import coarsest_cell, draw_rows, expresses, read_drawing
 
 SMALL = st.tuples(st.integers(1, 8), st.integers(1, 12))
 WALLS = SMALL.flatmap(lambda shape: arrays(np.bool_, shape))

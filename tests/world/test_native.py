@@ -322,11 +322,7 @@ def test_a_bad_value_is_refused_at_its_key(
 
 AREA = '[[areas]]\nname = "a"\nx = 1\ny = 1\n'
 BAD_ADDITIONS = [
-    (
-        '[[robots]]\nname = "Ann"\nx = 20\ny = 15',
-        "robots[1].name",
-        'Two robots are called "Ann".',
-    ),
+    ('[[robots]]\nname = "Ann"\nx = 20\ny = 15', "robots[1].name", 'Two robots are called "Ann".'),
     ('[[beacons]]\nname = "lamp"\nx = 20', "beacons[0].y", '"y" is missing.'),
     ("[[areas]]\nx = 20\ny = 15\nradius = 5", "areas[0].name", '"name" is missing.'),
     (AREA, "areas[0].radius", '"radius" is missing.'),

@@ -89,10 +89,7 @@ WANTED = [
     wanted=st.sampled_from(WANTED),
 )
 def test_any_text_is_read_as_on_duckdb(
-    text: str,
-    changes: list[tuple[int, str]],
-    wanted: Any,
-    connection: duckdb.DuckDBPyConnection,
+    text: str, changes: list[tuple[int, str]], wanted: Any, connection: duckdb.DuckDBPyConnection
 ) -> None:
     for place, sign in changes:
         text = text[:place] + sign + text[place + (not sign) :]
