@@ -1,7 +1,5 @@
 """What the `logica` package says, in plain words."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Names that a program compares with labels and robots' names, and those that a level has."""
 
-from __future__ import annotations
-
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.diagnostics import Mention, Names, unknown_names

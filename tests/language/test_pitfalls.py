@@ -1,7 +1,5 @@
 """`x = a < b` is `(x = a) < b`: such places are marked wherever they stand, and no others."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

@@ -1,7 +1,5 @@
 """The tree says what a program says: there and back, with each node at its place."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 from functools import cache

@@ -1,7 +1,5 @@
 """The common type of several is a least upper bound, whatever their order."""
 
-from __future__ import annotations
-
 from functools import reduce
 
 from hypothesis import given

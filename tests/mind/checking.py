@@ -1,7 +1,5 @@
 """What the checks say about a program, in this process: what most programs are refused for."""
 
-from __future__ import annotations
-
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.checks import check

@@ -1,7 +1,5 @@
 """Sensor rows to think about."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import asdict, replace

@@ -5,8 +5,6 @@ without a mistake. What is told follows each program: line, column, severity, of
 message and, below, the hint.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Compiled programs on disk: found again, never trusted, never in the way."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """The compile process: alone, bounded, stopped at once, gone with its parent."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """What docs/dialect.md says programs may count on is so."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """When thinking fails: which predicate it was, on whose rows, in plain words."""
 
-from __future__ import annotations
-
 import sqlite3
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What nobody changes: records and lists stay the same objects, and that makes no difference."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

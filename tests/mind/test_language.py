@@ -1,7 +1,5 @@
 """The constructs of Logica, as a robot's program meets them."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.mind.differential.comparing import here

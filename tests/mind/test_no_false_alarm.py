@@ -1,7 +1,5 @@
 """Programs that are right get no diagnostic, whatever they are made of."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.game import list_programs, load_program

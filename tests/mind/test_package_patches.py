@@ -1,7 +1,5 @@
 """The rewritten functions of the package do what its own do."""
 
-from __future__ import annotations
-
 import copy
 import importlib.util
 from types import ModuleType

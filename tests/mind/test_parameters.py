@@ -1,7 +1,5 @@
 """Predicates that are left open for `:=` to fill in."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError

@@ -1,7 +1,5 @@
 """Each pass that rewrites queries may be left out: robots decide the same."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, replace

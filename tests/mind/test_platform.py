@@ -1,7 +1,5 @@
 """What programs of the web platform do and this game once refused, or understood otherwise."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import asdict

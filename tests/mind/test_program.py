@@ -1,7 +1,5 @@
 """Compiling: what a player is told about a program that is wrong."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """How a predicate is computed: its SQL, the plan, the time."""
 
-from __future__ import annotations
-
 from contextlib import closing
 
 import pytest

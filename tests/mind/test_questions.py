@@ -1,7 +1,5 @@
 """Any query about a program: a call, an expression, conditions, whole rules."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from functools import partial
 from typing import Any

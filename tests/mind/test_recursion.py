@@ -1,7 +1,5 @@
 """Recursion: who may say how far it goes, where it stops, and what it says if it is cut off."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.mind import Program, ProgramError

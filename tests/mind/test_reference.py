@@ -1,7 +1,5 @@
 """The help on functions: complete, true, and readable without the compiler."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess

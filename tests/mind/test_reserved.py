@@ -1,7 +1,5 @@
 """Columns that are called like a word of SQL."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.mind import Mind, Program

@@ -1,7 +1,5 @@
 """A program can do nothing but think."""
 
-from __future__ import annotations
-
 import sqlite3
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What is known of a field is written once, and arrives wherever it is needed."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Several moments in one query: each robot gets the rows that it gets at its own moment."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Steps decide when a thought is ended; the clock is a guard, and marks what it ends."""
 
-from __future__ import annotations
-
 import threading
 from contextlib import nullcontext
 from dataclasses import replace

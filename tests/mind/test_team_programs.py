@@ -1,7 +1,5 @@
 """Programs of several teams, compiled together."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.mind import Program, ProgramError

@@ -1,7 +1,5 @@
 """Thinking: decisions, and what is said when a program decides oddly."""
 
-from __future__ import annotations
-
 import math
 import threading
 

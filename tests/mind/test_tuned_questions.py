@@ -1,7 +1,5 @@
 """Questions that are asked of all robots together mean what they mean as they were generated."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from typing import Any
 

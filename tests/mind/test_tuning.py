@@ -1,7 +1,5 @@
 """The quick way of evaluating a program gives what the plain one gives, and is taken."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

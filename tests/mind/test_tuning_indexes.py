@@ -1,7 +1,5 @@
 """Indexes: few robots make them for joins with rows of lists only, and think the same."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Predicates that are asked row by row of others are computed once, and mean the same."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

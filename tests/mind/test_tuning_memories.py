@@ -1,7 +1,5 @@
 """Lists in memories, pairs for ArgMin and totals: the quick way gives what the plain one gives."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections import OrderedDict

@@ -1,7 +1,5 @@
 """Calls of our own functions that become SQLite's own expressions, and mean the same."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, replace
 from typing import Any

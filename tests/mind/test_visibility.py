@@ -1,7 +1,5 @@
 """Each robot reasons over exactly the rows that it may see."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 import pytest

@@ -1,7 +1,5 @@
 """The compile process loads all that it needs before it gives up opening files."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

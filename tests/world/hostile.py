@@ -1,7 +1,5 @@
 """Level files that want more of a machine than a level needs: by name, ending and content."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 __all__ = ["FILES"]

@@ -1,7 +1,5 @@
 """Levels for tests, drawn by hand or at random."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """A slow caster of rays that is written straight from the rules, to judge the fast one by."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The recorded traces, and the scripts that drove the robots in them."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A world whose level is changed while it runs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

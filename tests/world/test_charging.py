@@ -1,7 +1,5 @@
 """Charging where a source divides what it gives."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """The world does what the web platform was recorded to do."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The labyrinths of the day."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from datetime import date, timedelta
 from zlib import crc32

@@ -1,7 +1,5 @@
 """Walls as lines of text: exact, as coarse as can be, and close to what was there before."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

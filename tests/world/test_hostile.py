@@ -1,7 +1,5 @@
 """Reading a file takes little memory, and ends with a level or a reason."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

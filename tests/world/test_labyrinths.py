@@ -1,7 +1,5 @@
 """Rooms and labyrinths."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st

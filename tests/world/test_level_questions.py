@@ -1,7 +1,5 @@
 """The questions that a level file asks beside its lesson."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Finding levels, by path and by name."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Matches: what each part of a score counts, and that no order in a file decides anything."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """What robots see."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

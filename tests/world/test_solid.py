@@ -1,7 +1,5 @@
 """Robots that block each other, and levels with several goals at once."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

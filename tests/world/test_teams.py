@@ -1,7 +1,5 @@
 """Teams in level files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The level format of the web platform."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

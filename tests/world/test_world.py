@@ -1,7 +1,5 @@
 """The world from tick to tick."""
 
-from __future__ import annotations
-
 import copy
 import math
 from typing import Any

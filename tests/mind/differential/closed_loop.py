@@ -3,8 +3,6 @@
 The world is driven by what is decided here; both sides meet the same sensors.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Asking the same of both engines."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

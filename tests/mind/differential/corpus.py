@@ -4,8 +4,6 @@ A line of ``corpus.txt`` is an expression over `sensor` and `memory`, with the r
 needs before ``@@``; lines that begin with ``##`` name the topic.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a program means on the web platform: the package's own DuckDB dialect, on DuckDB."""
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import functools

@@ -1,7 +1,5 @@
 """What a program keeps from tick to tick is what it keeps on DuckDB, tick by tick."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Every construct means here what the package makes of it on DuckDB."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Programs mean what the platform's compiler, the development branch, made of them."""
 
-from __future__ import annotations
-
 import gzip
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Records and lists in texts: written as DuckDB writes them, and read as it reads them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from typing import Any

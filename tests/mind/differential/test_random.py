@@ -1,7 +1,5 @@
 """Random expressions mean the same on both engines."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections import Counter

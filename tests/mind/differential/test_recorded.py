@@ -1,7 +1,5 @@
 """Our own programs decide the same on both engines, on what robots really met."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What is said about the web platform, compared with what one statement of DuckDB does."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Whole programs decide and remember the same on both engines, moment after moment."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -3,8 +3,6 @@
 A kind is ``"Num"``, ``"Str"``, ``"Bool"``, a record of kinds or a list of one.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from typing import Any

@@ -5,8 +5,6 @@ They run one after the other over recorded moments of three levels, where all ro
 together as on the platform: what a program keeps at one moment of a level it finds at the next.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

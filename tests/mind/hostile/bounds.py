@@ -1,7 +1,5 @@
 """Bounds on the memory and the work of this process, for whatever comes from others."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

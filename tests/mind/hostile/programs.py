@@ -12,8 +12,6 @@ remembers `m`.
 | harmless | it thinks, and what it names stays mere data |
 """
 
-from __future__ import annotations
-
 from tests.mind.rows import ROBOT
 
 __all__ = ["PROGRAMS"]

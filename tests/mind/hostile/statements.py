@@ -1,7 +1,5 @@
 """SQL that no compiler of ours makes, forced upon the database to prove that it holds alone."""
 
-from __future__ import annotations
-
 __all__ = ["REFUSED", "RUNAWAY"]
 
 REFUSED = [

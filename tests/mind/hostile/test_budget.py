@@ -1,7 +1,5 @@
 """Whatever a callback does ends in a notice, and is charged for."""
 
-from __future__ import annotations
-
 import builtins
 import gc
 import json

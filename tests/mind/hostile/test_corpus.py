@@ -1,7 +1,5 @@
 """Each program of the corpus is refused or bounded, and the game goes on."""
 
-from __future__ import annotations
-
 import os
 import sqlite3
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """No function that a program may call answers with too much, whatever it is given."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import sqlite3
