@@ -44,29 +44,23 @@ def refusal(path_or_name: str | Path) -> LevelError:
     return caught.value
 
 
-def test_a_checkout_has_what_ships_beside_the_package(package: Path) -> None:
+def test_what_ships_is_beside_the_package_in_a_checkout_and_inside_an_installed_copy(
+    package: Path,
+) -> None:
     (package.parent / "levels").mkdir()
     assert shipped_folder("levels") == package.parent / "levels"
     assert shipped_folder("programs") == package.parent / "programs"
+    (package / "levels").mkdir()
+    assert shipped_folder("levels") == package / "levels"
 
 
-def test_an_installed_copy_has_what_ships_inside_the_package(levels: Path) -> None:
-    (levels.parent.parent / "levels").mkdir()
-    assert shipped_folder("levels") == levels
-
-
-def test_names_are_those_of_the_files_with_the_ending_sorted(levels: Path) -> None:
+def test_levels_of_both_formats_are_listed_and_found_by_the_names_of_their_files(
+    levels: Path,
+) -> None:
     assert shipped_names("levels", ".toml") == ["01-start", "02-maze"]
     assert shipped_names("programs", ".l") == []
-    assert levels.is_dir()
-
-
-def test_levels_of_both_formats_are_listed_by_file_name(levels: Path) -> None:
     assert list_levels() == ["01-start", "02-maze", "03-web"]
     assert len(list(levels.iterdir())) == 4
-
-
-def test_a_shipped_level_is_found_by_its_name(levels: Path) -> None:
     level = load_level("02-maze")
     assert (level.name, level.source) == ("02-maze", str(levels / "02-maze.toml"))
     assert load_level("03-web").name == "03-web"
@@ -79,23 +73,17 @@ def test_a_shipped_level_is_found_without_its_number_and_by_an_earlier_one(name:
 
 
 @pytest.mark.usefixtures("levels")
-def test_a_wrong_name_asks_which_one_was_meant() -> None:
+def test_a_wrong_name_asks_which_one_was_meant_or_for_a_path_which_is_never_taken_for_a_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     error = refusal("02-mase")
     assert error.message == 'There is no level called "02-mase".'
     assert error.hint == 'Did you mean "02-maze"?'
-
-
-@pytest.mark.usefixtures("levels")
-@pytest.mark.parametrize("name", ["", "zzzzzz", "*"])
-def test_a_name_like_no_other_says_how_to_give_a_path(name: str) -> None:
-    assert refusal(name).hint == "A path needs its ending, such as maze.toml."
-
-
-@pytest.mark.usefixtures("levels")
-def test_a_path_is_never_taken_for_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("", "zzzzzz", "*"):
+        assert refusal(name).hint == "A path needs its ending, such as maze.toml."
     monkeypatch.chdir(tmp_path)
-    assert refusal("./02-maze").message == "There is no such file."
-    assert refusal(Path("02-maze")).message == "There is no such file."
+    for path in ("./02-maze", Path("02-maze"), tmp_path / "none" / "maze.toml"):
+        assert refusal(path).message == "There is no such file."
 
 
 def test_a_missing_file_shows_its_place_and_asks_which_one_was_meant(tmp_path: Path) -> None:
@@ -108,25 +96,14 @@ def test_a_missing_file_shows_its_place_and_asks_which_one_was_meant(tmp_path: P
     assert str(error) == f"{error.place}: {error.message} {error.hint}"
 
 
-def test_a_missing_folder_is_a_missing_file(tmp_path: Path) -> None:
-    assert refusal(tmp_path / "none" / "maze.toml").message == "There is no such file."
-
-
-@pytest.mark.parametrize("folder", [".", "..", "/"])
-def test_a_folder_is_refused(folder: str) -> None:
-    error = refusal(folder)
-    assert error.place == str(Path(folder))
-    assert error.message == "This is a folder, not a level."
-
-
 def test_what_is_no_ordinary_file_is_refused_without_waiting_for_it(tmp_path: Path) -> None:
+    for folder in (".", "..", "/"):
+        error = refusal(folder)
+        assert (error.place, error.message) == (folder, "This is a folder, not a level.")
     os.mkfifo(tmp_path / "pipe.toml")
     assert refusal(tmp_path / "pipe.toml").message == "This is not a regular file."
-
-
-def test_a_path_that_no_system_allows_is_refused() -> None:
-    assert refusal("maze\0.toml").message
-    assert refusal("n" * 5000 + ".toml").message
+    for path in ("maze\0.toml", "n" * 5000 + ".toml"):  # no system allows these
+        assert refusal(path).message
 
 
 def test_a_file_that_is_not_text_is_refused_at_its_line(tmp_path: Path) -> None:
@@ -147,16 +124,12 @@ def test_a_huge_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert "larger" not in refusal(path).message
 
 
-def test_an_ending_decides_the_format(tmp_path: Path) -> None:
-    (tmp_path / "a.JSON").write_text(SMALL)
-    (tmp_path / "b.toml").write_text(WEB)
+def test_an_ending_decides_the_format_or_else_the_first_character(tmp_path: Path) -> None:
+    files = {"a.JSON": SMALL, "b.toml": WEB, "native.txt": SMALL, "web": "\n  " + WEB}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
     assert "JSON" in refusal(tmp_path / "a.JSON").message
     assert "TOML" in refusal(tmp_path / "b.toml").message
-
-
-def test_without_a_known_ending_the_first_character_decides(tmp_path: Path) -> None:
-    (tmp_path / "native.txt").write_text(SMALL)
-    (tmp_path / "web").write_text("\n  " + WEB)
     assert load_level(str(tmp_path / "native.txt")).title == "Small"
     assert load_level(tmp_path / "web").name == "web"
 

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -82,51 +83,35 @@ def test_a_world_starts_at_tick_0_with_nobody_visiting() -> None:
     assert world.areas[0].visitors == ()
 
 
-def test_sensing_again_in_a_tick_gives_the_same_rows_and_the_same_clock() -> None:
+def test_sensing_begins_a_tick_that_is_not_saved_and_looking_shows_the_present_clock() -> None:
     world = World(make_level())
-    first = copy.deepcopy(world.sense())
-    assert world.sense() == first
-    assert world.tick == 1
-    assert first[0]["sensor"]["clock"] == 1
-
-
-def test_looking_shows_the_present_clock_and_advances_nothing() -> None:
-    world = World(make_level())
-    assert world.look()[0]["sensor"]["clock"] == 0
+    before = world.save()
+    assert world.look()[0]["sensor"]["clock"] == world.tick == 0
+    rows = copy.deepcopy(world.sense())
+    assert world.sense() == world.look() == rows
+    assert rows[0]["sensor"]["clock"] == world.tick == 1
+    assert world.save() == before
+    world.restore(world.save())
     assert world.tick == 0
-    assert world.sense() == world.look()
+    assert world.sense() == rows
     world.act({"Ann": AHEAD})
-    assert world.look()[0]["sensor"]["clock"] == 1
-    assert world.tick == 1
+    assert world.look()[0]["sensor"]["clock"] == world.tick == 1
 
 
-def test_acting_without_sensing_senses_by_itself() -> None:
+def test_acting_senses_by_itself_and_takes_nothing_from_the_rows() -> None:
     area = Area("gate", 200, 50, 10, on_beacon="lamp")
     level = make_level([ANN], beacons=[Beacon("lamp", 80, 50)], areas=[area])
     sensing, blind = World(level), World(level)
-    sensing.sense()
+    sensing.sense()[0]["sensor"]["radar"].clear()
     sensing.act({"Ann": AHEAD})
     blind.act({"Ann": AHEAD})
     assert blind.save() == sensing.save()
     assert blind.areas[0].active
 
 
-def test_a_tick_that_has_begun_is_not_part_of_what_is_saved() -> None:
-    world = World(make_level())
-    before = world.save()
-    rows = copy.deepcopy(world.sense())
-    assert world.save() == before
-    world.restore(world.save())
-    assert world.tick == 0
-    assert world.sense() == rows
-
-
-def test_changing_the_rows_changes_nothing_in_the_world() -> None:
-    area = Area("gate", 200, 50, 10, on_beacon="lamp")
-    world = World(make_level([ANN], beacons=[Beacon("lamp", 80, 50)], areas=[area]))
-    world.sense()[0]["sensor"]["radar"].clear()
-    world.act({})
-    assert world.areas[0].active
+def powered(capacity: float, rate: float = 0.0) -> World:
+    robot = replace(ANN, has_battery=True, battery_capacity=capacity, battery_consumption_rate=rate)
+    return World(make_level([robot]))
 
 
 def test_a_robot_without_a_desire_stands_still() -> None:
@@ -146,8 +131,7 @@ def test_a_stronger_left_engine_turns_a_robot_to_its_right() -> None:
 
 @pytest.mark.parametrize("engine", [math.nan, math.inf, -math.inf, None, "1", 10**400])
 def test_an_engine_whose_power_is_not_a_finite_number_stands_still(engine: Any) -> None:
-    robot = Robot("Ann", 50.5, 50.5, has_battery=True, battery_capacity=10)
-    world = World(make_level([robot]))
+    world = powered(10)
     world.act({"Ann": Desire(engine, 1)})
     assert (world.robots[0].left_engine, world.robots[0].right_engine) == (0.0, 1.0)
     assert world.robots[0].battery_level == 10
@@ -161,21 +145,13 @@ def test_numbers_of_numpy_drive_like_plain_ones_and_stay_out_of_the_state() -> N
     assert type(robot.x) is type(robot.left_engine) is float
 
 
-def test_driving_clamps_a_desire_but_the_battery_pays_for_all_of_it() -> None:
-    robot = Robot(
-        "Ann", 50.5, 50.5, has_battery=True, battery_capacity=10, battery_consumption_rate=0.5
-    )
-    world = World(make_level([robot]))
+def test_driving_clamps_a_desire_but_the_battery_pays_for_all_of_it_unless_it_is_free() -> None:
+    world = powered(10, 0.5)
     world.act({"Ann": Desire(4, 4)})
-    assert world.robots[0].x == 51.5
-    assert world.robots[0].battery_level == 8
-
-
-def test_the_largest_of_desires_costs_nothing_where_driving_is_free() -> None:
-    robot = Robot("Ann", 50.5, 50.5, has_battery=True, battery_capacity=10)
-    world = World(make_level([robot]))
-    world.act({"Ann": Desire(1e308, 1e308)})
-    assert world.robots[0].battery_level == 10
+    assert (world.robots[0].x, world.robots[0].battery_level) == (51.5, 8)
+    free = powered(10)
+    free.act({"Ann": Desire(1e308, 1e308)})
+    assert free.robots[0].battery_level == 10
 
 
 def test_a_wall_blocks_a_move_but_not_the_turn() -> None:
@@ -196,14 +172,10 @@ def test_a_robot_that_only_turns_inside_a_wall_is_not_blocked() -> None:
 
 
 def test_a_robot_with_an_empty_battery_is_dead_from_the_tick_that_empties_it() -> None:
-    robot = Robot(
-        "Ann", 50.5, 50.5, has_battery=True, battery_capacity=1.5, battery_consumption_rate=1
-    )
-    world = World(make_level([robot]))
-    world.act({"Ann": AHEAD})
-    assert not world.robots[0].dead
-    world.act({"Ann": AHEAD})
-    assert world.robots[0].dead
+    world = powered(1.5, 1)
+    for is_dead in (False, True):
+        world.act({"Ann": AHEAD})
+        assert world.robots[0].dead == is_dead
     assert (world.robots[0].x, world.robots[0].left_engine) == (51.5, 0.0)
 
 
@@ -225,14 +197,10 @@ def test_a_desire_for_a_robot_that_is_not_there_is_refused_and_changes_nothing()
     assert world.robots[1].x == 150.5
 
 
-def test_a_state_of_another_level_is_refused() -> None:
+def test_a_state_of_another_level_and_two_robots_of_one_name_are_refused() -> None:
     world = World(make_level([ANN]))
-    with pytest.raises(ValueError, match="another level"):
-        world.restore(World(make_level([ANN, BOB])).save())
-    with pytest.raises(ValueError, match="another level"):
-        world.restore(World(make_level([ANN], areas=[Area("home", 1, 1, 1)])).save())
-
-
-def test_two_robots_of_one_name_are_refused() -> None:
+    for other in (make_level([ANN, BOB]), make_level([ANN], areas=[Area("home", 1, 1, 1)])):
+        with pytest.raises(ValueError, match="another level"):
+            world.restore(World(other).save())
     with pytest.raises(ValueError, match="different names"):
         World(make_level([ANN, ANN]))
