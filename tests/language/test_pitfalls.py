@@ -87,49 +87,42 @@ def test_in_an_if_every_equation_is_marked() -> None:
             assert "x = a" in only(f"P(y) :- y == (if c < d {branches});").excerpt
 
 
-@pytest.mark.parametrize(
-    ("written", "meant"),
-    [
-        ("x = a < b && c", "the condition in parentheses: x = (a < b && c)."),
-        ("x = (a) < (b)", "the comparison in parentheses: x = ((a) < (b))."),
-        ("x = F(a, b) < 3", "the comparison in parentheses: x = (F(a, b) < 3)."),
-        ("x = a\n  < b", "the comparison in parentheses: x = (a < b)."),
-        ("3 < a = x", "the comparison in parentheses: (3 < a) = x."),
-        ("x = !a == b", "the comparison in parentheses: x = (!a == b)."),
-        ("ArgMax{a -> b && c :- a in b} == x",
-         "the second part in parentheses: a -> (b && c)."),
-        (f"x = {'long' * 30} < 3", "the comparison in parentheses."),
-    ],
-)  # fmt: skip
-def test_the_advice_is_what_was_meant(written: str, meant: str) -> None:
-    one = only(f"P(x) :- {written};")
-    assert one.hint == f"Put {meant}"
-    assert len(one.hint) <= 120
+HINTS = {
+    "x = a < b && c": "the condition in parentheses: x = (a < b && c).",
+    "x = (a) < (b)": "the comparison in parentheses: x = ((a) < (b)).",
+    "x = F(a, b) < 3": "the comparison in parentheses: x = (F(a, b) < 3).",
+    "x = a\n  < b": "the comparison in parentheses: x = (a < b).",
+    "3 < a = x": "the comparison in parentheses: (3 < a) = x.",
+    "x = !a == b": "the comparison in parentheses: x = (!a == b).",
+    "ArgMax{a -> b && c :- a in b} == x": "the second part in parentheses: a -> (b && c).",
+    f"x = {'long' * 30} < 3": "the comparison in parentheses.",
+}
+COMPARED = {
+    "a = 3 && c == 4": "a == 3 && c == 4",
+    "a = b || c = d": "a == b || c == d",
+    "r.label = l && c": "r.label == l && c",
+    "c && r.label = l": "c && r.label == l",
+}
 
 
-@pytest.mark.parametrize(
-    ("written", "meant"),
-    [
-        ("a = 3 && c == 4", "a == 3 && c == 4"),
-        ("a = b || c = d", "a == b || c == d"),
-        ("r.label = l && c", "r.label == l && c"),
-        ("c && r.label = l", "c && r.label == l"),
-    ],
-)
-def test_an_equation_among_conditions_is_to_be_a_comparison(written: str, meant: str) -> None:
-    one = only(f"P(x) :- Q(a, b, c, d, r, l), x == 1, {written};")
-    assert one.message.startswith("'=' does not compare here")
-    assert one.hint == f"Compare with '==': {meant}."
+def test_the_advice_is_what_was_meant_and_among_conditions_a_comparison() -> None:
+    for written, meant in HINTS.items():
+        one = only(f"P(x) :- {written};")
+        assert one.hint == f"Put {meant}"
+        assert len(one.hint) <= 120
+    for written, meant in COMPARED.items():
+        one = only(f"P(x) :- Q(a, b, c, d, r, l), x == 1, {written};")
+        assert one.message.startswith("'=' does not compare here"), written
+        assert one.hint == f"Compare with '==': {meant}."
+
+
+BRANCHES = "P(y) :- y == (if c then x = 1 else x = 2);"
 
 
 @pytest.mark.parametrize(
     ("text", "message", "hint"),
     [
-        (
-            "P(y) :- y == (if c then x = 1 else x = 2);",
-            "This '=' applies even when another branch is chosen",
-            "x = (if",
-        ),
+        (BRANCHES, "This '=' applies even when another branch is chosen", "x = (if"),
         ("P(y) :- y == Count(list);", "Count(...) aggregates a single", "Count{x :- x in list}"),
         ("P(y) :- y -= 1;", "There is no -= in Logica", "y = x - 1"),
         ("P(y) :- y /= 1;", "There is no /= in Logica", "Write !="),

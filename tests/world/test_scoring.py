@@ -59,23 +59,15 @@ def test_ground_is_held_by_a_team_alone() -> None:
 
 def test_most_robots_have_an_area() -> None:
     three = (red(150), blue(150), red(150, name="Ruby"))
-    assert result(play(match(*three, scores=(Score("most", "hill"),)), 5)) == {
-        "red": (5,),
-        "blue": (0,),
-    }
-    assert result(play(match(*three[:2], scores=(Score("most", "hill"),)), 5)) == {
-        "red": (0,),
-        "blue": (0,),
-    }
+    for robots, points_of_red in ((three, 5), (three[:2], 0)):
+        world = play(match(*robots, scores=(Score("most", "hill"),)), 5)
+        assert result(world) == {"red": (points_of_red,), "blue": (0,)}
 
 
-def test_areas_of_one_name_count_one_by_one() -> None:
+def test_areas_of_one_name_count_one_by_one_and_one_that_is_off_gives_nothing() -> None:
     areas = (HILL, replace(HILL, x=50))
     level = match(red(150), red(50, name="Ruby"), blue(250), scores=(Score("hold", "hill"),))
     assert result(play(replace(level, areas=areas), 5))["red"] == (10,)
-
-
-def test_an_area_that_is_off_gives_nothing() -> None:
     off = replace(HILL, on_beacon="bell")
     scores = (Score("hold", "hill"), Score("first", "hill"), Score("near", "hill"))
     level = match(red(150), blue(20), scores=scores, areas=(off,), beacons=(Beacon("bell", 5, 5),))
@@ -141,15 +133,12 @@ def test_going_back_takes_the_tallies_back() -> None:
 
 def test_an_edit_keeps_the_score_unless_it_changes_what_is_scored() -> None:
     level = match(red(150), blue(250), scores=(Score("hold", "hill"),))
+    assert play(make_level(), 3).save().tallies == ()
     state = play(level, 5).save()
     moved = replace(level, areas=(replace(HILL, x=50),))
     assert change_state(state, level, moved, {}).tallies == state.tallies == ((5, 0),)
     other = replace(level, scores=(Score("most", "hill"),))
     assert change_state(state, level, other, {}).tallies == ((0, 0),)
-
-
-def test_a_level_without_scores_has_no_tallies() -> None:
-    assert play(make_level(), 3).save().tallies == ()
 
 
 KINDS = (

@@ -128,15 +128,12 @@ def test_a_ray_that_grazes_a_circle_decides_as_the_plain_one(
     assert_sees_what_the_plain_rays_see(level)
 
 
-def test_a_level_without_robots_has_nobody_to_see() -> None:
-    assert World(make_level([])).look() == []
-
-
 def test_more_robots_than_one_pass_takes_all_see_each_other() -> None:
     crowd = [Robot(f"R{i}", 10.3 + 13 * i, 50.5, math.pi) for i in range(20)]
     world = World(make_level(crowd))
     rows = world.look()
     assert rows == plain_look(world)
+    assert World(make_level([])).look() == []
     assert [row["sensor"]["forward_label"] for row in rows] == [
         "wall",
         *(robot.name for robot in crowd[:-1]),
@@ -160,39 +157,37 @@ def test_a_crowd_of_several_passes_sees_what_the_plain_rays_see(apart: float) ->
 
 SOLID = Area("boulder", 80.5, 50.5, 10, impenetrable=True)
 NOTHING = (200, "none", "nothing")
-AHEAD = {
-    "a robot 30 ahead": (make_level([HERE, Robot("Bob", 80.5, 50.5)]), (22, "robot", "Bob")),
-    "a beacon 30 ahead": (
-        make_level([HERE], beacons=[Beacon("lamp", 80.5, 50.5)]),
-        (23, "beacon", "lamp"),
+PLACES: dict[str, tuple[dict[str, Any], tuple[int, str, str]]] = {
+    "a robot 30 ahead": ({"robots": [HERE, Robot("Bob", 80.5, 50.5)]}, (22, "robot", "Bob")),
+    "a beacon 30 ahead": ({"beacons": [Beacon("lamp", 80.5, 50.5)]}, (23, "beacon", "lamp")),
+    "the first of two beacons at one distance": (
+        {"beacons": [Beacon("first", 80.5, 50.5), Beacon("second", 80.5, 50.5)]},
+        (23, "beacon", "first"),
     ),
-    "a solid area is a wall": (make_level([HERE], areas=[SOLID]), (21, "wall", "boulder")),
-    "a solid area that is off": (
-        make_level([HERE], areas=[replace(SOLID, on_beacon="lamp")]),
-        NOTHING,
-    ),
-    "an area that is not solid": (
-        make_level([HERE], areas=[replace(SOLID, impenetrable=False)]),
-        NOTHING,
-    ),
+    "a solid area is a wall": ({"areas": [SOLID]}, (21, "wall", "boulder")),
+    "a solid area that is off": ({"areas": [replace(SOLID, on_beacon="lamp")]}, NOTHING),
+    "an area that is not solid": ({"areas": [replace(SOLID, impenetrable=False)]}, NOTHING),
     "a solid area without size, even where a robot stands on it": (
-        make_level([HERE], areas=[Area("dot", HERE.x, HERE.y, 0, impenetrable=True)]),
+        {"areas": [Area("dot", HERE.x, HERE.y, 0, impenetrable=True)]},
         NOTHING,
     ),
-    "a wall at the first step into its cell": (
-        make_level([HERE], walls=[(60, 50)]),
-        (10, "wall", "wall"),
+    "a wall at the first step into its cell": ({"walls": [(60, 50)]}, (10, "wall", "wall")),
+    "199 ahead": ({"walls": [(249, 50)]}, (199, "wall", "wall")),
+    "and no further": ({"walls": [(250, 50)]}, NOTHING),
+    "the rim of the map": ({"width": 70}, (20, "wall", "wall")),
+    "a radius is strict": ({"beacons": [Beacon("lamp", 80.5, 58.5)]}, NOTHING),
+    "even where only one step touches it": (
+        {"beacons": [Beacon("lamp", 80.5, math.nextafter(58.5, 0))]},
+        (30, "beacon", "lamp"),
     ),
-    "199 ahead": (make_level([HERE], walls=[(249, 50)]), (199, "wall", "wall")),
-    "and no further": (make_level([HERE], walls=[(250, 50)]), NOTHING),
-    "the rim of the map": (make_level([HERE], width=70), (20, "wall", "wall")),
 }
 
 
 def test_what_is_ahead_is_seen_at_its_distance() -> None:
-    assert {what: forward(level) for what, (level, _) in AHEAD.items()} == {
-        what: seen for what, (_, seen) in AHEAD.items()
-    }
+    assert {
+        what: forward(make_level(**{"robots": [HERE], **level}))
+        for what, (level, _) in PLACES.items()
+    } == {what: seen for what, (_, seen) in PLACES.items()}
 
 
 def test_a_robot_outside_the_map_sees_walls_at_1_all_around() -> None:
@@ -212,18 +207,6 @@ def test_at_one_distance_a_wall_is_seen_before_a_robot_before_a_beacon_before_an
     assert forward(make_level([HERE], **everything)) == (22, "beacon", "lamp")
     del everything["beacons"]
     assert forward(make_level([HERE], **everything)) == (22, "wall", "boulder")
-
-
-def test_the_first_of_two_beacons_at_one_distance_is_seen() -> None:
-    twins = [Beacon("first", 80.5, 50.5), Beacon("second", 80.5, 50.5)]
-    assert forward(make_level([HERE], beacons=twins)) == (23, "beacon", "first")
-
-
-def test_a_radius_is_strict_even_where_only_one_step_touches_it() -> None:
-    beside = Beacon("lamp", 80.5, 58.5)
-    inside = Beacon("lamp", 80.5, math.nextafter(58.5, 0))
-    assert forward(make_level([HERE], beacons=[beside])) == (200, "none", "nothing")
-    assert forward(make_level([HERE], beacons=[inside])) == (30, "beacon", "lamp")
 
 
 @settings(deadline=None)

@@ -32,35 +32,17 @@ def test_robots_may_be_in_teams(tmp_path: Path) -> None:
     assert [robot.team for robot in level.robots] == ["red", "blue"]
 
 
+NO_TEAM = 'Robot "Ann" is in "rad", but there is no such team.'
+AGAIN = 'name = "blue"\n[[teams]]\nname = "red"'
 BAD_TEAMS = [
     ('team = "red"\n', "", "robots[0].team", 'Robot "Ann" has no team.'),
-    (
-        'team = "red"',
-        'team = "rad"',
-        "robots[0].team",
-        'Robot "Ann" is in "rad", but there is no such team.',
-    ),
+    ('team = "red"', 'team = "rad"', "robots[0].team", NO_TEAM),
     ('team = "red"', 'team = "blue"', "teams[0]", 'Team "red" has no robots.'),
     ('name = "blue"', 'name = "red"', "robots[1].team", "there is no such team."),
-    (
-        'name = "blue"',
-        'name = "blue"\n[[teams]]\nname = "red"',
-        "teams[2].name",
-        'Two teams are called "red".',
-    ),
+    ('name = "blue"', AGAIN, "teams[2].name", 'Two teams are called "red".'),
     ('program = "herd"', "program = 3", "teams[0].program", '"program" must be text'),
     ('[[teams]]\nname = "blue"', "", "robots[1].team", "there is no such team."),
 ]
-
-
-@pytest.mark.parametrize(("old", "new", "where", "message"), BAD_TEAMS)
-def test_a_mistake_in_teams_is_refused_at_its_key(
-    tmp_path: Path, old: str, new: str, where: str, message: str
-) -> None:
-    assert old in TEAMS
-    error = refusal(tmp_path, TEAMS.replace(old, new, 1))
-    assert place(error) == where
-    assert message in error.message
 
 
 MATCH = (
@@ -108,22 +90,22 @@ BAD_SCORES = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "where", "message"), BAD_SCORES)
-def test_a_mistake_in_a_score_is_refused_at_its_key(
-    tmp_path: Path, old: str, new: str, where: str, message: str
+@pytest.mark.parametrize(
+    ("text", "old", "new", "where", "message"),
+    [*((TEAMS, *case) for case in BAD_TEAMS), *((MATCH, *case) for case in BAD_SCORES)],
+    ids=range(len(BAD_TEAMS) + len(BAD_SCORES)),
+)
+def test_a_mistake_in_teams_or_in_a_score_is_refused_at_its_key(
+    tmp_path: Path, text: str, old: str, new: str, where: str, message: str
 ) -> None:
-    assert old in MATCH
-    error = refusal(tmp_path, MATCH.replace(old, new, 1))
+    assert old in text
+    error = refusal(tmp_path, text.replace(old, new, 1))
     assert place(error) == where
     assert message in error.message
 
 
-def test_a_match_needs_teams(tmp_path: Path) -> None:
+def test_a_match_needs_teams_which_a_hint_tells_where_to_list(tmp_path: Path) -> None:
     error = refusal(tmp_path, SMALL + "[match]\nticks = 5\n")
     assert (place(error), error.message) == ("match", "A match needs teams.")
-
-
-def test_a_team_that_is_not_listed_tells_where_to_list_it(tmp_path: Path) -> None:
     error = refusal(tmp_path, SMALL.replace("y = 15", 'y = 15\nteam = "red"'))
-    assert place(error) == "robots[0].team"
-    assert error.hint == "List the teams as [[teams]]."
+    assert (place(error), error.hint) == ("robots[0].team", "List the teams as [[teams]].")
