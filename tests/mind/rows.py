@@ -78,6 +78,12 @@ def _decisions(mind: Mind, rows: list[Any], memories: dict[str, Any]) -> list[De
         mind.close()
 
 
+def decision_of(mind: Mind, memory: Any = "kept", **seen: Any) -> Decision:
+    """What Ada decides, who remembers this; then the mind is closed."""
+    (decision,) = _decisions(mind, [row("Ada", **seen)], {"Ada": memory})
+    return decision
+
+
 def nearly_same(one: Any, other: Any) -> bool:
     """Equal, numbers within 1e-12: text that is JSON has 15 digits only."""
     if isinstance(one, float) and isinstance(other, float):

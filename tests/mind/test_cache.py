@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +10,8 @@ import pytest
 
 from logical_robots_tui import caching
 from logical_robots_tui.mind import Diagnostic, Mind, Predicate, Program, ProgramError, compilation
-from tests.mind.rows import ROBOT, row
-from tests.waiting import PATIENCE
+from tests.mind.processes import python
+from tests.mind.rows import ROBOT, decision_of
 
 PROGRAM = Program(
     text="what was written",
@@ -58,11 +56,15 @@ def signed(body: bytes) -> bytes:
     return compilation._digest(body) + b"\n" + body
 
 
-def test_what_is_kept_is_found_again() -> None:
+def test_what_is_kept_is_found_again_but_not_by_another_compiler(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     assert find(PROGRAM.text) is None
     keep(PROGRAM)
     assert find(PROGRAM.text) == PROGRAM
     assert find(PROGRAM.text + " ") is None
+    monkeypatch.setattr(compilation, "_maker", lambda: b"of tomorrow")
+    assert find(PROGRAM.text) is None
 
 
 def test_a_fresh_process_finds_it_without_compiling(folder: Path) -> None:
@@ -74,14 +76,7 @@ def test_a_fresh_process_finds_it_without_compiling(folder: Path) -> None:
         "p = Program.compile(sys.argv[1]); assert compilation._compiler._process is None;"
         "assert 'logica' not in sys.modules; print(p.statements['Robot'])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script, text],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=PATIENCE,
-    )
-    assert done.stdout.strip() == program.statements["Robot"].strip()
+    assert python(script, text).strip() == program.statements["Robot"].strip()
 
 
 def test_a_fresh_process_needs_no_compiler_for_what_was_asked_before() -> None:
@@ -90,20 +85,11 @@ def test_a_fresh_process_needs_no_compiler_for_what_was_asked_before() -> None:
         "from logical_robots_tui.explain.why.probing import decompose;"
         "p = Program.compile(sys.argv[1]); q = p.question('Robot(memory: 4713)');"
         "t = decompose(p, 'Robot'); print(q.sql, len(t.rules));"
-        "print(compilation._compiler._process, file=sys.stderr)"
+        "print(compilation._compiler._process is None)"
     )
-    first, second = (
-        subprocess.run(
-            [sys.executable, "-c", script, ROBOT + "m = 4712;"],
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=PATIENCE,
-        )
-        for _ in range(2)
-    )
-    assert first.stdout == second.stdout
-    assert (first.stderr == "None\n", second.stderr) == (False, "None\n")
+    first, second = (python(script, ROBOT + "m = 4712;").splitlines() for _ in range(2))
+    assert first[:-1] == second[:-1]
+    assert (first[-1], second[-1]) == ("False", "True")
 
 
 def test_only_what_compiles_is_kept(folder: Path) -> None:
@@ -112,50 +98,38 @@ def test_only_what_compiles_is_kept(folder: Path) -> None:
     assert not folder.exists()
 
 
-@pytest.mark.parametrize("length", [0, 1, 64, 65, 100, -1])
-def test_a_truncated_entry_is_none_and_goes(folder: Path, length: int) -> None:
-    keep(PROGRAM)
-    path = entry(folder)
-    path.write_bytes(path.read_bytes()[:length])
-    assert find(PROGRAM.text) is None
-    assert not path.exists()
+GARBAGE = [
+    b"",
+    b"null",
+    b"[]",
+    b"\xff\xfe garbage",
+    b"[" * 100_000,
+    b"[1, 2, 3]",
+    written({"text": PROGRAM.text}),
+    written({"text": PROGRAM.text, "predicates": [], "statements": {}}, "another"),
+    written(None),
+    written({"text": PROGRAM.text, "predicates": 1, "statements": {}}),
+    written({"text": PROGRAM.text, "predicates": [], "statements": {"R": 1}}),
+    written({"text": PROGRAM.text, "predicates": [], "statements": {}, "memory": "none"}),
+    written({"text": PROGRAM.text, "predicates": [], "statements": {}, "more": 1}),
+]
 
 
-@pytest.mark.parametrize(
-    "body",
-    [
-        b"",
-        b"null",
-        b"[]",
-        b"\xff\xfe garbage",
-        b"[" * 100_000,
-        b"[1, 2, 3]",
-        written({"text": "what was written"}),
-        written({"text": "what was written", "predicates": [], "statements": {}}, "another"),
-        written(None),
-        written({"text": "what was written", "predicates": 1, "statements": {}}),
-        written({"text": "what was written", "predicates": [], "statements": {"R": 1}}),
-        written({"text": "what was written", "predicates": [], "statements": {}, "memory": "none"}),
-        written({"text": "what was written", "predicates": [], "statements": {}, "more": 1}),
-    ],
-)
-@pytest.mark.parametrize("sign", [True, False])
-def test_garbage_is_none_and_goes(folder: Path, body: bytes, sign: bool) -> None:
+def test_a_truncated_entry_and_garbage_are_none_and_go(folder: Path) -> None:
     keep(PROGRAM)
     path = entry(folder)
-    path.write_bytes(signed(body) if sign else body)
-    assert find(PROGRAM.text) is None
-    assert not path.exists()
+    whole = path.read_bytes()
+    pieces = [whole[:length] for length in (0, 1, 64, 65, 100, -1)]
+    for content in (*pieces, *GARBAGE, *map(signed, GARBAGE)):
+        path.write_bytes(content)
+        assert find(PROGRAM.text) is None, content[:200]
+        assert not path.exists(), content[:200]
 
 
 def test_a_poisoned_entry_can_do_no_more_than_a_program(tmp_path: Path) -> None:
-    poison = replace(
-        PROGRAM, statements={"Robot": f"ATTACH '{tmp_path / 'touched'}' AS x"}, tuned={}
-    )
-    keep(poison)
-    mind = Mind(Program.compile(PROGRAM.text))
-    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
-    mind.close()
+    poison = {"Robot": f"ATTACH '{tmp_path / 'touched'}' AS x"}
+    keep(replace(PROGRAM, statements=poison, tuned={}))
+    decision = decision_of(Mind(Program.compile(PROGRAM.text)))
     assert decision.memory == "kept"
     assert decision.notices[0].kind == "failed"
     assert not (tmp_path / "touched").exists()
@@ -201,13 +175,11 @@ def test_leftovers_of_killed_processes_go_too(
 def test_without_a_folder_everything_works(
     hindrance: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if hindrance == "a file":
+    if hindrance != "no cache":
         folder.write_text("in the way", encoding="ascii")
-    elif hindrance == "a file above":
-        folder.write_text("in the way", encoding="ascii")
-        monkeypatch.setenv(caching.FOLDER_VARIABLE, str(folder / "below"))
-    else:
-        monkeypatch.setenv(caching.FOLDER_VARIABLE, "")
+    if hindrance != "a file":
+        below = str(folder / "below") if hindrance == "a file above" else ""
+        monkeypatch.setenv(caching.FOLDER_VARIABLE, below)
     monkeypatch.setattr(compilation._compiler, "_kept", type(compilation._compiler._kept)())
     assert Program.compile(ROBOT + "m = 4712;").statements
 
@@ -222,12 +194,6 @@ def test_a_full_disk_is_no_hindrance(folder: Path, monkeypatch: pytest.MonkeyPat
     assert list(folder.iterdir()) == []
 
 
-def test_another_compiler_finds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    keep(PROGRAM)
-    monkeypatch.setattr(compilation, "_maker", lambda: b"of tomorrow")
-    assert find(PROGRAM.text) is None
-
-
 @pytest.mark.slow
 def test_many_processes_share_it(folder: Path) -> None:
     script = (
@@ -240,14 +206,6 @@ def test_many_processes_share_it(folder: Path) -> None:
         "    assert found is None or found.statements['Robot'] == text\n"
     )
     with ThreadPoolExecutor(6) as pool:
-        done = list(
-            pool.map(
-                lambda _: subprocess.run(
-                    [sys.executable, "-c", script], capture_output=True, timeout=PATIENCE
-                ),
-                range(6),
-            )
-        )
-    assert [(d.returncode, d.stderr) for d in done] == [(0, b"")] * 6
+        assert list(pool.map(python, [script] * 6)) == [""] * 6
     assert not list(folder.glob(f"*{caching._UNFINISHED}"))
     assert 0 < len(list(folder.iterdir())) <= 4 + 6

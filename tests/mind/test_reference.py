@@ -2,8 +2,6 @@
 
 import json
 import math
-import subprocess
-import sys
 from typing import Any
 
 import pytest
@@ -11,8 +9,8 @@ import pytest
 from logical_robots_tui.language.definitions import built_in_names, definitions, prelude
 from logical_robots_tui.language.reference import REFERENCE, FunctionHelp, find_help, similar
 from logical_robots_tui.mind.compiling.dialect import runs as runs_here
+from tests.mind.processes import python
 from tests.mind.rows import remembered
-from tests.waiting import PATIENCE
 
 SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}
 SYNTAX = {"->", "=>", "~", "if"}
@@ -63,7 +61,4 @@ def test_reading_the_help_needs_no_compiler() -> None:
         "import sys, logical_robots_tui.language.reference as r; "
         "print(len(r.REFERENCE), 'logica' in sys.modules)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=PATIENCE
-    )
-    assert done.stdout.split() == [str(len(REFERENCE)), "False"]
+    assert python(script).split() == [str(len(REFERENCE)), "False"]

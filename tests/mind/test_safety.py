@@ -1,8 +1,6 @@
 """A program can do nothing but think."""
 
 import sqlite3
-import subprocess
-import sys
 import threading
 from dataclasses import replace
 from typing import Any
@@ -13,7 +11,8 @@ from logical_robots_tui.mind import Limits, Mind, Program, QueryError, Stopped
 from logical_robots_tui.mind.sqlite import registry
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
 from logical_robots_tui.mind.sqlite.database import Database
-from tests.mind.rows import ROBOT, row, think
+from tests.mind.processes import python
+from tests.mind.rows import ROBOT, decision_of, row, think
 from tests.waiting import PATIENCE
 
 
@@ -23,14 +22,11 @@ def program() -> Program:
 
 
 def test_a_refusal_reaches_the_player_as_a_notice_without_sql(program: Program) -> None:
-    mind = Mind(replace(program, statements={"Robot": "SELECT readfile('/etc/passwd')"}, tuned={}))
-    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
-    mind.close()
+    decision = decision_of(forced(program, "SELECT readfile('/etc/passwd')"))
     assert decision.memory == "kept"
     assert decision.notices[0].kind == "failed"
-    assert "readfile" not in decision.notices[0].message or "no function" in (
-        decision.notices[0].message
-    )
+    message = decision.notices[0].message
+    assert "readfile" not in message or "no function" in message
 
 
 NUMBERS = "WITH RECURSIVE t_0_N(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM t_0_N) "
@@ -128,24 +124,20 @@ def test_the_steps_of_a_thought_are_those_of_all_robots_together(
         (f"SELECT {BIG}, {BIG}", {"result_bytes": 3_000_000}, "more than 3,000,000 bytes"),
         (
             "SELECT printf('%4000d', 1) || printf('%4000d', 1)",
-            {"value_bytes": 5_000},
-            "may have 5,000 bytes",
+            *({"value_bytes": 5_000}, "may have 5,000 bytes"),
         ),
         (ENDLESS, {"think_steps": 1_000_000}, "more than 1,000,000 steps"),
         ("SELECT '[[[[1]]]]' AS memory", {"depth": 3}, "nested too deeply"),
         (
             f"SELECT 'Ada' AS robot_name, substr({BIG}, 1, 200) AS memory",
-            {"memory_bytes": 100},
-            "more than 100",
+            *({"memory_bytes": 100}, "more than 100"),
         ),
     ],
 )
 def test_each_limit_of_a_thought_has_its_message(
     sql: str, limits: dict[str, Any], said: str, program: Program
 ) -> None:
-    mind = forced(program, sql, **limits)
-    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
-    mind.close()
+    decision = decision_of(forced(program, sql, **limits))
     assert decision.memory == "kept"
     assert any(said in notice.message for notice in decision.notices), decision.notices
 
@@ -188,10 +180,7 @@ def test_the_memory_of_a_mind_is_bounded_and_the_next_program_thinks() -> None:
         after = Mind(replace(program, statements=good, tuned={}))
         assert after.think([row("Ada")], {})[0].memory == 1
     """
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=PATIENCE
-    )
-    assert (done.returncode, done.stderr) == (0, "")
+    assert python(script) == ""
 
 
 @pytest.mark.sampled
@@ -208,21 +197,12 @@ def test_a_thought_out_of_memory_leaves_the_next_ones_as_they_were(plain: bool) 
         mind.think([row("Ada", clock=clock, sees=walls)], {"Ada": "m"})[0] for clock in range(4)
     ]
     mind.close()
-    assert [[n.kind for n in decision.notices] for decision in decisions] == [
-        [],
-        [],
-        ["failed"],
-        [],
-    ]
+    assert [[n.kind for n in d.notices] for d in decisions] == [[], [], ["failed"], []]
     assert [decision.memory for decision in decisions] == [["m", 50], ["m", 50], "m", ["m", 50]]
 
 
 def test_names_that_are_half_characters_do_no_harm(program: Program) -> None:
-    mind = Mind(program)
-    nasty: Any = row("Ada", sees={1: (5, "area", "\ud800")})
-    (decision,) = mind.think([nasty], {"Ada": "\udfff"})
-    mind.close()
-    assert decision.memory == 1
+    assert decision_of(Mind(program), "\udfff", sees={1: (5, "area", "\ud800")}).memory == 1
 
 
 @pytest.mark.parametrize("text", ['"a" ++ Chr(0) ++ "b"', '"{" ++ Chr(0)', "Chr(0)"])

@@ -11,7 +11,7 @@ from logical_robots_tui.mind import Limits, Mind, Program, QueryError
 from logical_robots_tui.mind.sqlite import budget
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Budget, Within, Work
 from logical_robots_tui.mind.sqlite.database import Database, TooSlowError
-from tests.mind.rows import ROBOT, row
+from tests.mind.rows import ROBOT, decision_of, row
 from tests.waiting import PATIENCE, until
 
 COUNTS = (
@@ -66,9 +66,7 @@ def test_calls_of_functions_and_what_passes_through_them_are_counted(program: Pr
 
 def test_what_the_clock_ends_is_marked(program: Program) -> None:
     slow = replace(program, statements={"Robot": COUNTS.format(10**9)}, tuned={})
-    mind = Mind(slow, limits=Limits(think_steps=10**12, think_seconds=0.1))
-    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
-    mind.close()
+    decision = decision_of(Mind(slow, limits=Limits(think_steps=10**12, think_seconds=0.1)))
     (notice,) = decision.notices
     assert (notice.kind, decision.memory, decision.is_reliable) == ("late", "kept", False)
     assert "after 0.1 seconds" in notice.message

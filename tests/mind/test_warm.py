@@ -1,9 +1,6 @@
 """The compile process loads all that it needs before it gives up opening files."""
 
-import subprocess
-import sys
-
-from tests.waiting import PATIENCE
+from tests.mind.processes import python
 
 SCRIPT = """
 import sys
@@ -42,11 +39,4 @@ WRONG = (
 
 
 def test_no_request_loads_a_module() -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, PROGRAM, *WRONG],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=PATIENCE,
-    )
-    assert done.stdout.strip() == ""
+    assert python(SCRIPT, PROGRAM, *WRONG).strip() == ""

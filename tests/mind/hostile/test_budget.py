@@ -21,7 +21,7 @@ from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.registry import AGGREGATES
 from logical_robots_tui.mind.sqlite.texts import REPLACED
 from tests.mind.hostile.bounds import GROWTH, bounded_memory
-from tests.mind.rows import ROBOT, row
+from tests.mind.rows import ROBOT, decision_of
 
 SECONDS_OF_A_STEP = 4e-6
 SECONDS_OF_A_CALL = 0.5  # whatever is parsed once
@@ -104,8 +104,7 @@ def test_every_exception_in_a_thought_is_a_notice(callback: str, uses_all: Progr
             continue  # in our own code these have another meaning
         mind = Mind(uses_all)
         break_callback(mind, callback, error)
-        (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
-        mind.close()
+        decision = decision_of(mind)
         assert [n.kind for n in decision.notices] == ["failed"], error
         assert decision.memory == "kept"
 
@@ -120,9 +119,7 @@ def test_every_exception_in_a_thought_is_a_notice(callback: str, uses_all: Progr
     ],
 )
 def test_half_a_character_ends_no_game(memory: str) -> None:
-    mind = Mind(Program.compile(f"{ROBOT} m = {memory};"))
-    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
-    mind.close()
+    decision = decision_of(Mind(Program.compile(f"{ROBOT} m = {memory};")))
     assert decision.notices or "\ud800" not in str(decision.memory)
 
 
@@ -322,7 +319,6 @@ def test_what_aggregates_hold_is_bounded(count: int, most: int, growth: int) -> 
     )
     mind = Mind(program, limits=Limits(think_seconds=60, aggregate_bytes=most))
     with bounded_memory(growth):
-        (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
-    mind.close()
+        decision = decision_of(mind)
     assert [n.kind for n in decision.notices] == ["failed"]
     assert f"aggregates collect more than {most:,} bytes" in decision.notices[0].message

@@ -16,7 +16,7 @@ from logical_robots_tui.mind.sqlite.database import Database, TooMuchError, TooS
 from tests.mind.hostile.bounds import bounded_memory
 from tests.mind.hostile.programs import PROGRAMS
 from tests.mind.hostile.statements import REFUSED, RUNAWAY
-from tests.mind.rows import ROBOT, row
+from tests.mind.rows import ROBOT, decision_of, row
 
 LIMITS = Limits(
     compile_seconds=0.3,
@@ -30,7 +30,10 @@ LAST_CALL = 127 * MAX_TEXT  # steps: the characters of all arguments that a call
 
 # Other limits, and whatever is cut short, begin a new compile process.
 SLOW_LAST = sorted(PROGRAMS, key=lambda name: PROGRAMS[name][0] == "slow")
-SEEN = [row("Ada", sees={3: (50, "area", "\x1b[31m[red]")})]
+SEES = {3: (50, "area", "\x1b[31m[red]")}
+SEEN = [row("Ada", sees=SEES)]
+
+
 PASSWORDS = Path("/etc/passwd").read_text(encoding="utf-8").split("\n", 1)[0]
 
 
@@ -74,30 +77,24 @@ def in_folder(folder: Path) -> Iterator[None]:
 
 def goes_on(program: Program) -> bool:
     """Whether another program thinks now."""
-    mind = Mind(program)
-    decisions = mind.think(SEEN, {})
-    mind.close()
-    return [d.memory for d in decisions] == [1]
+    return decision_of(Mind(program), "").memory == 1
 
 
 def outcome(text: str, limits: Limits) -> tuple[str, list[Decision]]:
     """What becomes of a program: refused, failed or harmless, and its decisions."""
-    program: Program | None
+    refusal = ""
     try:
         program = Program.compile(text, limits=limits)
     except ProgramError as error:
-        said = str(error)
-        program = None
-    if program is None:
-        assert said.replace("\n", "").isprintable()
+        refusal = str(error)
+    if refusal:
+        assert refusal.replace("\n", "").isprintable()
         return "refused", []
-    mind = Mind(program, limits=LIMITS)
-    decisions = mind.think(SEEN, {"Ada": "kept"})
-    mind.close()
-    assert all(n.message.isprintable() for d in decisions for n in d.notices)
-    failed = any(n.kind in ("failed", "late", "no memory") for n in decisions[0].notices)
-    assert not failed or decisions[0].memory == "kept"
-    return "failed" if failed else "harmless", decisions
+    decision = decision_of(Mind(program, limits=LIMITS), sees=SEES)
+    assert all(notice.message.isprintable() for notice in decision.notices)
+    failed = any(notice.kind in ("failed", "late", "no memory") for notice in decision.notices)
+    assert not failed or decision.memory == "kept"
+    return "failed" if failed else "harmless", [decision]
 
 
 def test_there_are_enough_of_them() -> None:
@@ -174,7 +171,6 @@ def test_sql_forced_into_a_program_is_a_notice_or_an_answer_and_into_the_quick_w
     forced = Tuned(sql, 0, {"Sensor": ("robot_name", "sensor")}, ())
     mind = Mind(replace(next_program, tuned={"Robot": forced}), limits=LIMITS)
     with nothing_touched(tmp_path):
-        (decision,) = mind.think(SEEN, {"Ada": "kept"})
+        decision = decision_of(mind, sees=SEES)
     assert decision.desire is not None or decision.notices
-    mind.close()
     assert goes_on(next_program)
