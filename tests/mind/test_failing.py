@@ -20,25 +20,21 @@ def decisions(**visible: Any) -> list[Decision]:
     return think(RULES + ROBOT + "Known(m);", [row("Ada"), row("Bo")], MEMORIES, **visible)
 
 
-def test_a_notice_names_the_predicate_that_failed_first() -> None:
-    ada, _ = decisions()
+BLAMED = "Heard failed on the rows of Ada: "
+
+
+def test_a_notice_names_the_predicate_that_failed_first_and_on_whose_rows() -> None:
+    ada, bo = decisions()
     (notice,) = ada.notices
     assert notice.kind == "failed"
     assert notice.message == (
-        "Heard failed on the rows of Ada: a function was given a value that it can't use, "
+        f"{BLAMED}a function was given a value that it can't use, "
         "such as a string instead of a list."
     )
-
-
-def test_the_robot_next_to_it_is_not_blamed() -> None:
-    _, bo = decisions()
     assert [notice.kind for notice in bo.notices] in ([], ["no row"])
-
-
-def test_where_all_reason_together_the_robot_is_found_whose_rows_fail() -> None:
     for decision in decisions(memory="all", sensor="all"):
         (notice,) = decision.notices
-        assert notice.message.startswith("Heard failed on the rows of Ada: ")
+        assert notice.message.startswith(BLAMED)
 
 
 @pytest.mark.parametrize(

@@ -16,22 +16,22 @@ Miner := Worker(Post: Mine);
 ROWS = [row("Ada", sees={3: (44, "beacon", "Fire"), 4: (55, "beacon", "Mine")})]
 
 
-@pytest.mark.parametrize(("trade", "distance"), [("Firefighter", 44), ("Miner", 55)])
-def test_what_is_left_open_is_filled_in(trade: str, distance: int) -> None:
-    text = f"{PATTERN}{ROBOT} {trade}(robot_name:, distance: m);"
+FROM_A_PATTERN = """
+Team(robot_name:, distance:) :- Worker(robot_name:, distance:), Allowed(distance);
+Quick := Team(Allowed: Near);
+QuickMiner := Quick(Post: Mine);
+Near(x) :- x in [55, 56];
+"""
+
+
+@pytest.mark.parametrize(
+    ("rules", "trade", "distance"),
+    [("", "Firefighter", 44), ("", "Miner", 55), (FROM_A_PATTERN, "QuickMiner", 55)],
+)
+def test_what_is_left_open_is_filled_in_from_outside(rules: str, trade: str, distance: int) -> None:
+    text = f"{PATTERN}{rules}{ROBOT} {trade}(robot_name:, distance: m);"
     (decision,) = think(text, ROWS, {})
     assert (decision.memory, decision.notices) == (distance, ())
-
-
-def test_a_pattern_made_from_a_pattern_is_filled_in_from_outside() -> None:
-    text = f"""{PATTERN}
-    Team(robot_name:, distance:) :- Worker(robot_name:, distance:), Allowed(distance);
-    Quick := Team(Allowed: Near);
-    QuickMiner := Quick(Post: Mine);
-    Near(x) :- x in [55, 56];
-    {ROBOT} QuickMiner(robot_name:, distance: m);"""
-    (decision,) = think(text, ROWS, {})
-    assert decision.memory == 55
 
 
 def test_a_pattern_has_no_rows_of_its_own_and_says_why() -> None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import asdict
 from typing import Any
 
@@ -96,23 +97,15 @@ def test_an_engine_may_be_a_text_that_spells_a_number_and_any_other_text_stands_
         assert "it stops" in notice, text
 
 
-def test_an_engine_without_end_is_not_called_null() -> None:
+def test_a_number_without_end_stops_an_engine_and_stays_one_in_a_record() -> None:
     assert engines(["1 / 0"]) == {"1 / 0": (0, ["left_engine is infinite: it stops."])}
-
-
-def test_a_number_without_end_stays_one_in_a_record() -> None:
     assert remembered("{a: 5 / 0, b: [-5 / 0]}") == {"a": math.inf, "b": [-math.inf]}
 
 
-LOVE = "Love(radar, name) = Size(radar);"
-
-
-def test_what_a_value_does_not_need_may_be_left_out() -> None:
-    assert not Program.compile(f"{LOVE} {ROBOT} m = Love(sensor.radar);").warnings
-    assert remembered("Love(sensor.radar)", rules=LOVE) == 31
-
-
-def test_what_it_needs_is_missed_where_robots_ask_for_it() -> None:
+def test_what_a_value_does_not_need_may_be_left_out_and_is_missed_where_it_does() -> None:
+    love = "Love(radar, name) = Size(radar);"
+    assert not Program.compile(f"{love} {ROBOT} m = Love(sensor.radar);").warnings
+    assert remembered("Love(sensor.radar)", rules=love) == 31
     sum_ = "Sum2(x, y) = x + y;"
     assert not Program.compile(f"{sum_} Unused(x) :- x = Sum2(1); {ROBOT} m = 1;").warnings
     with pytest.raises(ProgramError, match="Sum2 takes 2 arguments; 1 is given"):
@@ -148,13 +141,9 @@ def test_a_functor_of_such_a_recursion_is_one_too() -> None:
     )
     text = f"{rules} {ROBOT} m = List{{b :- Way(a: robot_name, b:)}};"
     assert [d.memory for d in think(text, CHAIN, {})] == [["Bo", "Di"], None, None, ["Bo"]]
-    mind = Mind(Program.compile(text))
-    assert set(mind.query("Way", CHAIN[:1], {}).rows) == {
-        ("Ada", "Di"),
-        ("Ada", "Bo"),
-        ("Di", "Bo"),
-    }
-    mind.close()
+    with closing(Mind(Program.compile(text))) as mind:
+        rows = mind.query("Way", CHAIN[:1], {}).rows
+    assert set(rows) == {("Ada", "Di"), ("Ada", "Bo"), ("Di", "Bo")}
 
 
 def test_it_says_so_when_it_was_still_growing() -> None:
@@ -165,8 +154,7 @@ def test_it_says_so_when_it_was_still_growing() -> None:
 
 
 def test_its_rows_can_be_looked_at() -> None:
-    mind = Mind(Program.compile(f"{REACH}{ROBOT} m = 1;"), sensor="all", memory="all")
-    table = mind.query("Reach", CHAIN, {})
-    assert table.columns == ("a", "b")
-    assert len(table.rows) == 6
-    mind.close()
+    program = Program.compile(f"{REACH}{ROBOT} m = 1;")
+    with closing(Mind(program, sensor="all", memory="all")) as mind:
+        table = mind.query("Reach", CHAIN, {})
+    assert (table.columns, len(table.rows)) == (("a", "b"), 6)

@@ -11,7 +11,10 @@ from logical_robots_tui.values import Desire, Value
 from tests.mind.rows import PAPER, ROBOT, remembered, row, think
 from tests.waiting import PATIENCE, until
 
-EVERYBODY = "Robot(robot_name:, desire: {}, memory: 1) :- Sensor(robot_name:);"
+EVERYBODY = (
+    "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: 1) :- "
+    "Sensor(robot_name:);"
+)
 
 
 def test_the_program_of_the_paper_steers_towards_the_weighted_mean_of_the_radar() -> None:
@@ -53,39 +56,36 @@ def test_an_engine_that_is_not_a_number_stands_still_and_is_reported(
     assert words in decision.notices[0].message
 
 
-def _kinds(text: str, memory: object = "before") -> tuple[object, object, list[NoticeKind]]:
-    (decision,) = think(text, [row("Ada")], {"Ada": memory})
-    return decision.desire, decision.memory, [n.kind for n in decision.notices]
+BOTH = "{left_engine: 1, right_engine: 1}"
 
 
-def test_no_row_stops_the_robot_and_keeps_its_memory() -> None:
-    text = ROBOT + "m = 1, sensor.clock > 100;"
-    assert _kinds(text) == (None, "before", ["no row"])
-
-
-def test_of_several_rows_the_last_counts() -> None:
-    text = ROBOT + "m in [1, 2, 3];"
-    desire, memory, kinds = _kinds(text)
-    assert (desire, kinds) == (Desire(0.5, 0.5), ["several rows"])
-    assert memory == 3
-
-
-def test_a_program_without_memory_leaves_it_as_it_was() -> None:
-    text = "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}) :- Sensor(robot_name:);"
-    assert _kinds(text) == (Desire(1.0, 1.0), "before", ["no memory"])
-
-
-def test_a_row_for_nobody_is_reported() -> None:
-    text = EVERYBODY.replace("{}", "{left_engine: 1, right_engine: 1}")
-    stranger = 'Robot(robot_name: "Mallory", desire: null, memory: 1);'
-    assert _kinds(text + stranger)[2] == ["unknown robot"]
-    nobody = "Robot(robot_name: null, desire: null, memory: 1);"
-    assert _kinds(text + nobody)[2] == ["null name"]
-
-
-def test_a_failing_query_is_a_notice_and_keeps_the_memory() -> None:
-    text = ROBOT + 'm = Join("no list", "-");'
-    assert _kinds(text) == (None, "before", ["failed"])
+@pytest.mark.parametrize(
+    ("text", "desire", "memory", "kinds"),
+    [
+        (ROBOT + "m = 1, sensor.clock > 100;", None, "before", ["no row"]),
+        (ROBOT + "m in [1, 2, 3];", Desire(0.5, 0.5), 3, ["several rows"]),
+        (
+            f"Robot(robot_name:, desire: {BOTH}) :- Sensor(robot_name:);",
+            *(Desire(1.0, 1.0), "before", ["no memory"]),
+        ),
+        (
+            f'{EVERYBODY} Robot(robot_name: "Mallory", desire: null, memory: 1);',
+            *(Desire(1.0, 1.0), 1, ["unknown robot"]),
+        ),
+        (
+            f"{EVERYBODY} Robot(robot_name: null, desire: null, memory: 1);",
+            *(Desire(1.0, 1.0), 1, ["null name"]),
+        ),
+        (ROBOT + 'm = Join("no list", "-");', None, "before", ["failed"]),
+    ],
+    ids=["no row", "several rows", "no memory", "unknown robot", "null name", "failed"],
+)
+def test_what_is_odd_about_the_rows_of_robots_is_told(
+    text: str, desire: Desire | None, memory: Value, kinds: list[NoticeKind]
+) -> None:
+    (decision,) = think(text, [row("Ada")], {"Ada": "before"})
+    assert (decision.desire, decision.memory) == (desire, memory)
+    assert [notice.kind for notice in decision.notices] == kinds
 
 
 def test_a_truth_and_null_are_memories() -> None:
@@ -157,16 +157,15 @@ def test_a_field_of_a_memory_that_is_plain_text_is_null() -> None:
     assert remembered("Coalesce(memory.count, 0) + 1", {"count": 4}) == 5
 
 
-def _slow() -> Program:
-    return Program.compile(
-        "N(x) :- x in Range(3000); Big(s? += a * b) distinct :- N(a), N(b), N(c);"
-        "Robot(robot_name:, desire: {left_engine: s, right_engine: 0}, memory: 1) :-"
-        "  Sensor(robot_name:), Big(s:);"
-    )
+ENDLESS = """
+N(x) :- x in Range(3000); Big(s? += a * b) distinct :- N(a), N(b), N(c);
+Robot(robot_name:, desire: {left_engine: s, right_engine: 0}, memory: 1) :-
+  Sensor(robot_name:), Big(s:);
+"""
 
 
 def test_a_thought_can_be_stopped_from_another_thread() -> None:
-    mind = Mind(_slow())
+    mind = Mind(Program.compile(ENDLESS))
     stop = threading.Event()
 
     def stop_it() -> None:

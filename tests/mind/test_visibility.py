@@ -23,22 +23,15 @@ def _seen(text: str, **options: Any) -> dict[str, Any]:
     return {d.robot_name: d.memory for d in decisions}
 
 
-def test_by_default_a_robot_sees_its_own_rows_only() -> None:
-    assert _seen(PROGRAM) == {
-        name: {"sensors": [name], "memories": [name]} for name in ("Ada", "Bo", "Cy")
-    }
-
-
-def test_seen_adds_the_memories_of_robots_on_the_radar_but_not_of_beacons_of_that_name() -> None:
+def test_a_robot_sees_its_own_rows_and_more_only_where_the_level_says_so() -> None:
+    names = ["Ada", "Bo", "Cy"]
+    assert _seen(PROGRAM) == {name: {"sensors": [name], "memories": [name]} for name in names}
+    # Those of robots on the radar, but not of beacons of that name.
     seen = _seen(PROGRAM, memory="seen")
     assert seen["Ada"] == {"sensors": ["Ada"], "memories": ["Ada", "Bo"]}
     assert seen["Bo"] == {"sensors": ["Bo"], "memories": ["Bo"]}
-
-
-def test_all_shows_everything_and_is_thought_once() -> None:
-    everybody = ["Ada", "Bo", "Cy"]
     seen = _seen(PROGRAM, memory="all", sensor="all")
-    assert seen == {name: {"sensors": everybody, "memories": everybody} for name in everybody}
+    assert seen == {name: {"sensors": names, "memories": names} for name in names}
 
 
 @pytest.mark.parametrize("memory", ["own", "seen", "all"])
