@@ -5,19 +5,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.mind import Program, ProgramError, compilation
+from logical_robots_tui.mind import Diagnostic, Program, ProgramError, compilation
 from tests.mind.rows import PAPER, ROBOT, remembered
 
 GOOD = ROBOT + "m = 1;"
 M = len(ROBOT) + 1  # column of what follows
 
 
-def complaint(text: str) -> tuple[int, int, str, str]:
-    """Line, column, message and hint of the first diagnostic."""
+def complaint(text: str) -> Diagnostic:
     with pytest.raises(ProgramError) as caught:
         Program.compile(text)
-    first = caught.value.diagnostics[0]
-    return first.line, first.column, first.message, first.hint
+    return caught.value.diagnostics[0]
+
+
+DEEP = "(-" * 2_000 + "1" + ")" * 2_000
 
 
 @pytest.mark.parametrize(
@@ -34,35 +35,33 @@ def complaint(text: str) -> tuple[int, int, str, str]:
         ("@Sparkle(Robot);\n" + GOOD, 1, 1, "no annotation @Sparkle"),
         (ROBOT + "\nm = x, `(select 1 as x)`(x:);", 2, 8, "can't use SQL"),
         ("A(1);\n\0", 2, 1, "not text"),
+        (f"{ROBOT}m = -{DEEP};", 1, M + 125, "nested too deeply"),
+        (
+            '# a ( comment\n/* { */ A("# no comment; } (");\n' + ROBOT + "m = Wings(1);",
+            3,
+            M + 4,
+            "",
+        ),
+        (ROBOT + "m = Squrt(2);", 1, M + 4, "Did you mean Sqrt?"),
+        ("Nearest(1);\n" + ROBOT + "Nearst(m);", 2, M, "Did you mean Nearest?"),
+        ("F(x) = y;" + ROBOT + "F(1, 2, m);", 1, M + 9, ""),
+        ("A(1) A(2);", 1, 6, ""),
     ],
 )
-def test_a_mistake_is_told_with_its_place(text: str, line: int, column: int, words: str) -> None:
-    found_line, found_column, message, _ = complaint(text)
-    assert words in message
-    assert (found_line, found_column) == (line, column)
-
-
-def test_a_misspelt_name_gets_a_suggestion() -> None:
-    assert complaint(ROBOT + "m = Squrt(2);")[3] == "Did you mean Sqrt?"
-    assert complaint("Nearest(1);" + ROBOT + "Nearst(m);")[3] == "Did you mean Nearest?"
-
-
-def test_messages_hold_no_terminal_codes() -> None:
-    for text in (ROBOT + "m = y;", "A(1) A(2);", "F(x) = y;" + ROBOT + "F(1, 2, m);"):
-        assert "\x1b" not in "".join(str(part) for part in complaint(text))
+def test_a_mistake_is_told_with_its_place_and_without_terminal_codes(
+    text: str, line: int, column: int, words: str
+) -> None:
+    first = complaint(text)
+    assert words in f"{first.message} {first.hint}"
+    assert (first.line, first.column) == (line, column)
+    assert "\x1b" not in str(first)
 
 
 def test_a_program_of_a_megabyte_is_refused_before_anything_reads_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(compilation, "_compiler", None)
-    assert "1,000,000 characters" in complaint("x" * 1_000_000)[2]
-
-
-def test_deep_nesting_is_refused_in_plain_words() -> None:
-    deep = "(" * 2_000 + "1" + ")" * 2_000
-    message = complaint(ROBOT + f"m = -{deep.replace('(', '(-')};")[2]
-    assert "nested too deeply" in message
+    assert "1,000,000 characters" in complaint("x" * 1_000_000).message
 
 
 def test_the_listing_of_the_paper_compiles_as_printed() -> None:
@@ -89,15 +88,12 @@ def test_a_program_may_define_what_the_prelude_has() -> None:
     assert remembered("WeightedAverage{1 -> x :- x in [5, 6]}") == 5.5
 
 
-def test_a_recursion_that_comes_to_its_end_is_met_with_silence() -> None:
+def test_a_recursion_that_ends_or_that_no_robot_needs_is_met_with_silence() -> None:
     rules = (
         "E(1, 2); E(2, 3); E(3, 1); D(x) Min= 0 :- x == 1; D(y) Min= D(x) + 1 :- E(x, y);"
         "Reach(x, y) distinct :- E(x, y); Reach(x, z) distinct :- Reach(x, y), E(y, z);"
     )
     assert remembered("D(3) + Sum{1 :- Reach(x, y)}", rules=rules) == 11
-
-
-def test_a_recursion_that_the_robot_does_not_need_is_not_looked_at() -> None:
     assert remembered("1", rules="Step(0); Step(n + 1) :- Step(n);") == 1
 
 
@@ -133,15 +129,13 @@ def test_applying_the_same_text_again_gives_the_same_program() -> None:
     assert Program.compile(PAPER) is Program.compile(PAPER)
 
 
-def test_comments_and_quotes_do_not_disturb_places() -> None:
-    text = '# a ( comment\n/* { */ A("# no comment; } (");\n' + ROBOT + "m = Wings(1);"
-    assert complaint(text)[:2] == (3, M + 4)
-
-
 def test_a_space_before_the_brace_of_an_aggregate_is_allowed_only_there() -> None:
-    assert remembered('"Sum {x}"') == "Sum {x}"
-    assert remembered("Sum   {x :- x in [1, 2]}") == 3
-    assert remembered("Sum\n  {x :- x in [1, 2]}") == 3
+    for text, value in (
+        ('"Sum {x}"', "Sum {x}"),
+        ("Sum   {x :- x in [1, 2]}", 3),
+        ("Sum\n  {x :- x in [1, 2]}", 3),
+    ):
+        assert remembered(text) == value
 
 
 @settings(deadline=None)

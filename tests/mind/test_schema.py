@@ -82,8 +82,8 @@ USES = """if True:
 @pytest.mark.slow
 def test_a_field_that_is_added_to_the_schema_arrives_everywhere(tmp_path: Path) -> None:
     package = Path(logical_robots_tui.__file__).parent
+    without = shutil.ignore_patterns("__pycache__")
     for folder in (package, package.parent / "docs"):
-        without = shutil.ignore_patterns("__pycache__")
         shutil.copytree(folder, tmp_path / folder.name, ignore=without)
     for name in ("levels", "programs"):
         (tmp_path / name).symlink_to(package.parent / name)

@@ -92,8 +92,7 @@ def test_what_fails_only_where_nobody_asks_for_it_does_not_fail() -> None:
     for ready, expected in ((False, "not yet"), (True, {"a": ["a"], "b": ["a"]})):
         memory = {"ready": ready, "items": ["a"] if ready else "no list"}
         (decision,) = think(text, [row("Ada")], {"Ada": memory})
-        assert decision.memory == expected
-        assert not decision.notices
+        assert (decision.memory, decision.notices) == (expected, ())
 
 
 @pytest.mark.parametrize(
@@ -231,22 +230,20 @@ def test_of_several_rows_for_a_robot_the_same_one_counts() -> None:
 
 
 def test_rays_to_beacons_stand_apart_when_nothing_else_is_asked_for() -> None:
-    text = f"""{ROBOT} m = Min{{r.distance :- r in sensor.radar, r.object == "beacon"}};"""
-    assert dict(Program.compile(text).tuned["Robot"].columns) == {
+    beacons = 'r in sensor.radar, r.object == "beacon"'
+    text = f"{ROBOT} m = [Min{{r.distance :- {beacons}}}, Count{{r.label :- {beacons}}}];"
+    program = Program.compile(text)
+    assert dict(program.tuned["Robot"].columns) == {
         "Sensor": ("robot_name",),
-        "BeaconRay": ("distance",),
+        "BeaconRay": ("distance", "label"),
     }
     rows = [row("Ada", sees=SEEN), row("Bo")]
-    assert [d.memory for d in think(text, rows, {})] == [33, None]
-
-
-def test_what_was_seen_before_is_not_seen_any_more() -> None:
-    text = f"""{ROBOT} m = Count{{r.label :- r in sensor.radar, r.object == "beacon"}};"""
-    mind = Mind(Program.compile(text))
+    assert [d.memory for d in think(text, rows, {})] == [[33, 1], [None, 0]]
+    mind = Mind(program)  # what was seen before is not seen any more
     counts = [
         mind.think([row("Ada", sees=seen)], {})[0].memory for seen in (SEEN, {}, {}, SEEN, {})
     ]
-    assert counts == [1, 0, 0, 1, 0]
+    assert counts == [[33, 1], [None, 0], [None, 0], [33, 1], [None, 0]]
     mind.close()
 
 

@@ -88,19 +88,14 @@ def test_a_field_is_found_in_whatever_spells_a_record(memory: Any, turn: Any) ->
     assert remembered("{turn: memory.turn}", memory) == {"turn": turn}
 
 
-def test_records_in_lists_are_not_passed_as_text() -> None:
-    read = Program.compile(TOLD).tuned["Robot"].columns
-    assert read["Memory"] == ("robot_name",)
-    assert {spelled.partition(":")[2] for spelled in read["Item"]} == {
-        *("report.start", "report.length", "report.doubt"),
-        *("roads.start", "roads.length", "roads.doubt"),
+def test_records_in_lists_are_not_passed_as_text_and_argmin_needs_no_function_of_ours() -> None:
+    tuned = Program.compile(TOLD).tuned["Robot"]
+    assert tuned.columns["Memory"] == ("robot_name",)
+    assert {spelled.partition(":")[2] for spelled in tuned.columns["Item"]} == {
+        f"{of}.{field}" for of in ("report", "roads") for field in ("start", "length", "doubt")
     }
-
-
-def test_argmin_needs_no_function_of_ours_and_no_record() -> None:
-    sql = Program.compile(TOLD).tuned["Robot"].sql
-    assert "ARG_M" not in sql.upper()
-    assert "'arg'" not in sql
+    assert "ARG_M" not in tuned.sql.upper()
+    assert "'arg'" not in tuned.sql
 
 
 def test_argmin_beside_another_extreme_stays_a_function() -> None:

@@ -13,25 +13,14 @@ Text = st.SearchStrategy[str]
 
 SAID = ["a", "", "it's", "a, b", "NULL", "null", "1", "-2.5", "true", " x ", "Zoë", "no"]
 SPELLED = [
-    "1e3",
-    "{'a': 1}",
-    "{'a': x, 'b': 'it\\'s'}",
-    "[a, 'b c', NULL]",
-    "{'a': {'b': 2}}",
-    "[]",
-    "3.50",
+    *("1e3", "3.50", "[]", "{'a': 1}", "{'a': {'b': 2}}"),
+    *("{'a': x, 'b': 'it\\'s'}", "[a, 'b c', NULL]"),
 ]
 NUMBERS = [
-    "0",
-    "1",
-    "7",
-    "2.5",
-    "0.25",
-    "-3",
-    "1000000",
-    "(sensor.clock + 0)",
-    "(sensor.clock / 4)",
+    *("0", "1", "7", "2.5", "0.25", "-3", "1000000", "(sensor.clock + 0)", "(sensor.clock / 4)")
 ]
+
+
 FIELDS = ("a", "b", "c")
 LETTERS = st.sampled_from(['"a"', '"b"', '","', '" "', '"\'"'])
 
