@@ -16,6 +16,7 @@ from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
 from logical_robots_tui.mind.compiling import compiler, worker
 from logical_robots_tui.processes import helper
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT
 from tests.waiting import PATIENCE, until
 
@@ -105,14 +106,7 @@ def test_the_end_of_a_compile_process_is_told_by_its_cause() -> None:
         assert message in str(compilation._ended(status, Limits())), status
 
 
-@pytest.mark.parametrize(
-    "ended_by",
-    [
-        signal.SIGTERM,
-        pytest.param(signal.SIGSEGV, marks=pytest.mark.slow),
-        pytest.param(signal.SIGKILL, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("ended_by", [signal.SIGTERM, slow(signal.SIGSEGV), slow(signal.SIGKILL)])
 def test_a_compile_process_that_ends_while_compiling_is_told_by_its_cause(
     ended_by: signal.Signals,
 ) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui import Program, ProgramError
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, all_remembered, row, think
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs/dialect.md").read_text("utf-8").split())
@@ -92,10 +93,7 @@ def test_arguments_may_be_omitted_where_the_page_says_so(
             Program.compile(text)
 
 
-@pytest.mark.parametrize(
-    ("asked", "depth"),
-    [("", 32), pytest.param("@Recursive(Far, 1000);", 1000, marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize(("asked", "depth"), [("", 32), slow("@Recursive(Far, 1000);", 1000)])
 def test_recursion_goes_as_deep_as_the_page_says(asked: str, depth: int) -> None:
     assert "at most 32 steps after the first one, or as many as `@Recursive(P, depth)` says" in PAGE
     assert "(at most 1,000)" in PAGE

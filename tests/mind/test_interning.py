@@ -7,11 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, row
 from tests.mind.test_tuning_memories import TOLD, odd, roads
 
 
-@pytest.mark.parametrize("visible", ["seen", pytest.param("all", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("visible", ["seen", slow("all")])
 def test_lists_that_stayed_the_same_objects_count_as_they_would_anew(visible: Any) -> None:
     program = Program.compile(TOLD)
     lasting, fresh = (Mind(program, memory=visible, frozen=frozen) for frozen in (True, False))

@@ -1,7 +1,6 @@
 """Any query about a program: a call, an expression, conditions, whole rules."""
 
 from contextlib import closing
-from functools import partial
 from typing import Any
 
 import pytest
@@ -9,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError, Table
+from tests.mind.marks import slow
 from tests.mind.rows import row
 
 PROGRAM = """\
@@ -29,10 +29,6 @@ def ask(query: str, text: str = PROGRAM, **visibility: Any) -> Table:
     program = Program.compile(text)
     with closing(Mind(program, **(visibility or {"memory": "all", "sensor": "all"}))) as mind:
         return mind.ask(program.question(query), ROWS, {"Ada": {"seen": [1]}})
-
-
-slow = partial(pytest.param, marks=pytest.mark.slow)
-"""A case like another one."""
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import pytest
 
 from logical_robots_tui.mind import Program, ProgramError
 from tests.mind.differential.comparing import here
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, row, think
 
 ONE = "A(0); A(n + 1) :- A(n), n < 5000;"
@@ -16,9 +17,7 @@ def last(rules: str) -> object:
     return value
 
 
-@pytest.mark.parametrize(
-    ("member", "found"), [("A", 30), pytest.param("B", 33, marks=pytest.mark.slow), ("C", 33)]
-)
+@pytest.mark.parametrize(("member", "found"), [("A", 30), slow("B", 33), ("C", 33)])
 def test_any_member_of_a_circle_may_say_how_far_it_goes(member: str, found: int) -> None:
     assert last(f"@Recursive({member}, 10); {CIRCLE}") == found
 
@@ -40,14 +39,7 @@ def test_a_recursion_that_is_stopped_may_have_another_name() -> None:
     assert here(text) == [(3,)]
 
 
-@pytest.mark.parametrize(
-    "mode",
-    [
-        "iterative",
-        "vertical",
-        *(pytest.param(mode, marks=pytest.mark.slow) for mode in ("diamond", "horizontal")),
-    ],
-)
+@pytest.mark.parametrize("mode", ["iterative", "vertical", slow("diamond"), slow("horizontal")])
 def test_each_way_to_iterate_gives_the_same(mode: str) -> None:
     assert last(f'@Recursive(A, 20, mode: "{mode}"); {ONE}') == 20
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from logical_robots_tui.explain.diagnosis.sites import check_up
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.values import SensorRow, Value
+from tests.mind.marks import slow
 from tests.mind.rows import row
 
 Rows = list[dict[str, Value]]
@@ -61,10 +62,10 @@ def in_any_order(views: list[Rows] | None) -> list[list[str]] | None:
     [
         ("own", "own"),
         ("seen", "all"),
-        *(
-            pytest.param(memory, sensor, marks=pytest.mark.slow)
-            for memory, sensor in (("seen", "own"), ("all", "own"), ("own", "all"), ("all", "all"))
-        ),
+        slow("seen", "own"),
+        slow("all", "own"),
+        slow("own", "all"),
+        slow("all", "all"),
     ],
 )
 @settings(deadline=None)

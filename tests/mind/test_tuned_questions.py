@@ -9,6 +9,7 @@ from logical_robots_tui.game import Run, load_program
 from logical_robots_tui.mind import Mind, Program, Question, Table
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.world import load_level
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, nearly_same, row
 
 MORE = (
@@ -34,9 +35,9 @@ def repr_of(values: list[Any]) -> str:
     ("name", "tick"),
     [
         ("05-lighthouse", 40),
-        pytest.param("06-breadcrumbs", 200, marks=pytest.mark.slow),
-        pytest.param("10-distributed-mapping", 120, marks=pytest.mark.slow),
-        pytest.param("13-swarm", 20, marks=pytest.mark.slow),
+        slow("06-breadcrumbs", 200),
+        slow("10-distributed-mapping", 120),
+        slow("13-swarm", 20),
     ],
 )
 async def test_every_predicate_of_our_programs_can_be_asked_so(name: str, tick: int) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Mind, Program
+from tests.mind.marks import slow
 from tests.mind.rows import PAPER, ROBOT, row, think
 
 SEEN = {3: (40, "robot", "Bo"), 7: (33, "beacon", "A"), 9: (12, "wall", "wall")}
@@ -69,7 +70,7 @@ EXPRESSIONS = [
 
 @pytest.mark.parametrize(
     "expressions",
-    [EXPRESSIONS, *(pytest.param([text], marks=pytest.mark.slow) for text in EXPRESSIONS)],
+    [EXPRESSIONS, *(slow([text]) for text in EXPRESSIONS)],
     ids=["all in one", *EXPRESSIONS],
 )
 def test_both_ways_give_the_same_of(expressions: list[str]) -> None:
@@ -123,10 +124,9 @@ def test_sensors_of_another_shape_are_thought_about_too(change: Any) -> None:
         ("own", "own"),
         ("seen", "all"),
         ("all", "own"),
-        *(
-            pytest.param(*case, marks=pytest.mark.slow)
-            for case in (("own", "all"), ("seen", "own"), ("all", "all"))
-        ),
+        slow("own", "all"),
+        slow("seen", "own"),
+        slow("all", "all"),
     ],
 )
 def test_a_crowd_is_thought_about_as_a_few_are(memory: Any, sensor: Any) -> None:

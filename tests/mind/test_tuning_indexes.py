@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Mind, Program
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, row, think
 
 LISTS = f"""
@@ -28,15 +29,7 @@ Ahead(robot_name:, far? Min= far) distinct :- Near(robot_name:, label:), Place(l
 
 @pytest.mark.parametrize(
     ("visible", "robots"),
-    [
-        ("own", 3),
-        ("seen", 33),
-        ("all", 3),
-        *(
-            pytest.param(*case, marks=pytest.mark.slow)
-            for case in (("own", 33), ("seen", 3), ("all", 33))
-        ),
-    ],
+    [("own", 3), ("seen", 33), ("all", 3), slow("own", 33), slow("seen", 3), slow("all", 33)],
 )
 def test_lists_are_joined_as_the_plain_way_does(visible: Any, robots: int) -> None:
     names = [f"R{i}" for i in range(robots)]
@@ -51,32 +44,33 @@ def test_lists_are_joined_as_the_plain_way_does(visible: Any, robots: int) -> No
         }
         for i, name in enumerate(names)
     }
-    found: list[Any] = [
-        decision.memory for decision in think(LISTS, rows, memories, memory=visible)
-    ]
+    found: list[Any] = [d.memory for d in think(LISTS, rows, memories, memory=visible)]
     assert all(memory["far"] for memory in found[1:3])
     assert any(memory["loops"] for memory in found)
     assert any(memory["mine"] for memory in found)
     assert any(memory["ahead"] for memory in found)
 
 
-def test_few_robots_have_an_index_for_lists_alone() -> None:
+def test_few_robots_have_an_index_for_lists_alone_and_without_lists_a_crowd_asks_as_they_do() -> (
+    None
+):
     program = Program.compile(LISTS)
-    mind = Mind(program)
-    plan = mind.query_plan("Robot", [row("Ada"), row("Bo")], {}).plan
-    mind.close()
-    made = [line for line in plan if "AUTOMATIC" in line]
+    made = automatic(program, [row("Ada"), row("Bo")], {})
     assert made
     assert not [line for line in made if "Sensor" in line or "Near" in line or "Memory" in line]
     robot = program.tuned["Robot"]
     assert "(NOT " in robot.sql
     assert "(NOT " not in robot.for_crowd().sql
-
-
-def test_without_lists_a_crowd_asks_as_few_do() -> None:
     text = f"Turn(n? Sum= memory.n) distinct :- Memory(memory:); {ROBOT} m = Sum{{n :- Turn(n:)}};"
     robot = Program.compile(text).tuned["Robot"]
     assert robot.for_crowd() is robot
+
+
+def automatic(program: Program, rows: list[Any], memories: Any, memory: Any = "own") -> Any:
+    """Steps of the plan that make an index on their own."""
+    with closing(Mind(program, memory)) as mind:
+        plan = mind.query_plan("Robot", rows, memories).plan
+    return [line for line in plan if "AUTOMATIC" in line]
 
 
 @pytest.mark.parametrize("told", [30, "30", 30.0, "30.0", True, None])
@@ -132,10 +126,8 @@ def test_a_crowd_finds_rays_and_records_in_their_order_and_among_its_own(
             "all": [ray["distance"] for ray in mine],
             "first": nearest["label"],
         }
-    mind = Mind(Program.compile(text))
-    plan = mind.query_plan("Robot", rows, memories).plan
-    mind.close()
-    assert not [line for line in plan if "AUTOMATIC" in line and " x_" in line]
+    made = automatic(Program.compile(text), rows, memories)
+    assert not [line for line in made if " x_" in line]
 
 
 @pytest.mark.parametrize("robots", [3, 33])
@@ -157,6 +149,5 @@ def test_memories_are_found_by_name_and_not_by_a_constant_in_them(robots: int) -
     memories: dict[str, Any] = {name: {"settled": n % 2 == 0} for n, name in enumerate(names)}
     found: list[Any] = [d.memory for d in think(text, rows, memories, memory="seen")]
     assert all(each["distance"] for each in found)
-    with closing(Mind(Program.compile(text), "seen")) as mind:
-        plan = mind.query_plan("Robot", rows, memories).plan
-    assert not [line for line in plan if "AUTOMATIC" in line and "Settled" not in line]
+    made = automatic(Program.compile(text), rows, memories, "seen")
+    assert not [line for line in made if "Settled" not in line]

@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Mind, Program
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, row, think
 
 GAPS = f"""
@@ -28,14 +29,7 @@ def looking(count: int) -> list[Any]:
 
 @pytest.mark.parametrize(
     ("visible", "robots"),
-    [
-        ("own", 3),
-        ("all", 3),
-        *(
-            pytest.param(*case, marks=pytest.mark.slow)
-            for case in (("own", 1), ("seen", 1), ("all", 1), ("seen", 3))
-        ),
-    ],
+    [("own", 3), ("all", 3), slow("own", 1), slow("seen", 1), slow("all", 1), slow("seen", 3)],
 )
 def test_gaps_are_found_as_the_plain_way_finds_them(visible: Any, robots: int) -> None:
     found = think(GAPS, looking(robots), {}, memory=visible)

@@ -16,6 +16,7 @@ from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.mind.sqlite import tables
 from logical_robots_tui.mind.sqlite.layouts import fillings
 from logical_robots_tui.mind.tuning import tune
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, nearly_same, remembered, row, think
 
 ROADS = """
@@ -51,7 +52,7 @@ odd = value | st.lists(record | value, max_size=4) | record
 memory = st.fixed_dictionaries({}, optional={"report": roads | odd, "roads": roads}) | value
 
 
-@pytest.mark.parametrize("visible", [pytest.param("own", marks=pytest.mark.slow), "seen", "all"])
+@pytest.mark.parametrize("visible", [slow("own"), "seen", "all"])
 def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
     program = Program.compile(TOLD)
     tuned, plain = (Mind(program, memory=visible, plain=plain) for plain in (False, True))
@@ -155,7 +156,7 @@ def test_a_total_over_a_query_written_in_place_is_of_what_its_viewer_sees() -> N
     [
         "Schema() = {clock: 0, beacons: [{label: '', way: 0}], edges: [{u: '', v: '', d: 0}]};"
         f"{ROBOT}Memory(robot_name:, memory:), m = {EXAMPLE};",
-        pytest.param(program_text("schema"), marks=pytest.mark.slow),
+        slow(program_text("schema")),
     ],
     ids=["short", "as measured"],
 )

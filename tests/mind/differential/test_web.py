@@ -1,5 +1,6 @@
 """What is said about the web platform, compared with what one statement of DuckDB does."""
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.web import _SQL_WORDS, web_remarks
 from logical_robots_tui.paths import shipped_folder
 from tests.mind.differential.duckdb_reference import answer_in_one
+from tests.mind.marks import slow
 from tests.mind.rows import row
 
 FAILS = (RuleCompileException, TypeErrorCaughtException, duckdb.Error, TypeError, KeyError)
@@ -94,26 +96,13 @@ def test_what_the_platform_refuses_is_marked_and_nothing_else() -> None:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("text", REFUSED)
-def test_the_platform_refuses_it(text: str, tmp_path: Path) -> None:
-    with pytest.raises(FAILS):
+@pytest.mark.parametrize("text", [*REFUSED, *ACCEPTED])
+def test_the_platform_refuses_what_is_marked_and_nothing_else(text: str, tmp_path: Path) -> None:
+    with pytest.raises(FAILS) if text in REFUSED else nullcontext():
         there(text, tmp_path)
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("text", ACCEPTED)
-def test_the_platform_accepts_it(text: str, tmp_path: Path) -> None:
-    there(text, tmp_path)
-
-
-@pytest.mark.parametrize(
-    "option",
-    [
-        "",
-        pytest.param("@Recursive(T, 10);", marks=pytest.mark.slow),
-        pytest.param("@Recursive(T, 2);", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("option", ["", slow("@Recursive(T, 10);"), slow("@Recursive(T, 2);")])
 def test_a_recursion_that_ends_early_there_is_marked_once(option: str, tmp_path: Path) -> None:
     text = f"{option}\n{COUNTING}"
     ((steps,),) = there(text, tmp_path)
@@ -121,11 +110,8 @@ def test_a_recursion_that_ends_early_there_is_marked_once(option: str, tmp_path:
     (found,) = remarks(text)
     assert "ends this recursion after four to six steps" in found.message
     assert found.excerpt == ("@Recursive" if option else "T")
-
-
-@pytest.mark.slow
-def test_the_hint_about_a_recursion_helps(tmp_path: Path) -> None:
-    assert there(AS_THE_HINT_SAYS, tmp_path) == [(30,)]
+    if not option:
+        assert there(AS_THE_HINT_SAYS, tmp_path) == [(30,)]
 
 
 def test_a_circle_of_predicates_is_marked_once(tmp_path: Path) -> None:

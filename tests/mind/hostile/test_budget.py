@@ -21,6 +21,7 @@ from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.registry import AGGREGATES
 from logical_robots_tui.mind.sqlite.texts import REPLACED
 from tests.mind.hostile.bounds import GROWTH, bounded_memory
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, decision_of
 
 SECONDS_OF_A_STEP = 4e-6
@@ -307,10 +308,7 @@ def test_an_aggregate_holds_no_more_than_it_is_charged_for(name: str, item: str)
 
 @pytest.mark.parametrize(
     ("count", "most", "growth"),
-    [
-        (30, 6 * 1024**2, 60 * 1024**2),
-        pytest.param(90, Limits().aggregate_bytes, GROWTH, marks=pytest.mark.slow),
-    ],
+    [(30, 6 * 1024**2, 60 * 1024**2), slow(90, Limits().aggregate_bytes, GROWTH)],
 )
 def test_what_aggregates_hold_is_bounded(count: int, most: int, growth: int) -> None:
     sets = ", ".join(f"s{n}? Set= {{a: {{b: {{}}, c: x + {n}}}}}" for n in range(count))
