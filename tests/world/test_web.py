@@ -80,12 +80,12 @@ def test_what_a_robot_leaves_out_has_its_default_and_what_makes_no_sense_is_igno
 
 
 def test_truths_are_compared_as_the_platform_does() -> None:
-    for value, is_station in ((True, 1), (1, 1), ("1", 1), ("yes", 0), (False, 0), (2, 0)):
+    for value in (True, 1, "1", "yes", False, 2):
         (station,) = read(beacon(charging_station=value)).beacons
-        assert station == Beacon("lamp", 1, 1, bool(is_station)), value
-    for value in (True, 1, "no", [], False, 0, ""):  # a list is truthy there
-        is_sticky = bool(value) or isinstance(value, list)
-        assert read(area(sticky_switch=value)).areas[0].sticky_switch is is_sticky, value
+        assert station == Beacon("lamp", 1, 1, value in (True, "1")), value
+    truthy: list[object] = [True, 1, "no", []]
+    for switch in (*truthy, False, 0, ""):
+        assert read(area(sticky_switch=switch)).areas[0].sticky_switch is (switch in truthy), switch
     for value in (True, 1, "true"):
         assert read(area(impenetrable=value)).areas[0].impenetrable is (value is True), value
 

@@ -12,47 +12,47 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from tests.mind.differential.comparing import here, program, same, there
-from tests.mind.differential.typed_expressions import expressions, recursions
+from tests.mind.differential.typed_expressions import call, choice, expressions, infix, recursions
 
 Text = st.SearchStrategy[str]
 
 COUNTED = "Counted(memory) = TryCast(memory, {count: 0}).count;"
-RADAR_NUMBERS = ("ray.distance", "ray.angle")
+OBJECTS = st.sampled_from(["wall", "beacon", "none", "cat"])
+
+
+def one_of_calls(names: list[str], *arguments: Text) -> Text:
+    return st.sampled_from(names).flatmap(lambda name: call(name, *arguments))
+
+
+def one_of_infixes(operators: list[str], left: Text, right: Text) -> Text:
+    return st.sampled_from(operators).flatmap(lambda operator: infix(operator, left, right))
 
 
 def numbers(depth: int) -> Text:
     """Expressions that are numbers or null; never so large that DuckDB's whole numbers end."""
-    leaves = st.one_of(
-        st.integers(0, 20).map(str),
-        st.sampled_from(["0.5", "2.25", "sensor.clock", "sensor.forward_distance"]),
-        st.sampled_from(["Counted(memory)", "(memory.count / 3)"]),
+    leaves = st.integers(0, 20).map(str) | st.sampled_from(
+        [
+            *("0.5", "2.25", "sensor.clock", "sensor.forward_distance"),
+            *("Counted(memory)", "(memory.count / 3)"),
+        ]
     )
     if not depth:
         return leaves
     inner = numbers(depth - 1)
+    aggregates = st.sampled_from(["Sum", "Min", "Max", "Avg"])
     return st.one_of(
         leaves,
-        st.tuples(inner, st.sampled_from("+-*"), inner).map(lambda t: f"({t[0]} {t[1]} {t[2]})"),
-        st.tuples(inner, st.integers(1, 9)).map(lambda t: f"({t[0]} / {t[1]})"),
-        st.tuples(st.sampled_from(["Abs", "Floor", "Sin", "Cos", "Atan"]), inner).map(
-            lambda t: f"{t[0]}({t[1]})"
+        one_of_infixes([*"+-*"], inner, inner),
+        infix("/", inner, st.integers(1, 9).map(str)),
+        one_of_calls(["Abs", "Floor", "Sin", "Cos", "Atan"], inner),
+        one_of_calls(["Least", "Greatest", "Coalesce"], inner, inner),
+        choice(truths(depth - 1), inner, inner),
+        st.tuples(aggregates, st.sampled_from(["ray.distance", "ray.angle"]), OBJECTS).map(
+            lambda t: f'{t[0]}{{{t[1]} :- ray in sensor.radar, ray.object == "{t[2]}"}}'
         ),
-        st.tuples(st.sampled_from(["Least", "Greatest", "Coalesce"]), inner, inner).map(
-            lambda t: f"{t[0]}({t[1]}, {t[2]})"
-        ),
-        st.tuples(truths(depth - 1), inner, inner).map(
-            lambda t: f"(if {t[0]} then {t[1]} else {t[2]})"
-        ),
-        st.tuples(
-            st.sampled_from(["Sum", "Min", "Max", "Avg"]),
-            st.sampled_from(RADAR_NUMBERS),
-            st.sampled_from(["wall", "beacon", "none", "cat"]),
-        ).map(lambda t: f'{t[0]}{{{t[1]} :- ray in sensor.radar, ray.object == "{t[2]}"}}'),
-        inner.map(lambda n: f"{{a: {n}, b: 1}}.a"),
-        st.tuples(st.integers(1, 9), st.integers(-1, 9)).map(
-            lambda t: f"Element(Range({t[0]}), {t[1]})"
-        ),
-        texts(depth - 1).map(lambda t: f"Length({t})"),
+        inner.map(lambda number: f"{{a: {number}, b: 1}}.a"),
+        call("Element", st.integers(1, 9).map("Range({})".format), st.integers(-1, 9).map(str)),
+        call("Length", texts(depth - 1)),
     )
 
 
@@ -63,19 +63,13 @@ def truths(depth: int) -> Text:
     )
     if not depth:
         return leaves
-    inner = truths(depth - 1)
+    inner, number = truths(depth - 1), numbers(depth - 1)
     return st.one_of(
         leaves,
-        st.tuples(
-            numbers(depth - 1), st.sampled_from(["<", "<=", "==", "!=", ">"]), numbers(depth - 1)
-        ).map(lambda t: f"({t[0]} {t[1]} {t[2]})"),
-        st.tuples(inner, st.sampled_from(["&&", "||"]), inner).map(
-            lambda t: f"({t[0]} {t[1]} {t[2]})"
-        ),
-        inner.map(lambda t: f"(!{t})"),
-        st.tuples(st.sampled_from(["StartsWith", "EndsWith"]), texts(depth - 1), texts(0)).map(
-            lambda t: f"{t[0]}({t[1]}, {t[2]})"
-        ),
+        one_of_infixes(["<", "<=", "==", "!=", ">"], number, number),
+        one_of_infixes(["&&", "||"], inner, inner),
+        inner.map("(!{})".format),
+        one_of_calls(["StartsWith", "EndsWith"], texts(depth - 1), texts(0)),
     )
 
 
@@ -87,17 +81,11 @@ def texts(depth: int) -> Text:
     inner = texts(depth - 1)
     return st.one_of(
         leaves,
-        st.tuples(inner, inner).map(lambda t: f"({t[0]} ++ {t[1]})"),
-        st.tuples(st.sampled_from(["Upper", "Lower", "Reverse"]), inner).map(
-            lambda t: f"{t[0]}({t[1]})"
-        ),
-        st.tuples(inner, st.integers(1, 4), st.integers(0, 4)).map(
-            lambda t: f"Substr({t[0]}, {t[1]}, {t[2]})"
-        ),
-        st.integers(-99, 99).map(lambda n: f"ToString({n})"),
-        st.tuples(truths(depth - 1), inner, inner).map(
-            lambda t: f"(if {t[0]} then {t[1]} else {t[2]})"
-        ),
+        infix("++", inner, inner),
+        one_of_calls(["Upper", "Lower", "Reverse"], inner),
+        call("Substr", inner, st.integers(1, 4).map(str), st.integers(0, 4).map(str)),
+        call("ToString", st.integers(-99, 99).map(str)),
+        choice(truths(depth - 1), inner, inner),
     )
 
 
@@ -122,7 +110,7 @@ def programs() -> Text:
             "function": st.sampled_from(["x * 2", "x / 3", "Coalesce(x, 0) + 1", "Abs(x) + 0.25"]),
             "ray": ray,
             "other": ray,
-            "kind": st.sampled_from(["wall", "beacon", "none", "cat"]),
+            "kind": OBJECTS,
             "aggregate": st.sampled_from(["Min", "Max", "Sum", "Avg", "Count"]),
             "choose": st.sampled_from(["ArgMin", "ArgMax"]),
             "given": st.sampled_from(["P", "Q1"]),
@@ -227,19 +215,24 @@ def as_here(theirs: Any, ours: Any) -> Any:
 columns = st.fixed_dictionaries(
     {"a": numbers(3), "b": numbers(2), "c": truths(2), "d": texts(2), "e": numbers(2)}
 )
-relaxed = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
-
-
-@settings(
-    max_examples=min(20, settings().max_examples // 2), deadline=None, suppress_health_check=relaxed
+relaxed = settings(
+    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
+
+
+def some(most: int, share: int) -> settings:
+    """As many examples as this, but no more than a share of what is usual."""
+    return settings(relaxed, max_examples=min(most, settings().max_examples // share))
+
+
+@some(20, 2)
 @given(columns)
 def test_random_expressions_mean_the_same(tmp_path: Path, expressions: dict[str, str]) -> None:
     check(expressions, tmp_path)
 
 
 @pytest.mark.proof
-@settings(max_examples=1_000, deadline=None, suppress_health_check=relaxed)
+@settings(relaxed, max_examples=1_000)
 @given(columns)
 def test_a_thousand_random_programs_mean_the_same(
     tmp_path: Path, expressions: dict[str, str]
@@ -247,20 +240,14 @@ def test_a_thousand_random_programs_mean_the_same(
     check(expressions, tmp_path)
 
 
-@settings(
-    max_examples=min(12, settings().max_examples // 3),
-    deadline=None,
-    derandomize=True,
-    phases=[Phase.explicit, Phase.generate],
-    suppress_health_check=relaxed,
-)
+@settings(some(12, 3), derandomize=True, phases=[Phase.explicit, Phase.generate])
 @given(programs())
 def test_random_robot_programs_mean_the_same(tmp_path: Path, text: str) -> None:
     check_whole(text, tmp_path)
 
 
 @pytest.mark.proof
-@settings(max_examples=400, deadline=None, suppress_health_check=relaxed)
+@settings(relaxed, max_examples=400)
 @given(programs())
 def test_hundreds_of_random_robot_programs_mean_the_same(tmp_path: Path, text: str) -> None:
     check_whole(text, tmp_path)
@@ -274,9 +261,7 @@ def typed(count: int) -> st.SearchStrategy[list[tuple[str, str]]]:
     return st.lists(rules_and_expression, min_size=count, max_size=count)
 
 
-@settings(
-    max_examples=min(8, settings().max_examples // 2), deadline=None, suppress_health_check=relaxed
-)
+@some(8, 2)
 @given(graphs | typed(4))
 def test_random_casts_texts_records_and_recursions_mean_the_same(
     tmp_path: Path, batch: list[tuple[str, str]]
@@ -288,7 +273,7 @@ def test_random_casts_texts_records_and_recursions_mean_the_same(
 def test_5000_random_casts_texts_records_and_recursions_mean_the_same(tmp_path: Path) -> None:
     counts = Counter[str]()
 
-    @settings(max_examples=100, deadline=None, suppress_health_check=relaxed)
+    @settings(relaxed, max_examples=100)
     @given(typed(10) | graphs)
     def compare(batch: list[tuple[str, str]]) -> None:
         assert not list(compared(batch, tmp_path, counts))

@@ -53,21 +53,25 @@ def infix(operator: str, left: Text, right: Text) -> Text:
     return st.tuples(left, right).map(lambda found: f"({found[0]} {operator} {found[1]})")
 
 
+def choice(condition: Text, one: Text, other: Text) -> Text:
+    parts = st.tuples(condition, one, other)
+    return parts.map(lambda found: "(if {} then {} else {})".format(*found))
+
+
 def values(kind: Any, depth: int) -> Text:
     """Expressions of a kind."""
     written = _written(kind, depth)
     if depth <= 0:
         return written
     inner = values(kind, depth - 1)
+    other_kind = kinds.flatmap(lambda other: values(other, depth - 2))
     general = [
-        call(
-            "TryCast", kinds.flatmap(lambda other: values(other, depth - 2)), st.just(example(kind))
+        *(
+            call("TryCast", of, st.just(example(kind)))
+            for of in (other_kind, _spelled(kind, depth - 1))
         ),
-        call("TryCast", _spelled(kind, depth - 1), st.just(example(kind))),
         call("Coalesce", inner, inner),
-        st.tuples(values("Bool", depth - 2), inner, inner).map(
-            lambda found: f"(if {found[0]} then {found[1]} else {found[2]})"
-        ),
+        choice(values("Bool", depth - 2), inner, inner),
         inner.map(lambda value: f"{{f: {value}, g: 1}}.f"),
     ]
     if not isinstance(kind, list):
