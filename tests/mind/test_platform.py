@@ -65,10 +65,8 @@ def test_an_example_may_be_known_in_the_tick_only() -> None:
     text = 'TryCast("12", Element(memory.example, 0))'
     assert remembered(text, {"example": [1]}) == 12
     assert remembered(text, {"example": ["x"]}) == "12"
-    assert remembered("TryCast(memory, memory.example)", {"example": {"a": None, "b": []}}) == {
-        "a": None,
-        "b": None,
-    }
+    cast = remembered("TryCast(memory, memory.example)", {"example": {"a": None, "b": []}})
+    assert cast == {"a": None, "b": None}
 
 
 def engines(expressions: Sequence[str]) -> dict[str, tuple[float, list[str]]]:

@@ -22,21 +22,19 @@ def test_any_member_of_a_circle_may_say_how_far_it_goes(member: str, found: int)
     assert last(f"@Recursive({member}, 10); {CIRCLE}") == found
 
 
-@pytest.mark.parametrize("steps", ["100", "-1"])
-def test_a_recursion_stops_once_a_predicate_has_a_row(steps: str) -> None:
-    assert last(f"@Recursive(A, {steps}, stop: Found); {ONE} Found() :- A(n), n > 5;") == 6
+STOPPED = {
+    f"@Recursive(A, 100, stop: Found); {ONE} Found() :- A(n), n > 5;": 6,
+    f"@Recursive(A, -1, stop: Found); {ONE} Found() :- A(n), n > 5;": 6,
+    # What stops it may compare a step with the one before.
+    "@Recursive(A, 50, stop: Found); A(0); A(n + 1) :- A(n), n < 5; A(n + 10) :- A(n), n > 99;"
+    "Before(n) :- A(n); Found() :- Max{n :- A(n)} == Max{n :- Before(n)};": 5,
+    f"@Recursive(B, 9, stop: Found); {ONE.replace('A', 'B')} Found() :- B(3); A := B();": 3,
+}
 
 
-def test_what_stops_a_recursion_may_compare_a_step_with_the_one_before() -> None:
-    rules = "Before(n) :- A(n); Found() :- Max{n :- A(n)} == Max{n :- Before(n)};"
-    grows = "A(0); A(n + 1) :- A(n), n < 5; A(n + 10) :- A(n), n > 99;"
-    assert last(f"@Recursive(A, 50, stop: Found); {grows} {rules}") == 5
-
-
-def test_a_recursion_that_is_stopped_may_have_another_name() -> None:
-    rules = "Found() :- A(3); Copy := A();"
-    text = f"@Recursive(A, 9, stop: Found); {ONE} {rules} Answer(value: Max{{n :- Copy(n)}});"
-    assert here(text) == [(3,)]
+@pytest.mark.parametrize("rules", STOPPED, ids=["steps", "no end", "the one before", "a copy"])
+def test_a_recursion_stops_once_a_predicate_has_a_row(rules: str) -> None:
+    assert last(rules) == STOPPED[rules]
 
 
 @pytest.mark.parametrize("mode", ["iterative", "vertical", slow("diamond"), slow("horizontal")])

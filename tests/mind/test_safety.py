@@ -2,6 +2,7 @@
 
 import sqlite3
 import threading
+from contextlib import closing
 from dataclasses import replace
 from typing import Any
 
@@ -143,17 +144,12 @@ def test_each_limit_of_a_thought_has_its_message(
 
 
 def test_a_query_has_its_own_steps_and_shows_its_first_rows(program: Program) -> None:
-    mind = forced(program, ENDLESS, query_steps=1_000_000)
-    with pytest.raises(QueryError, match="more than 1,000,000 steps"):
-        mind.query("Robot", [row("Ada")], {})
-    mind.close()
-    mind = forced(program, NUMBERS + "SELECT n FROM t_0_N", rows=10)
-    table = mind.query("Robot", [row("Ada")], {})
-    mind.close()
+    endless = forced(program, ENDLESS, query_steps=1_000_000)
+    with closing(endless), pytest.raises(QueryError, match="more than 1,000,000 steps"):
+        endless.query("Robot", [row("Ada")], {})
+    with closing(forced(program, NUMBERS + "SELECT n FROM t_0_N", rows=10)) as mind:
+        table = mind.query("Robot", [row("Ada")], {})
     assert (len(table.rows), table.truncated) == (10, True)
-
-
-def test_a_limit_can_not_be_negative() -> None:
     with pytest.raises(ValueError, match="depth can't be negative"):
         Limits(depth=-1)
 

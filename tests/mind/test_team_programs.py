@@ -10,7 +10,7 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :-
 """
 
 
-def test_each_team_has_its_own_program() -> None:
+def test_each_team_has_its_own_program_and_one_alone_is_that_of_any_team() -> None:
     texts = {"red": STILL, "blue": STILL + "Extra(1);\n"}
     program = Program.compile(texts)
     assert program.texts == texts
@@ -24,6 +24,10 @@ def test_each_team_has_its_own_program() -> None:
     assert blue.question("Extra(x)").gives == "rows"
     with pytest.raises(ProgramError):
         program.question("Extra(x)")
+    program = Program.compile(STILL)
+    assert program.texts == {"": STILL}
+    assert program == Program.compile({"": STILL})
+    assert program.for_team("red") is program.first is program
 
 
 def test_an_error_names_the_team_and_the_line_in_its_program() -> None:
@@ -31,10 +35,3 @@ def test_an_error_names_the_team_and_the_line_in_its_program() -> None:
         Program.compile({"red": STILL, "blue": STILL + "Wrong(x :- ;\n"})
     assert caught.value.team == "blue"
     assert caught.value.diagnostics[0].line == STILL.count("\n") + 1
-
-
-def test_one_program_is_that_of_any_team() -> None:
-    program = Program.compile(STILL)
-    assert program.texts == {"": STILL}
-    assert program == Program.compile({"": STILL})
-    assert program.for_team("red") is program.first is program

@@ -2,6 +2,7 @@
 
 import math
 import threading
+from typing import Any
 
 import pytest
 
@@ -88,12 +89,6 @@ def test_what_is_odd_about_the_rows_of_robots_is_told(
     assert [notice.kind for notice in decision.notices] == kinds
 
 
-def test_a_truth_and_null_are_memories() -> None:
-    assert remembered("1 < 2") is True
-    assert remembered("!(1 < 2)") is False
-    assert remembered("null", "something") is None
-
-
 def test_a_map_that_is_kept_as_text_is_not_forgotten() -> None:
     rule = """
     Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: ToString(new)) :-
@@ -144,17 +139,26 @@ def test_a_memory_survives_many_ticks_unchanged() -> None:
     mind.close()
 
 
-def test_a_record_inside_a_record_stays_a_record() -> None:
-    rules = "@Ground(Deep); Deep(r: {a: {b: [1, {c: 2}]}}); TheDeep() = r :- Deep(r:);"
-    assert remembered("{kept: memory, deep: TheDeep()}", {"x": [1]}, rules=rules) == {
-        "kept": {"x": [1]},
-        "deep": {"a": {"b": [1, {"c": 2}]}},
-    }
+DEEP = "@Ground(Deep); Deep(r: {a: {b: [1, {c: 2}]}}); TheDeep() = r :- Deep(r:);"
+NESTED = {"a": {"b": [1, {"c": 2}]}}
 
 
-def test_a_field_of_a_memory_that_is_plain_text_is_null() -> None:
-    assert remembered("Coalesce(memory.count, 0) + 1", "I am a robot") == 1
-    assert remembered("Coalesce(memory.count, 0) + 1", {"count": 4}) == 5
+@pytest.mark.parametrize(
+    ("expression", "memory", "value"),
+    [
+        ("1 < 2", "", True),
+        ("!(1 < 2)", "", False),
+        ("null", "something", None),
+        ("Coalesce(memory.count, 0) + 1", "I am a robot", 1),
+        ("Coalesce(memory.count, 0) + 1", {"count": 4}, 5),
+        ("{kept: memory, deep: TheDeep()}", {"x": [1]}, {"kept": {"x": [1]}, "deep": NESTED}),
+        ("Element(sensor.radar, 0).angle", "", pytest.approx(math.pi / 3, abs=1e-12)),
+    ],
+)
+def test_what_is_to_be_remembered_is(expression: str, memory: Value, value: Any) -> None:
+    found = remembered(expression, memory, rules=DEEP)
+    assert found == value
+    assert not isinstance(value, bool) or found is value
 
 
 ENDLESS = """
@@ -179,7 +183,3 @@ def test_a_thought_can_be_stopped_from_another_thread() -> None:
     other.join(PATIENCE)
     assert mind.query("Sensor", [row("Ada")], {}).rows
     mind.close()
-
-
-def test_angles_reach_the_program_exactly() -> None:
-    assert remembered("Element(sensor.radar, 0).angle") == pytest.approx(math.pi / 3, abs=1e-12)

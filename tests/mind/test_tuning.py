@@ -16,14 +16,12 @@ Aim(sensor) = Coalesce(Angle(sensor.radar, "A"), Angle(sensor.radar, "wall"));
 """
 
 
-def tuned_sql(text: str, predicate: str = "Robot") -> str:
-    return Program.compile(text).tuned[predicate].sql
-
-
-def test_what_the_program_says_several_times_is_computed_once() -> None:
+def test_what_a_program_says_several_times_is_computed_once_from_columns_that_are_read() -> None:
     program = Program.compile(PAPER)
     assert program.statements["Robot"].count("json_extract(Sensor.sensor, '$.radar')") == 2
-    assert program.tuned["Robot"].sql.count("FROM Ray") == 1
+    tuned = program.tuned["Robot"]
+    assert tuned.sql.count("FROM Ray") == 1
+    assert dict(tuned.columns) == {"Sensor": ("robot_name",), "Ray": ("angle", "distance")}
 
 
 def test_what_does_not_depend_on_a_ray_is_not_computed_for_every_ray() -> None:
@@ -34,16 +32,9 @@ def test_what_does_not_depend_on_a_ray_is_not_computed_for_every_ray() -> None:
     """
     (decision,) = think(text, [row("Ada", clock=3)], {})
     assert decision.memory == 31 * 200 * 2
-    first, _, rest = tuned_sql(text).partition("FROM Ray")
+    first, _, rest = Program.compile(text).tuned["Robot"].sql.partition("FROM Ray")
     assert "Best" in first
     assert "Best" not in rest
-
-
-def test_only_columns_that_are_read_are_filled() -> None:
-    assert dict(Program.compile(PAPER).tuned["Robot"].columns) == {
-        "Sensor": ("robot_name",),
-        "Ray": ("angle", "distance"),
-    }
 
 
 EXPRESSIONS = [
@@ -216,15 +207,12 @@ def test_rules_for_single_robots_are_asked_together_too() -> None:
       Sensor(robot_name:, sensor:), robot_name != "Ada";
     """
     ada, bo = think(text, [row("Ada", clock=8), row("Bo", clock=9)], {})
-    assert (ada.memory, bo.memory) == (1, 9)
     # Each sees the rule for Ada, which is a stranger to Bo.
-    assert not ada.notices
-    assert not bo.notices
+    assert [(d.memory, d.notices) for d in (ada, bo)] == [(1, ()), (9, ())]
 
 
 def test_of_several_rows_for_a_robot_the_same_one_counts() -> None:
-    text = f"{ROBOT} x in [3, 1, 2], m = x;"
-    decisions = think(text, [row("Ada"), row("Bo")], {})
+    decisions = think(f"{ROBOT} x in [3, 1, 2], m = x;", [row("Ada"), row("Bo")], {})
     assert {d.memory for d in decisions} == {2}
     assert all("3 rows" in d.notices[0].message for d in decisions)
 

@@ -33,10 +33,11 @@ def test_robots_stay_where_they_are_and_new_ones_stand_at_their_start() -> None:
     before, after = level(), level(ADA, BO, Robot("Cy", 10, 70, 1.0))
     state = later(before).save()
     changed = change_state(state, before, after, {})
-    assert changed.robots[:2] == state.robots
-    assert changed.robots[2] == start_state(after).robots[2]
+    assert changed.robots == (*state.robots, start_state(after).robots[2])
     assert changed.tick == state.tick
     World(after).restore(changed)
+    other = level(replace(ADA, x=11.0), replace(BO, battery_capacity=70.0))
+    assert change_state(start_state(before), before, other, {}) == World(other).save()
 
 
 def test_a_robot_is_put_where_one_says_and_areas_tell_at_once_who_is_in_them() -> None:
@@ -67,11 +68,6 @@ def test_a_renamed_robot_goes_on_and_batteries_hold_no_more_than_they_can() -> N
     state = later(before).save()
     bob = change_state(state, before, after, {}).robots[1]
     assert bob == replace(state.robots[1], name="Bob", battery_level=20.0)
-
-
-def test_at_the_start_a_changed_level_begins_like_any_other() -> None:
-    before, after = level(), level(replace(ADA, x=11.0), replace(BO, battery_capacity=70.0))
-    assert change_state(start_state(before), before, after, {}) == World(after).save()
 
 
 @settings(max_examples=30, deadline=None)

@@ -44,37 +44,34 @@ def charges(world: World) -> dict[str, float]:
     return {each.name: each.battery_level for each in world.robots}
 
 
-@pytest.mark.parametrize(("divided", "share"), [(True, 1.0), (False, 2.0)])
-def test_a_station_divides_what_it_gives_only_if_the_level_says_so(
-    divided: bool, share: float
+@pytest.mark.parametrize(
+    ("level", "before", "after"),
+    [
+        (room(robot("Ann"), robot("Bob")), (10, 20), (11, 21)),
+        (room(robot("Ann"), robot("Bob"), divided=False), (10, 20), (12, 22)),
+        (room(robot("Ann"), robot("Bob")), (10, 100), (12, 100)),
+        (room(robot("Ann", giver=True), robot("Bob"), station=False), (1.5, 10), (0, 11.5)),
+        (
+            room(robot("Ann", giver=True), robot("Bob", giver=True), station=False),
+            *((10, 20), (10, 20)),
+        ),
+    ],
+    ids=["divided", "not divided", "who is full", "no more than it has", "each other"],
+)
+def test_what_is_given_is_divided_among_those_who_need_it(
+    level: Level, before: tuple[float, float], after: tuple[float, float]
 ) -> None:
-    world = emptied(room(robot("Ann"), robot("Bob"), divided=divided), Ann=10, Bob=20)
-    world.act({})
-    assert charges(world) == {"Ann": 10 + share, "Bob": 20 + share}
+    for desires in ({}, {"Ann": Desire(1, 1)}):  # who is charged pays nothing for its engines
+        world = emptied(level, Ann=before[0], Bob=before[1])
+        world.act(desires)
+        assert charges(world) == {"Ann": after[0], "Bob": after[1]}
 
 
-def test_who_is_full_takes_no_share() -> None:
-    world = emptied(room(robot("Ann"), robot("Bob")), Ann=10)
-    world.act({})
-    assert charges(world) == {"Ann": 12, "Bob": 100}
-
-
-def test_a_robot_gives_no_more_than_it_has() -> None:
+def test_a_robot_gives_equal_shares_and_who_gets_none_pays_for_its_engines() -> None:
     level = room(robot("Ann", giver=True), robot("Bob"), robot("Cid"), station=False)
     world = emptied(level, Ann=1.5, Bob=10, Cid=20)
     world.act({})
     assert charges(world) == {"Ann": 0, "Bob": 10.75, "Cid": 20.75}
-
-
-def test_two_that_charge_each_other_gain_nothing() -> None:
-    world = emptied(
-        room(robot("Ann", giver=True), robot("Bob", giver=True), station=False), Ann=10, Bob=20
-    )
-    world.act({"Ann": Desire(1, 1)})
-    assert charges(world) == {"Ann": 10, "Bob": 20}
-
-
-def test_who_is_charged_pays_nothing_for_its_engines() -> None:
     world = emptied(room(robot("Ann"), robot("Bob", x=200)), Ann=10, Bob=10)
     world.act({"Ann": Desire(1, 1), "Bob": Desire(1, 0)})
     assert charges(world) == {"Ann": 12, "Bob": 9.5}

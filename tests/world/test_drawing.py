@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -78,18 +77,16 @@ def test_only_rows_that_changed_are_drawn_anew(
         assert sum(one != other for one, other in zip(earlier, lines, strict=True)) == changed
 
 
-def test_free_cells_stay_the_characters_they_were() -> None:
-    walls = read(["#. #", "#   ", "2#2."], 1)
-    assert draw_rows(walls, 1, ["#. #", "#   ", "2#2."]) == ["#. #", "#   ", "2#2."]
+def test_free_cells_stay_the_characters_they_were_unless_the_size_is_another() -> None:
+    drawing = ["#. #", "#   ", "2#2."]
+    walls = read(drawing, 1)
+    assert draw_rows(walls, 1, drawing) == drawing
     walls = walls.copy()
     walls[:, 0] = False
     walls[:, 3] = True
-    assert draw_rows(walls, 1, ["#. #", "#   ", "2#2."]) == [".. #", "   #", "1. 1# 1. 1#"]
-
-
-@pytest.mark.parametrize("earlier", [["###"], ["####", "#"], ["9*"], ["####", "####", "####"]])
-def test_a_drawing_of_another_size_is_drawn_anew(earlier: list[str]) -> None:
-    assert draw_rows(np.ones((2, 4), np.bool_), 1, earlier) == ["####", "####"]
+    assert draw_rows(walls, 1, drawing) == [".. #", "   #", "1. 1# 1. 1#"]
+    for earlier in (["###"], ["####", "#"], ["9*"], ["####", "####", "####"]):
+        assert draw_rows(np.ones((2, 4), np.bool_), 1, earlier) == ["####", "####"]
 
 
 def test_a_large_level_with_fine_walls_is_written_compactly() -> None:
