@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Sequence
+from contextlib import closing
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -72,10 +73,8 @@ def think(text: str, rows: list[Any], memories: dict[str, Any], **options: Any) 
 
 
 def _decisions(mind: Mind, rows: list[Any], memories: dict[str, Any]) -> list[Decision]:
-    try:
+    with closing(mind):
         return mind.think(rows, memories)
-    finally:
-        mind.close()
 
 
 def decision_of(mind: Mind, memory: Any = "kept", **seen: Any) -> Decision:

@@ -1,5 +1,6 @@
 """What nobody changes: records and lists stay the same objects, and that makes no difference."""
 
+from contextlib import closing
 from typing import Any
 
 import pytest
@@ -35,11 +36,8 @@ def test_lists_that_stayed_the_same_objects_count_as_they_would_anew(visible: An
             rows = robots[-count:]
             assert lasting.think(rows, memories) == fresh.think(rows, memories)
 
-    try:
+    with closing(lasting), closing(fresh):
         same()
-    finally:
-        lasting.close()
-        fresh.close()
 
 
 def test_a_value_of_the_same_text_is_the_same_object_where_nobody_changes_it() -> None:
@@ -59,10 +57,8 @@ def test_a_value_of_the_same_text_is_the_same_object_where_nobody_changes_it() -
 
 def test_equal_numbers_in_memories_are_told_apart() -> None:
     program = Program.compile(f"{ROBOT} Memory(robot_name:, memory:), m = {{n: memory.n}};")
-    mind = Mind(program)
-    for n in (0, 0.0, -0.0, False, 0, 1, True, 1.0, None, "1", 1):
-        fresh = Mind(program)
-        rows, memories = [row("Ada")], {"Ada": {"n": n}}
-        assert repr(mind.think(rows, memories)) == repr(fresh.think(rows, memories))
-        fresh.close()
-    mind.close()
+    with closing(Mind(program)) as mind:
+        for n in (0, 0.0, -0.0, False, 0, 1, True, 1.0, None, "1", 1):
+            rows, memories = [row("Ada")], {"Ada": {"n": n}}
+            with closing(Mind(program)) as fresh:
+                assert repr(mind.think(rows, memories)) == repr(fresh.think(rows, memories))

@@ -1,5 +1,6 @@
 """Several moments in one query: each robot gets the rows that it gets at its own moment."""
 
+from contextlib import closing
 from functools import cache
 from typing import Literal
 
@@ -76,27 +77,20 @@ def test_the_rows_at_several_moments_are_those_at_each(
     moments: list[tuple[tuple[SensorRow, ...], dict[str, Value]]],
 ) -> None:
     names = [*probes().statements]
-    mind = Mind(probes(), memory, sensor)
-    try:
-        single: dict[tuple[str, int], list[Rows]] = {}
+    single: dict[tuple[str, int], list[Rows]] = {}
+    with closing(Mind(probes(), memory, sensor)) as mind:
         for number, (rows, memories) in enumerate(moments):
-            for name, found in mind.each(names, rows, memories):
-                assert found is not None
-                single.setdefault((name, number), []).append(found)
+            for name, views in mind.each(names, rows, memories):
+                assert views is not None
+                single.setdefault((name, number), []).append(views)
         several = {(name, number): views for name, number, views in mind.each_at(names, moments)}
-    finally:
-        mind.close()
     assert {key: in_any_order(views) for key, views in several.items()} == {
         key: in_any_order(views) for key, views in single.items()
     }
 
 
 def test_a_predicate_that_fails_is_told_of_each_moment() -> None:
-    mind = Mind(probes(), limits=Limits(rows=0))
-    try:
-        rows = tuple(row(name) for name in ROBOTS)
-        memories: dict[str, Value] = {name: {"n": 3} for name in ROBOTS}
-        name = next(iter(probes().statements))
-        assert [*mind.each_at([name], [(rows, memories)] * 2)] == [(name, 0, None), (name, 1, None)]
-    finally:
-        mind.close()
+    moment = tuple(row(name) for name in ROBOTS), {name: {"n": 3} for name in ROBOTS}
+    name = next(iter(probes().statements))
+    with closing(Mind(probes(), limits=Limits(rows=0))) as mind:
+        assert [*mind.each_at([name], [moment] * 2)] == [(name, 0, None), (name, 1, None)]

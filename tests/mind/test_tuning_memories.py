@@ -3,6 +3,7 @@
 import json
 import re
 from collections import OrderedDict
+from contextlib import closing
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -66,11 +67,8 @@ def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
         )
         assert nearly_same(quick, slow)
 
-    try:
+    with closing(tuned), closing(plain):
         same()
-    finally:
-        tuned.close()
-        plain.close()
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Calls of our own functions that become SQLite's own expressions, and mean the same."""
 
 import math
+from contextlib import closing
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -73,10 +74,8 @@ def test_the_result_is_the_same(both: tuple[Mind, Mind], a: Any, b: Any) -> None
 def both() -> Any:
     fields = ", ".join(f"{name}: {expression}" for name, expression in NATIVE.items())
     program = Program.compile(f"{ROBOT} Memory(robot_name:, memory:), m = {{{fields}}};")
-    minds = Mind(program), Mind(program, plain=True)
-    yield minds
-    for mind in minds:
-        mind.close()
+    with closing(Mind(program)) as quick, closing(Mind(program, plain=True)) as plain:
+        yield quick, plain
 
 
 def test_texts_are_divided_by_nobody() -> None:

@@ -14,6 +14,10 @@ def _records(kind: str, number: int, more: str = "") -> str:
     return f'[[{kind}]]\nname = "n"\nx = 1\ny = 1\n{more}\n' * number
 
 
+def _level(kind: str, number: int, more: str = "", *, replaced: tuple[str, str] = ("", "")) -> str:
+    return WALLS.format("...") + _records(kind, number, more).replace(*replaced)
+
+
 _IN_TOML: dict[str, Callable[[], str]] = {
     # keys
     "a key of many parts": lambda: "a." * 50_000 + "a = 1",
@@ -75,34 +79,22 @@ _IN_TOML: dict[str, Callable[[], str]] = {
     "large cells": lambda: WALLS.format("###\n###").replace("cell = 1", "cell = 999999999"),
     "a drawing of strange characters": lambda: WALLS.format("\u202e" * 4000),
     # records
-    "many robots": lambda: WALLS.format("...") + _records("robots", 5000),
-    "many areas": lambda: WALLS.format("...") + _records("areas", 5000, "radius = 1"),
-    "robots of one name": lambda: WALLS.format("...") + _records("robots", 900),
-    "a robot far away": lambda: (
-        WALLS.format("...") + _records("robots", 1).replace("x = 1", "x = 1e308")
-    ),
-    "a colour that is none": lambda: (
-        WALLS.format("...") + _records("robots", 1, 'color = "#' + "f" * 90_000 + '"')
-    ),
+    "many robots": lambda: _level("robots", 5000),
+    "many areas": lambda: _level("areas", 5000, "radius = 1"),
+    "robots of one name": lambda: _level("robots", 900),
+    "a robot far away": lambda: _level("robots", 1, replaced=("x = 1", "x = 1e308")),
+    "a colour that is none": lambda: _level("robots", 1, 'color = "#' + "f" * 90_000 + '"'),
     # coordinates, sizes and names in TOML
-    "coordinates that are none": lambda: (
-        WALLS.format("...") + _records("robots", 1).replace("x = 1", "x = nan")
+    "coordinates that are none": lambda: _level("robots", 1, replaced=("x = 1", "x = nan")),
+    "coordinates without end": lambda: _level("beacons", 1, replaced=("y = 1", "y = -inf")),
+    "an area of a thousand millions": lambda: _level("areas", 1, "radius = 1000000000"),
+    "an area without end": lambda: _level("areas", 1, "radius = inf"),
+    "an area of less than nothing": lambda: _level("areas", 1, "radius = -1e308"),
+    "a robot of many joined characters": lambda: _level(
+        "robots", 1, replaced=('"n"', '"e' + "\u0301" * 90_000 + '"')
     ),
-    "coordinates without end": lambda: (
-        WALLS.format("...") + _records("beacons", 1).replace("y = 1", "y = -inf")
-    ),
-    "an area of a thousand millions": lambda: (
-        WALLS.format("...") + _records("areas", 1, "radius = 1000000000")
-    ),
-    "an area without end": lambda: WALLS.format("...") + _records("areas", 1, "radius = inf"),
-    "an area of less than nothing": lambda: (
-        WALLS.format("...") + _records("areas", 1, "radius = -1e308")
-    ),
-    "a robot of many joined characters": lambda: (
-        WALLS.format("...") + _records("robots", 1).replace('"n"', '"e' + "\u0301" * 90_000 + '"')
-    ),
-    "a robot of characters without width": lambda: (
-        WALLS.format("...") + _records("robots", 1).replace('"n"', '"' + "\u200b" * 50 + '"')
+    "a robot of characters without width": lambda: _level(
+        "robots", 1, replaced=('"n"', '"' + "\u200b" * 50 + '"')
     ),
     "a hint again and again": lambda: WALLS.format("...") + "hints = [" + '"x",' * 140_000 + "]",
     "lists of lists of lists": lambda: "x = [" + "[[[1]]]," * 14_000 + "]",

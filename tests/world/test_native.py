@@ -99,6 +99,13 @@ def place(error: LevelError) -> str:
 
 def test_everything_that_a_level_can_say_is_read(tmp_path: Path) -> None:
     level = load_level(write(tmp_path, FULL))
+    walls = level.walls
+    assert walls.shape == (40, 60)
+    assert walls[:10].all()
+    assert not walls[10:20, 10:50].any()
+    assert walls[20:30, 20:40].all()
+    assert np.count_nonzero(walls) == 18 * 100
+    assert not walls.flags.writeable
     assert (level.name, level.title) == ("level", "Two gates")
     assert level.source == str(tmp_path / "level.toml")
     assert (level.width, level.height) == (60, 40)
@@ -116,19 +123,21 @@ def test_everything_that_a_level_can_say_is_read(tmp_path: Path) -> None:
     )
 
 
-def test_every_character_of_the_map_is_a_square_of_cells(tmp_path: Path) -> None:
-    walls = load_level(write(tmp_path, FULL)).walls
-    assert walls.shape == (40, 60)
-    assert walls[:10].all()
-    assert not walls[10:20, 10:50].any()
-    assert walls[20:30, 20:40].all()
-    assert np.count_nonzero(walls) == 18 * 100
-    assert not walls.flags.writeable
+BATTERY = "battery = {capacity = 9, consumption = 1, charges_others = true, used = false}"
 
 
-def test_what_a_level_leaves_out_has_its_default(tmp_path: Path) -> None:
-    level = load_level(write(tmp_path, SMALL))
-    assert level.robots == (Robot("Ann", 15, 15),)
+@pytest.mark.parametrize(
+    ("more", "robot"),
+    [
+        ("", Robot("Ann", 15, 15)),
+        ("angle = -20.1", Robot("Ann", 15, 15, -20.1)),  # in radians
+        (BATTERY, Robot("Ann", 15, 15, battery_capacity=9, battery_consumption_rate=1)),
+    ],
+    ids=["nothing", "radians", "a battery that is only reported"],
+)
+def test_what_a_level_leaves_out_has_its_default(tmp_path: Path, more: str, robot: Robot) -> None:
+    level = load_level(write(tmp_path, SMALL + more))
+    assert level.robots == (robot,)
     assert (level.beacons, level.areas, level.hints) == ((), (), ())
     assert (level.briefing, level.starter) == ("", "")
     assert level.visibility == Visibility()
@@ -147,17 +156,6 @@ def test_rows_may_be_shortened(tmp_path: Path) -> None:
     assert (load_level(write(tmp_path, short)).walls == long).all()
     high = SMALL.replace("#..#", " 3*  1# 2. 1# ")
     assert load_level(write(tmp_path, high)).walls.shape == (50, 40)
-
-
-def test_a_heading_can_be_given_in_radians(tmp_path: Path) -> None:
-    text = SMALL.replace("y = 15", "y = 15\nangle = -20.1")
-    assert load_level(write(tmp_path, text)).robots[0].angle == -20.1
-
-
-def test_a_battery_that_is_not_used_is_only_reported(tmp_path: Path) -> None:
-    battery = "battery = {capacity = 9, consumption = 1, charges_others = true, used = false}"
-    robot = load_level(write(tmp_path, SMALL.replace("y = 15", f"y = 15\n{battery}"))).robots[0]
-    assert robot == Robot("Ann", 15, 15, battery_capacity=9, battery_consumption_rate=1)
 
 
 def test_a_lenient_level_may_be_as_odd_as_one_of_the_web_platform(tmp_path: Path) -> None:

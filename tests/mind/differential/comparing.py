@@ -1,6 +1,7 @@
 """Asking the same of both engines."""
 
 import math
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -39,16 +40,15 @@ def here(text: str, predicate: str = "Answer") -> list[Any]:
     if "Robot(" not in text:
         text = f"{text}\n{ROBOT}m = 1;"
     program = Program.compile(text)
-    found = []
-    for plain in (False, True):
-        mind = Mind(program, plain=plain)
-        try:
-            found.append(list(mind.query(predicate, ROWS, MEMORIES).rows))
-        finally:
-            mind.close()
-    tuned, as_generated = found
+    minds = (Mind(program, plain=plain) for plain in (False, True))
+    tuned, as_generated = (answers(mind, predicate) for mind in minds)
     assert nearly_same(tuned, as_generated)
     return tuned
+
+
+def answers(mind: Mind, predicate: str) -> list[Any]:
+    with closing(mind):
+        return list(mind.query(predicate, ROWS, MEMORIES).rows)
 
 
 def there(text: str, folder: Path, predicate: str = "Answer") -> list[Any]:

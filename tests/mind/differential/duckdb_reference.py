@@ -30,12 +30,8 @@ def answer(
 ) -> list[tuple[Any, ...]]:
     """Rows of a predicate as DuckDB computes them, in plain Python values.
 
-    Args:
-        text: The program.
-        predicate: Which one to ask for.
-        rows: Sensor rows; written as JSON and read with its schema detected, as the platform does.
-        memories: Memories by robot name, likewise.
-        folder: Where to put these files.
+    Sensor rows and memories are written as JSON to files in a folder, and read with their schema
+    detected, as the platform does.
     """
     with contextlib.closing(Reference(text, predicate, folder)) as reference:
         return reference.answer(rows, memories)

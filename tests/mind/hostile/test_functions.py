@@ -4,7 +4,7 @@ import itertools
 import json
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 import pytest
 
@@ -48,10 +48,9 @@ ARGUMENTS = [(), *((v,) for v in VALUES), *itertools.product(PAIRED, repeat=2), 
 @contextmanager
 def filled() -> Iterator[Database]:
     """A database with all the values."""
-    database = Database(Limits(think_steps=10**12, think_seconds=60))
-    database.load(list(VALUES.items()), [])
-    yield database
-    database.close()
+    with closing(Database(Limits(think_steps=10**12, think_seconds=60))) as database:
+        database.load(list(VALUES.items()), [])
+        yield database
 
 
 @pytest.fixture(scope="module")
@@ -136,8 +135,7 @@ REPLACED = [
 
 
 def test_a_replaced_function_gives_what_that_of_sqlite_gives(database: Database) -> None:
-    plain = sqlite3.connect(":memory:")
-    for expression in REPLACED:
-        wanted = plain.execute(f"SELECT {expression}").fetchone()
-        assert database.ask(f"SELECT {expression}", most=1)[1] == [wanted], expression
-    plain.close()
+    with closing(sqlite3.connect(":memory:")) as plain:
+        for expression in REPLACED:
+            wanted = plain.execute(f"SELECT {expression}").fetchone()
+            assert database.ask(f"SELECT {expression}", most=1)[1] == [wanted], expression
