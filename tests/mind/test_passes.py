@@ -19,6 +19,7 @@ from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.differential.comparing import MEMORIES, ROWS
 from tests.mind.differential.corpus import BATCHES, CASES, Case, in_one
 from tests.mind.differential.whole_programs import MOMENTS, PROGRAMS
+from tests.mind.marks import slow
 from tests.mind.rows import ROBOT, nearly_same
 
 Moment = tuple[Sequence[SensorRow], Mapping[str, Value]]
@@ -36,11 +37,8 @@ LEVELS = {
 }
 FREE_PROGRAMS_RUN_IN = "02-open-space"
 TICKS = (1, 9, 30)
-
-
 LARGE_ARE_SLOW = [
-    pytest.param(name, marks=[pytest.mark.slow] * (len(load_program(name).text) > 1_500))
-    for name in list_programs()
+    slow(name) if len(load_program(name).text) > 1_500 else name for name in list_programs()
 ]
 
 
@@ -92,16 +90,13 @@ def test_each_pass_has_a_name_of_its_own_and_is_documented() -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", LARGE_ARE_SLOW)
-def test_a_tree_that_is_handed_on_is_that_of_its_statement(name: str) -> None:
-    program, trees = compile_text(load_program(name).text)
-    assert program.statements["Robot"] in trees
+def test_a_shipped_program_decides_the_same_without_some_passes_of_trees_handed_on(
+    name: str,
+) -> None:
+    compiled, trees = compile_text(load_program(name).text)
+    assert compiled.statements["Robot"] in trees
     for statement, tree in trees.items():
         assert sql.parse(statement) == tree
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("name", LARGE_ARE_SLOW)
-def test_a_shipped_program_decides_the_same_without_some_passes(name: str) -> None:
     program, moments, visible = in_its_level(name)
     check(program, moments, LEFT_OUT[list_programs().index(name) % 10 :: 10], **visible)
 

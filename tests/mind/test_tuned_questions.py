@@ -24,11 +24,10 @@ SEES = {3: (40, "robot", "Bo"), 9: (12, "wall", "wall"), 11: (50, "beacon", "B")
 
 def in_any_order(table: Table) -> list[Any]:
     viewers = table.viewers or ("",) * len(table.rows)
-    return sorted(([v, *r] for v, r in zip(viewers, table.rows, strict=True)), key=repr_of)
-
-
-def repr_of(values: list[Any]) -> str:
-    return repr([round(v, 6) if isinstance(v, float) else v for v in values])
+    rows = ([viewer, *row] for viewer, row in zip(viewers, table.rows, strict=True))
+    return sorted(
+        rows, key=lambda row: repr([round(v, 6) if isinstance(v, float) else v for v in row])
+    )
 
 
 @pytest.mark.parametrize(
@@ -48,8 +47,7 @@ async def test_every_predicate_of_our_programs_can_be_asked_so(name: str, tick: 
     await run.close()
     visible = level.visibility
     questions = [p.name for p in program.predicates if p.has_rows and p.kind == "program"]
-    together = 0
-    rows = 0
+    together = rows = 0
     with (
         closing(Mind(program, visible.memory, visible.sensor, frozen=True)) as quick,
         closing(Mind(program, visible.memory, visible.sensor, plain=True)) as plain,

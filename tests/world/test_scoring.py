@@ -98,18 +98,14 @@ def test_robots_that_can_drive_on_count_as_charged() -> None:
     assert result(world)["red"] == (1,)
 
 
-def test_who_is_nearer_at_the_end_has_more() -> None:
+def test_who_is_nearer_at_the_end_has_more_and_a_match_ends_after_its_last_tick() -> None:
     level = match(red(150), blue(220), scores=(Score("near", "hill", 100),))
     diagonal = math.hypot(level.width, level.height)
     away = math.hypot(220 - 150, 0.5) - 30
     assert result(World(level))["blue"][0] == pytest.approx(100 * (1 - away / diagonal), abs=1e-3)
     assert result(play(level, 1))["red"] == (100,)
-
-
-def test_a_match_ends_after_its_last_tick() -> None:
     scores = (Score("hold", "hill"), Score("near", "hill", 10), Score("charged"))
-    level = match(red(150), blue(20), scores=scores, ticks=4)
-    world = play(level, 4)
+    world = play(match(red(150), blue(20), scores=scores, ticks=4), 4)
     before = result(world)
     for _ in range(100):
         world.act({"Rosa": GO})
