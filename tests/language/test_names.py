@@ -47,9 +47,6 @@ def test_a_label_is_recognised_wherever_it_comes_from_and_other_texts_are_not_na
         **{rules: [("x", "label")] for rules in LABELS},
         **{rules: [] for rules in OTHER_TEXTS},
     }
-
-
-def test_the_names_of_robots_are_told_from_labels() -> None:
     text = 'A(1) :- Sensor(robot_name: "x"); B(1) :- Memory(robot_name:), robot_name == "y";'
     assert mentioned(text) == [("x", "robot_name"), ("y", "robot_name")]
 
@@ -69,7 +66,4 @@ def test_an_unknown_name_is_told_with_the_nearest_and_a_label_of_the_level_is_no
     assert told("Harbour", "robot_name") == [
         ('No robot of this level is called "Harbour"', 'It can be "Ada" or "Bo".')
     ]
-
-
-def test_control_characters_of_a_name_are_not_shown() -> None:
     assert all("\x1b" not in part for pair in told("\x1b[2J", "label") for part in pair)

@@ -43,9 +43,10 @@ def test_the_order_does_not_matter(kinds: list[Kind]) -> None:
 
 
 @given(KINDS)
-def test_a_type_has_itself_in_common_with_itself(kind: Kind) -> None:
+def test_a_type_has_itself_in_common_with_itself_and_is_read_back_as_spelled(kind: Kind) -> None:
     assert common([kind, kind]) == kind
     assert common([kind, Plain.NULL]) == kind
+    assert spell(parse_spelling(spell(kind))) == spell(kind)
 
 
 @given(KINDS, KINDS)
@@ -62,8 +63,3 @@ def test_the_sensor_has_the_fields_of_the_schema() -> None:
     assert isinstance(radar.element, RecordOf)
     assert radar.element.field("label") is Plain.TEXT
     assert SENSOR.field("no such field") is Plain.ANY
-
-
-@given(KINDS)
-def test_a_spelled_type_is_read_back_with_real_numbers(kind: Kind) -> None:
-    assert spell(parse_spelling(spell(kind))) == spell(kind)

@@ -90,9 +90,7 @@ def test_each_pass_has_a_name_of_its_own_and_is_documented() -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", LARGE_ARE_SLOW)
-def test_a_shipped_program_decides_the_same_without_some_passes_of_trees_handed_on(
-    name: str,
-) -> None:
+def test_trees_are_those_of_their_statements_and_some_passes_may_be_left_out(name: str) -> None:
     compiled, trees = compile_text(load_program(name).text)
     assert compiled.statements["Robot"] in trees
     for statement, tree in trees.items():

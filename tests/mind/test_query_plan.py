@@ -19,14 +19,10 @@ def test_the_sql_and_the_plan_are_those_of_what_is_run(plain: bool) -> None:
     assert found.milliseconds > 0
 
 
-def test_steps_of_a_plan_are_indented() -> None:
+def test_a_function_and_an_input_have_no_plan_and_steps_of_one_are_indented() -> None:
+    with closing(Mind(Program.compile(PAPER))) as mind:
+        for predicate, reason in (("FreedomMotion", "function of its arguments"), ("Sensor", None)):
+            with pytest.raises(QueryError, match=reason):
+                mind.query_plan(predicate, [row("Ada")], {})
     rows = [(2, 0, 0, "outer"), (5, 2, 0, "inner"), (7, 0, 0, "next")]
     assert plan_lines(rows) == ("outer", "  inner", "next")
-
-
-def test_a_function_and_an_input_have_no_plan() -> None:
-    with closing(Mind(Program.compile(PAPER))) as mind:
-        with pytest.raises(QueryError, match="function of its arguments"):
-            mind.query_plan("FreedomMotion", [row("Ada")], {})
-        with pytest.raises(QueryError):
-            mind.query_plan("Sensor", [row("Ada")], {})

@@ -1,6 +1,6 @@
 """Columns that are called like a word of SQL."""
 
-import pytest
+from contextlib import closing
 
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import ROBOT, row, think
@@ -21,16 +21,12 @@ TEXT = f"""{WAY}{ROBOT}
   m = {{to:, order:, set:, values:, where:}};"""
 
 
-def test_such_columns_are_columns_like_any_other() -> None:
+def test_such_columns_are_columns_like_any_other_also_in_the_inspector() -> None:
     decisions = think(TEXT, [row("Ada"), row("Bo")], {})
     expected = {"to": "c", "order": 2, "set": ["b"], "values": ["b", "c"], "where": 3}
     assert [d.memory for d in decisions] == [expected, expected]
-
-
-@pytest.mark.parametrize("plain", [True, False], ids=["plain", "quick"])
-def test_the_inspector_shows_them_under_their_names(plain: bool) -> None:
-    mind = Mind(Program.compile(TEXT), plain=plain)
-    table = mind.query("Reach", [row("Ada")], {})
-    assert table.columns == ("from", "to")
-    assert set(table.rows) == {("a", "b"), ("a", "c"), ("b", "c")}
-    mind.close()
+    for plain in (True, False):
+        with closing(Mind(Program.compile(TEXT), plain=plain)) as mind:
+            table = mind.query("Reach", [row("Ada")], {})
+        assert table.columns == ("from", "to")
+        assert set(table.rows) == {("a", "b"), ("a", "c"), ("b", "c")}
