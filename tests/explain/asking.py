@@ -15,7 +15,12 @@ __all__ = ["REST", "below", "find", "proof", "stop", "texts", "the_rule", "why"]
 REST = """
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :- Sensor(robot_name:);
 """
-"""A rule that makes a program of any rules."""
+"""A rule that makes a program of any rules; `why` and `proof` add it where there is none."""
+
+
+def _mind(text: str, **visibility: Any) -> closing[Mind]:
+    text = text if "Robot(" in text else f"{text}{REST}"
+    return closing(Mind(Program.compile(text), **visibility))
 
 
 def why(
@@ -30,7 +35,7 @@ def why(
     **visibility: Any,
 ) -> Explanation:
     """Why a predicate of a program has its rows."""
-    with closing(Mind(Program.compile(text), **visibility)) as mind:
+    with _mind(text, **visibility) as mind:
         explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
         return explainer.why(Ask(predicate, given or {}, within))
 
@@ -46,7 +51,7 @@ def proof(
     depth: int = 100,
 ) -> Proof:
     """The whole proof of a row of a predicate."""
-    with closing(Mind(Program.compile(text))) as mind:
+    with _mind(text) as mind:
         explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
         return explainer.proof(Ask(predicate, given or {}), depth=depth)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
-from logical_robots_tui.explain import Node
-from tests.explain.asking import REST, below, find, proof, stop, texts, the_rule, why
+import pytest
+
+from tests.explain.asking import below, find, proof, stop, texts, the_rule, why
 
 ITEMS = "Item(x: 1, y: 2); Item(x: 2, y: 3);"
 
@@ -18,13 +20,8 @@ Robot(robot_name:, desire: {{left_engine: x, right_engine: x}}, memory: "") :-
 """
 
 
-def lines(node: Node) -> list[tuple[str, str]]:
-    return [(each.text, each.said) for each in node.children]
-
-
 def test_an_alternative_that_holds_is_not_said_to_fail_when_what_fails_stands_behind_it() -> None:
-    text = f"{ITEMS} P(x:) :- Item(x:), (x > 1 | x < 0), x > 5;{REST}"
-    rule = the_rule(text, "P")
+    rule = the_rule(f"{ITEMS} P(x:) :- Item(x:), (x > 1 | x < 0), x > 5;", "P")
     said = {node.text: node.said for node in below(rule.node, "alternative")}
     assert said == {"x < 0": "this alternative does not hold", "x > 1": "this alternative holds"}
     assert stop(rule) is rule.node.children[-1]
@@ -32,36 +29,32 @@ def test_an_alternative_that_holds_is_not_said_to_fail_when_what_fails_stands_be
 
 
 def test_where_several_alternatives_hold_each_is_told_with_what_fails_behind_it() -> None:
-    text = f"P(x:) :- x in [1, 2], (x == 1 | x == 2), x > 5;{REST}"
-    rule = the_rule(text, "P")
-    found = below(rule.node, "alternative")
-    assert texts(tuple(found)) == ["x == 1", "x == 2"]
-    assert {(node.said, node.holds) for node in found} == {
-        ("this alternative holds, but not what comes after it", None)
-    }
-    assert all(node.children[-1].text == "x > 5" for node in found)
+    rule = the_rule("P(x:) :- x in [1, 2], (x == 1 | x == 2), x > 5;", "P")
+    said = "this alternative holds, but not what comes after it"
+    assert [
+        (node.text, node.said, node.holds, node.children[-1].text)
+        for node in below(rule.node, "alternative")
+    ] == [("x == 1", said, None, "x > 5"), ("x == 2", said, None, "x > 5")]
 
 
 def test_of_two_choices_only_the_one_that_fails_is_said_to_fail() -> None:
-    text = f"P(x:) :- x in [1], (x == 1 | x == 2), (x == 3 | x == 4);{REST}"
-    rule = the_rule(text, "P")
+    rule = the_rule("P(x:) :- x in [1], (x == 1 | x == 2), (x == 3 | x == 4);", "P")
     failed = [n.text for n in below(rule.node, "alternative") if n.holds is False]
     assert failed == ["x == 3", "x == 4", "x == 2"]
     assert find(rule.node, "x == 1").said != "this alternative does not hold"
 
 
 def test_what_fails_before_any_alternative_is_told_once() -> None:
-    text = f"P(x:) :- x in [1], y == x, y > 5, (y == 7 | y == 8);{REST}"
-    rule = the_rule(text, "P")
+    rule = the_rule("P(x:) :- x in [1], y == x, y > 5, (y == 7 | y == 8);", "P")
     assert texts(rule.node.children) == ["x in [1]", "y == x", "y > 5"]
 
 
 def test_what_holds_before_the_part_that_fails_is_explained_by_its_own_values() -> None:
-    text = f"""P(y:) :- x in [1], y == (if x == 1 then Coalesce(x + 1, x) else 9), z == F(x + 2, x),
-    x > 5;
-    F(a, b) = a + b;
-    {REST}"""
-    rule = the_rule(text, "P")
+    rule = the_rule(
+        "P(y:) :- x in [1], y == (if x == 1 then Coalesce(x + 1, x) else 9), z == F(x + 2, x),\n"
+        "  x > 5; F(a, b) = a + b;",
+        "P",
+    )
     taken = find(rule.node, "Coalesce(x + 1, x)")
     assert (taken.said, taken.values) == ("this branch is taken", (2,))
     assert texts(taken.children) == ["x + 1"]
@@ -71,80 +64,75 @@ def test_what_holds_before_the_part_that_fails_is_explained_by_its_own_values() 
 
 
 def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
-    text = f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:);{REST}"
-    rule = the_rule(text, "P", given={"x": 1, "z": 1})
+    rule = the_rule(f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:);", "P", given={"x": 1, "z": 1})
     call, column = rule.node.children
     assert (call.text, call.holds) == ("Item(x:, y:)", True)
     assert (column.text, column.said, column.values) == ("z: y + 1", "actual value", (3,))
     assert rule.stopped_by is column
 
 
-def test_a_column_that_an_equation_gives_came_out_otherwise_too() -> None:
-    text = f"{ITEMS} P(x:, z:) :- Item(x:, y:), z == y + 1;{REST}"
-    rule = the_rule(text, "P", given={"z": 1})
-    assert (stop(rule).text, stop(rule).values) == ("z", (3, 4))
-
-
 def test_what_a_function_in_a_column_came_out_as_can_be_asked() -> None:
-    text = f"F(a) = a + 1; {ITEMS} P(x:, z: F(x)) :- Item(x:);{REST}"
+    text = f"F(a) = a + 1; {ITEMS} P(x:, z: F(x)) :- Item(x:);"
     stopped = stop(the_rule(text, "P", given={"x": 1, "z": 1}))
     assert (stopped.said, stopped.values) == ("actual value", (2,))
     assert stopped.asked is not None
     assert stopped.asked.given == {"col0": 1, "logica_value": 2}
 
 
-def test_conditions_are_told_before_columns() -> None:
-    text = f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:), y > 10;{REST}"
-    assert stop(the_rule(text, "P", given={"x": 1, "z": 1})).text == "y > 10"
+@pytest.mark.parametrize(
+    ("rule", "given", "text", "values"),
+    [
+        ("P(x:, z:) :- Item(x:, y:), z == y + 1;", {"z": 1}, "z", (3, 4)),
+        ("P(x:, z: y + 1) :- Item(x:, y:), y > 10;", {"x": 1, "z": 1}, "y > 10", ()),
+    ],
+    ids=["a column that an equation gives", "conditions before columns"],
+)
+def test_what_came_out_otherwise_is_named(
+    rule: str, given: dict[str, Any], text: str, values: tuple[Any, ...]
+) -> None:
+    stopped = stop(the_rule(f"{ITEMS} {rule}", "P", given=given))
+    assert (stopped.text, stopped.values) == (text, values)
 
 
 def test_a_fact_tells_which_of_its_columns_is_another() -> None:
-    near, other = why(f"{ITEMS}{REST}", "Item", given={"x": 1, "y": 7}).rules
+    near, other = why(ITEMS, "Item", given={"x": 1, "y": 7}).rules
     assert [(n.text, n.said, n.values) for n in near.node.children] == [("y", "actual value", (2,))]
     assert near.node.said == "gives no row"
     assert other.node.said == "does not apply to these values"
 
 
 def test_a_failed_call_shows_all_it_was_asked_for_nearest_first() -> None:
-    text = f"""
+    text = """
     Kind(object: "wall", label: "Blue"); Kind(object: "robot", label: "Bo");
-    P(object:) :- object in ["beacon", "wall"], label in ["Red", "Blues"], Kind(object:, label:);
-    {REST}"""
-    rule = the_rule(text, "P")
-    assert texts(stop(rule).children) == [
-        'Kind(object: "wall", label: "Blues")',
-        'Kind(object: "wall", label: "Red")',
-        'Kind(object: "beacon", label: "Blues")',
-        'Kind(object: "beacon", label: "Red")',
+    P(object:) :- object in ["beacon", "wall"], label in ["Red", "Blues"], Kind(object:, label:);"""
+    stopped = stop(the_rule(text, "P"))
+    assert texts(stopped.children) == [
+        f'Kind(object: "{kind}", label: "{label}")'
+        for kind in ("wall", "beacon")
+        for label in ("Blues", "Red")
     ]
-    assert all(node.asked is not None for node in stop(rule).children)
-    assert stop(rule).asked == stop(rule).children[0].asked
+    assert all(node.asked is not None for node in stopped.children)
+    assert stopped.asked == stopped.children[0].asked
 
 
-def test_of_many_calls_only_the_nearest_is_proved() -> None:
-    text = f"Even(2); Even(4); Odd(11); Odd(7); Odd(5); P(x) :- Odd(x), Even(x);{REST}"
-    (root,) = proof(text, "P").nodes
-    call = find(root, "Even(x)")
+def test_of_many_calls_only_the_nearest_is_proved_and_those_that_are_too_many_are_counted() -> None:
+    text = "Even(2); Even(4); Odd(11); Odd(7); Odd(5); P(x) :- Odd(x), Even(x);"
+    call = find(proof(text, "P").nodes[0], "Even(x)")
     assert texts(call.children) == ["Even(5)", "Even(7)", "Even(11)"]
     assert [bool(node.children) for node in call.children] == [True, False, False]
-
-
-def test_calls_that_are_too_many_to_show_are_counted() -> None:
-    text = f"Even(200); P(x) :- x in Range(100), Even(x);{REST}"
-    assert texts(stop(the_rule(text, "P")).children)[::10] == ["Even(99)", "and 90 more"]
+    stopped = stop(the_rule("Even(200); P(x) :- x in Range(100), Even(x);", "P"))
+    assert texts(stopped.children)[::10] == ["Even(99)", "and 90 more"]
 
 
 def test_a_circle_in_a_refutation_is_named() -> None:
-    text = f"""
+    text = """
     Edge(1, 2); Edge(2, 1);
     Reach(a:, b:) distinct :- Edge(a, b);
-    Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);
-    {REST}"""
+    Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
     found = proof(text, "Reach", given={"a": 1, "b": 9})
     notes = [n.text for root in found.nodes for n in below(root, "note")]
     assert notes == ["Reach(a: 1, b: 9) is asked above; no row follows from itself."]
-    assert found.complete
-    assert not found.is_cut
+    assert (found.complete, found.is_cut) == (True, False)
 
 
 def test_a_recursion_that_was_cut_off_is_named_where_a_row_is_missing() -> None:
@@ -162,33 +150,29 @@ def test_a_recursion_that_was_cut_off_is_named_where_a_row_is_missing() -> None:
 
 
 def test_a_larger_depth_is_promised_only_where_it_shows_more() -> None:
-    text = f"A(1); A(2); B(x) :- A(x), x > 1; C(x) :- B(x), ~A(x + 1); D(x) :- C(x), x > 5;{REST}"
+    text = "A(1); A(2); B(x) :- A(x), x > 1; C(x) :- B(x), ~A(x + 1); D(x) :- C(x), x > 5;"
     for shown, more in pairwise(proof(text, "D", depth=depth) for depth in range(1, 8)):
         assert shown.is_cut == (more.nodes != shown.nodes)
 
 
 def test_a_call_in_a_condition_is_evaluated_before_it() -> None:
-    text = f"G(a) = a + 1; {ITEMS} P(v) :- (v == 1 | v > 2), v == G(w), Item(x: w);{REST}"
+    text = f"G(a) = a + 1; {ITEMS} P(v) :- (v == 1 | v > 2), v == G(w), Item(x: w);"
     rule = the_rule(text, "P", given={"col0": 7})
     stops = [node.text for _, node in rule.node.walk() if node.kind == "value" and not node.holds]
     assert "v == G(w)" in stops
 
 
 def test_what_is_not_in_a_list_is_told_with_the_list() -> None:
-    text = f"{ITEMS} P(x:) :- Item(x:, y:), x + y in [9, 10];{REST}"
-    assert [(node.text, node.values) for node in stop(the_rule(text, "P")).children] == [
-        ("[9, 10]", ([9, 10],)),
-        ("x + y", (3, 5)),
-    ]
+    rule = the_rule(f"{ITEMS} P(x:) :- Item(x:, y:), x + y in [9, 10];", "P")
+    told = [(node.text, node.values) for node in stop(rule).children]
+    assert told == [("[9, 10]", ([9, 10],)), ("x + y", (3, 5))]
 
 
 def test_a_row_that_a_rule_gives_is_not_said_to_fail_where_it_was_cut_off() -> None:
-    limited = f'Num(x: 1); Num(x: 2); @OrderBy(Num, "x"); @Limit(Num, 1);{REST}'
+    limited = 'Num(x: 1); Num(x: 2); @OrderBy(Num, "x"); @Limit(Num, 1);'
     first, second = why(limited, "Num", given={"x": 2}).rules
     assert first.node.said == "does not apply to these values"
-    assert (second.node.said, second.node.holds) == (
-        "gives this row, but it was left out, as by @Limit",
-        None,
-    )
+    assert second.node.said == "gives this row, but it was left out, as by @Limit"
+    assert second.node.holds is None
     rules = why(COUNTING.format(most=100), "Number", given={"x": 6}).rules
     assert rules[1].node.said == "would give this row in a later step"
