@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +11,6 @@ from logical_robots_tui.game import diagnosing as scanning
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, diagnose_run, extent
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Level
-from tests.game.playing import hall
 
 TICKS = 120
 TEXT = """
@@ -26,10 +24,7 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 1) :-
 """
 
 
-@pytest.fixture
-def level(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Level:
-    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
-    return hall(tmp_path)
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 async def of_run(level: Level, ticks: int = TICKS) -> tuple[Diagnosis, list[Diagnosis]]:

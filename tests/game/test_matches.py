@@ -11,22 +11,14 @@ import pytest
 from logical_robots_tui.game import Matches, Run, find_matches
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.world import Level
-from tests.game.playing import COUNTER, hall
+from tests.game.playing import COUNTER
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 QUERY = f"{CLOCK}t in [3, 4, 9]"
 FOUND = Matches(20, None, ((3, 4), (9, 9)))
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
-    return tmp_path / "cache" / "runs"
-
-
-@pytest.fixture
-def level(tmp_path: Path) -> Level:
-    return hall(tmp_path)
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 async def found(

@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from logical_robots_tui.explain.why.explanation import Ask, Source, Subject, part_of
-from logical_robots_tui.game import (
-    Link,
-    Origin,
-    Run,
-    origin_in_game,
-    origin_in_run,
-    read_part,
-)
+from logical_robots_tui.game import Link, Origin, Run, origin_in_game, origin_in_run, read_part
 from logical_robots_tui.game.debugging.inquiry import path_text
 from logical_robots_tui.game.debugging.origin import link_lines
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.values import Value, spell
 from logical_robots_tui.world import Level
-from tests.game.playing import Play, hall
+from tests.game.playing import Play
 
 PHASES = """
 Start(robot_name:) :- Memory(robot_name:, memory:), memory == "";
@@ -32,12 +23,7 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {plan:, se
   seen = (if sensor.clock in [2, 6] then Coalesce(memory.seen, 0) + 1 else memory.seen),
   kept = memory.kept;
 """
-
-
-@pytest.fixture
-def level(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Level:
-    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
-    return hall(tmp_path)
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def subject(value: str, predicate: str = "Robot", **given: Value) -> Subject:
@@ -66,10 +52,14 @@ def lines(link: Link) -> list[str]:
     return list(link_lines(link, spell))
 
 
-def robot(fields: str, body: str, rest: str = "", desire: str = "0") -> str:
+def stretch(link: Link) -> tuple[Value, int, int]:
+    return link.value, link.tick, link.until
+
+
+def robot(fields: str, body: str, rest: str = "") -> str:
     """A program with these fields of the memory."""
     return (
-        f"{rest}\nRobot(robot_name:, desire: {{left_engine: {desire}, right_engine: 0}}, "
+        f"{rest}\nRobot(robot_name:, desire: {{left_engine: 0, right_engine: 0}}, "
         f"memory: {{{fields}}}) :-\n"
         f"  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), {body};\n"
     )
@@ -80,7 +70,7 @@ def robot(fields: str, body: str, rest: str = "", desire: str = "0") -> str:
 
 async def test_ticks_that_only_kept_a_value_are_passed_over(level: Level) -> None:
     (link,) = await links(level, "memory.plan.phase")
-    assert (link.value, link.tick, link.until) == ("fetch", 4, 9)
+    assert stretch(link) == ("fetch", 4, 9)
     assert lines(link) == [
         "the same since tick 4, set then by the rule in line 3",
         'line 5: "fetch"',
@@ -92,7 +82,7 @@ async def test_ticks_that_only_kept_a_value_are_passed_over(level: Level) -> Non
 async def test_what_a_value_was_made_from_is_followed_in_turn(level: Level) -> None:
     second, first = await links(level, "memory.seen")
     assert (second.value, second.tick, second.before) == (2, 6, (1,))
-    assert (first.value, first.tick, first.until) == (1, 2, 5)
+    assert stretch(first) == (1, 2, 5)
 
 
 async def test_a_value_that_is_made_again_in_each_tick_is_the_same_since_it_first_was(
@@ -100,7 +90,7 @@ async def test_a_value_that_is_made_again_in_each_tick_is_the_same_since_it_firs
 ) -> None:
     text = robot("word:", 'word = (if sensor.clock > 3 then "late" else "early")')
     (link,) = await links(level, "memory.word", text=text)
-    assert (link.value, link.tick, link.until) == ("late", 4, 9)
+    assert stretch(link) == ("late", 4, 9)
 
 
 async def test_a_state_machine_of_facts_goes_back_from_phase_to_phase(level: Level) -> None:
@@ -113,38 +103,44 @@ async def test_a_state_machine_of_facts_goes_back_from_phase_to_phase(level: Lev
         'Plan(phase: "home", next: "home", at: 0);',
     )
     found = [each for each in await links(level, "memory.phase", text=text) if each.path]
-    assert [(each.value, each.tick, each.until) for each in found] == [
-        ("home", 6, 9),
-        ("fetch", 3, 5),
-        ("out", 1, 2),
-    ]
+    assert [*map(stretch, found)] == [("home", 6, 9), ("fetch", 3, 5), ("out", 1, 2)]
     assert lines(found[0])[1:3] == [
         'line 2: Plan(phase: "fetch", next: "home", at: 6)',
         "as in line 6 holds: sensor.clock == at",
     ]
 
 
-async def test_a_counter_is_one_link_that_goes_on_before_its_steps(level: Level) -> None:
-    body = "left = (if sensor.clock == 2 then 20 else memory.left - 1)"
-    count, begin = await links(level, "memory.left", text=robot("left:", body))
-    assert count.steps is not None
-    assert (count.value, count.tick, count.steps.by, count.steps.since) == (13, 9, -1, 3)
-    assert "counts down by 1 since tick 3, from 20 (2.)" in lines(count)
-    assert (begin.value, begin.tick, begin.until, count.began) == (20, 2, 2, 1)
-
-
-async def test_a_counter_with_pauses_tells_how_often_it_counted(level: Level) -> None:
-    body = "n = (if sensor.clock in [2, 4, 5, 8] then Coalesce(memory.n, 0) + 1 else memory.n)"
-    count, begin = await links(level, "memory.n", text=robot("n:", body))
-    assert "counts up by 1, 3 times since tick 4, from 1 (2.)" in lines(count)
-    assert (begin.value, begin.tick, begin.until) == (1, 2, 3)
-
-
-async def test_what_is_made_from_itself_in_each_tick_is_one_link_too(level: Level) -> None:
-    body = "x = (if sensor.clock == 2 then 64 else memory.x / 2)"
-    half, begin = await links(level, "memory.x", text=robot("x:", body))
-    assert "changes in each tick since tick 3, from 64.0 (2.)" in lines(half)
-    assert begin.tick == 2
+@pytest.mark.parametrize(
+    ("made", "said", "begun"),
+    [
+        (
+            "(if sensor.clock == 2 then 20 else memory.n - 1)",
+            "counts down by 1 since tick 3, from 20 (2.)",
+            (20, 2, 2),
+        ),
+        (
+            "(if sensor.clock in [2, 4, 5, 8] then Coalesce(memory.n, 0) + 1 else memory.n)",
+            "counts up by 1, 3 times since tick 4, from 1 (2.)",
+            (1, 2, 3),
+        ),
+        (
+            "(if sensor.clock == 2 then 64 else memory.n / 2)",
+            "changes in each tick since tick 3, from 64.0 (2.)",
+            (64, 2, 2),
+        ),
+    ],
+    ids=["a counter", "a counter with pauses", "what is made from itself in each tick"],
+)
+async def test_what_counts_is_one_link_that_goes_on_before_its_steps(
+    level: Level, made: str, said: str, begun: tuple[Value, int, int]
+) -> None:
+    count, begin = await links(level, "memory.n", text=robot("n:", f"n = {made}"))
+    assert said in lines(count)
+    assert stretch(begin) == begun
+    if "down" in said:
+        assert count.steps is not None
+        assert (count.value, count.tick, count.steps.by, count.steps.since) == (13, 9, -1, 3)
+        assert count.began == 1
 
 
 async def test_a_value_that_follows_the_clock_is_not_a_counter(level: Level) -> None:
@@ -167,18 +163,13 @@ async def test_a_value_that_a_join_makes_equal_to_a_memory_comes_from_the_memory
     assert lines(copy)[-1] == f"copied from {at.robot}'s memory.at = 2 (2.)"
 
 
-async def test_a_value_that_is_there_before_anything_is_thought_is_from_the_start(
+async def test_a_value_that_nobody_wrote_is_from_the_start_or_since_the_first_thought(
     level: Level,
 ) -> None:
     text = "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}) :- Sensor(robot_name:);"
     (link,) = await links(level, "memory", text=text)
     assert (link.value, link.tick) == ("", 0)
     assert lines(link) == ["there from the start until tick 9"]
-
-
-async def test_a_value_that_nobody_ever_wrote_has_been_there_since_the_first_thought(
-    level: Level,
-) -> None:
     (link,) = await links(level, "memory.kept")
     assert (link.value, link.tick) == (None, 1)
 
@@ -192,19 +183,17 @@ async def test_an_element_of_a_list_is_followed_to_the_tick_that_added_it(level:
     """
     for place in ("[1]", "[-1]"):
         (link,) = await links(level, f"memory.all{place}", text=text)
-        assert (link.value, link.tick, link.until) == (5, 5, 9)
+        assert stretch(link) == (5, 5, 9)
         assert source(link).rule is not None
         assert lines(link)[0].endswith("by the rule in line 3")
 
 
 async def test_another_robots_memory_is_told_apart_and_followed(level: Level) -> None:
-    text = """
-    @Visible(Memory, "all");
-    Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {said:, heard:}) :-
-      Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
-      said = (if robot_name == "Bo" && sensor.clock == 3 then 7 else Coalesce(memory.said, 0)),
-      heard = Max{m.said :- Memory(memory: m)};
-    """
+    text = '@Visible(Memory, "all");' + robot(
+        "said:, heard:",
+        'said = (if robot_name == "Bo" && sensor.clock == 3 then 7 else Coalesce(memory.said, 0)),'
+        " heard = Max{m.said :- Memory(memory: m)}",
+    )
     heard, said = (await links(level, "memory.heard", text=text))[:2]
     assert (heard.robot, heard.value, heard.tick) == ("Ada", 7, 4)
     assert (said.robot, said.value, said.tick) == ("Bo", 7, 3)
@@ -233,32 +222,22 @@ async def test_an_engine_is_traced_through_functions_to_rays(level: Level) -> No
     assert lines(way)[-1].startswith("and from ")
 
 
-async def test_a_column_of_a_predicate_is_traced(level: Level) -> None:
-    found = await origin(level, subject("ray.distance", "Near"), text=RAYS)
-    (link,) = found.links
+async def test_a_column_of_a_predicate_and_a_function_are_traced(level: Level) -> None:
+    (link,) = (await origin(level, subject("ray.distance", "Near"), text=RAYS)).links
     (ray,) = link.inputs
     assert ray.read is not None
     assert part_of(ray.read.value, ("distance",)) == link.value
     assert lines(link)[0].startswith(f"read from {link.robot}'s ray ")
-
-
-async def test_a_function_is_traced_to_its_arguments(level: Level) -> None:
     found = await origin(level, subject("value.left_engine", "Speed", way=12), text=RAYS)
     assert [each.value for each in found.links] == [0.012]
 
 
 async def test_an_expression_and_a_variable_of_a_rule_are_traced(level: Level) -> None:
-    run = Run(level, Program.compile(PHASES))
-    name = level.robots[0].name
-    try:
-        seen = Subject(Ask(), "", variable="seen", value=2)
-        by_name = await origin_in_run(run, name, seen, 6)
-        span = source(by_name.links[0]).span
-        by_place = await origin_in_run(run, name, Subject(Ask(), "", span=span, value=2), 6)
-    finally:
-        await run.close()
+    by_name = await origin(level, Subject(Ask(), "", variable="seen", value=2), 6)
+    span = source(by_name.links[0]).span
     assert span is not None
     assert span.text == "Coalesce(memory.seen, 0) + 1"
+    by_place = await origin(level, Subject(Ask(), "", span=span, value=2), 6)
     assert by_place.links[0].name == span.text
     for found in (by_name, by_place):
         assert [each.tick for each in found.links] == [6, 2]
@@ -266,11 +245,9 @@ async def test_an_expression_and_a_variable_of_a_rule_are_traced(level: Level) -
 
 async def test_a_game_is_asked_with_the_program_that_decided(level: Level, play: Play) -> None:
     game = play(PHASES, level)
-    for _ in range(6):
-        await game.step()
+    await game.run_until(tick=6)
     game.use(Program.compile(PHASES.replace("fetch", "other")))
-    for _ in range(3):
-        await game.step()
+    await game.run_until(tick=9)
     found = await origin_in_game(game, level.robots[0].name, subject("memory.plan.phase"))
     (link,) = found.links
     assert (link.value, link.tick) == ("fetch", 4)
@@ -292,13 +269,10 @@ async def test_what_is_not_there_is_named(
         await origin(level, subject(value, predicate))
 
 
-@pytest.mark.parametrize("text", ["memory.", "memory[x]", "memory.a..b", ""])
-def test_what_names_no_part_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="is not a part"):
-        read_part(text)
-
-
-def test_the_path_of_a_part_can_be_written_and_read() -> None:
+def test_the_path_of_a_part_can_be_written_and_read_and_what_names_no_part_is_refused() -> None:
     assert read_part("memory.plan.seen[2].at") == ("memory", ("plan", "seen", 2, "at"))
     assert path_text(("plan", "seen", 2, "at")) == "memory.plan.seen[2].at"
     assert read_part("memory") == ("memory", ())
+    for text in ("memory.", "memory[x]", "memory.a..b", ""):
+        with pytest.raises(ValueError, match="is not a part"):
+            read_part(text)

@@ -12,21 +12,12 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.world import Level
-from tests.game.playing import hall
 from tests.game.test_run import entry, frames, known
 
 TICKS = 40  # a piece and some
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
-    return tmp_path / "cache" / "runs"
-
-
-@pytest.fixture
-def level(tmp_path: Path) -> Level:
-    return hall(tmp_path)
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.mark.sampled

@@ -17,21 +17,13 @@ from logical_robots_tui.game.history import recording
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.world import Level, load_level
-from tests.game.playing import BACKWARDS, COUNTER, hall
+from tests.game.playing import BACKWARDS, COUNTER
 from tests.waiting import PATIENCE
 
 TICKS = 75  # two pieces and some
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
-    return tmp_path / "cache" / "runs"
-
-
-@pytest.fixture
-def level(tmp_path: Path) -> Level:
-    return hall(tmp_path)
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def entry(folder: Path) -> Path:
