@@ -59,17 +59,15 @@ async def test_a_run_that_is_taken_back_between_two_ticks_ends_with_victory_agai
     assert (hall_game.frame.tick, beyond) == (won_at, 1)
 
 
-async def test_every_tick_of_a_run_is_restored_exactly(hall_game: Game) -> None:
+async def test_every_tick_of_a_run_is_restored_exactly_and_restarting_begins_anew(
+    hall_game: Game,
+) -> None:
     frames = [hall_game.frame]
     hall_game.listen(frames.append)
     await hall_game.run_until(tick=30)
     assert [hall_game.frame_at(t) for t in range(31)] == frames
-    for expected in reversed(frames[:-1]):
+    for expected in [*reversed(frames[:-1]), frames[0]]:
         assert hall_game.back() == expected
-    assert hall_game.back() == frames[0]
-
-
-async def test_restarting_begins_anew_with_the_same_program(hall_game: Game) -> None:
     await hall_game.run_until(tick=9)
     start = hall_game.restart()
     assert (start.tick, start.memories) == (0, {"Ada": "", "Bo": ""})
@@ -87,14 +85,18 @@ async def test_history_forgets_the_oldest_ticks(play: Play) -> None:
         short.frame_at(3)
 
 
-async def test_a_tick_of_a_run_that_is_over_is_dropped(play: Play) -> None:
+async def test_a_tick_of_a_run_that_is_over_is_dropped_and_one_may_be_cancelled(play: Play) -> None:
     slow = play(SLOW)
-    step = asyncio.create_task(slow.step())
-    await asyncio.sleep(0)
-    slow.restart()
-    with pytest.raises(Superseded):
-        await step
-    assert slow.frame.tick == 0
+    for end in (lambda _: slow.restart(), asyncio.Task.cancel):
+        step = asyncio.create_task(slow.step())
+        await asyncio.sleep(0)
+        end(step)
+        with pytest.raises((Superseded, asyncio.CancelledError)):
+            await step
+        assert step.cancelled() == (end is asyncio.Task.cancel)
+        assert slow.frame.tick == 0
+    slow.use(Program.compile(COUNTER))
+    assert (await slow.step()).tick == 1
 
 
 async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(play: Play) -> None:
@@ -108,17 +110,6 @@ async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(play: P
         slow.pause()
     await running
     assert slow.frame.tick == 0
-    slow.use(Program.compile(COUNTER))
-    assert (await slow.step()).tick == 1
-
-
-async def test_cancelling_a_step_leaves_the_game_where_it_was(play: Play) -> None:
-    slow = play(SLOW)
-    step = asyncio.create_task(slow.step())
-    await asyncio.sleep(0)
-    step.cancel()
-    with pytest.raises(asyncio.CancelledError):
-        await step
     slow.use(Program.compile(COUNTER))
     assert (await slow.step()).tick == 1
 
@@ -228,8 +219,8 @@ async def test_ticks_that_ran_flat_out_are_not_waited_for_later() -> None:
     assert clock.now() - began == pytest.approx(0.025)
 
 
-async def test_speeds_go_from_slow_motion_to_flat_out(hall_game: Game) -> None:
-    pace = hall_game.pace
+async def test_speeds_go_from_slow_motion_to_flat_out() -> None:
+    pace = Pace(FLAT_OUT, VirtualClock())
     for _ in range(20):
         pace.slower()
     assert pace.speed == 1.0

@@ -213,13 +213,12 @@ async def test_a_new_robot_thinks_from_the_next_tick_on_and_marks_know_who(play:
     await played.run_until(tick=40)
     level = with_robot(played.level, "Cy")
     frame = played.change_level(level)
-    assert frame.decisions == ()
-    assert frame.memories == {"Cy": "", "Ada": 40, "Bo": 40}
+    assert (frame.decisions, frame.memories) == ((), {"Cy": "", "Ada": 40, "Bo": 40})
     while played.frame.tick < 120:
         await played.step()
     assert played.frame.memories == {"Cy": 80, "Ada": 120, "Bo": 120}
-    memory = [mark for mark in played.history.marks.at(60) if mark.kind == "memory"]
-    assert set(memory[0].names) == {"Ada", "Bo", "Cy"}
+    memory = next(mark for mark in played.history.marks.at(60) if mark.kind == "memory")
+    assert set(memory.names) == {"Ada", "Bo", "Cy"}
     assert played.history.marks.nearest(0, 1, (), "Cy") == 41
     played.change_level(without_robot(level, 1))
     while played.frame.tick < 130:

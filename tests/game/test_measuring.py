@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -12,12 +11,7 @@ import pytest
 
 from benchmarks.reference import measure_reference
 from logical_robots_tui import Program, list_levels, load_level
-from logical_robots_tui.game import (
-    level_key,
-    load_program,
-    measuring,
-    reference_for,
-)
+from logical_robots_tui.game import level_key, load_program, measuring, reference_for
 from logical_robots_tui.game.measuring import (
     Trial,
     measure,
@@ -32,19 +26,13 @@ from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import Level
-from tests.game.playing import Play
+from tests.game.playing import SLOW, Play
 from tests.short import AHEAD
 from tests.short import LEVEL as SHORT
 from tests.waiting import until
 
 STILL = """\
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 1) :- Sensor(robot_name:);
-"""
-SLOW = """
-N(x) :- x in Range(3000);
-Big(s? += a * b) distinct :- N(a), N(b), N(c);
-Robot(robot_name:, desire: {left_engine: s, right_engine: 0}, memory: 1) :-
-  Sensor(robot_name:), Big(s:);
 """
 
 
@@ -83,17 +71,21 @@ async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back
     history = game.history
     for _ in range(10):
         await game.step()
-    driven = math.dist((12, 12.5), (game.frame.after.robots[0].x, 12.5))
+    driven = game.frame.after.robots[0].x - 12
     assert history.driven(10) == pytest.approx(driven)
     game.go_to(4)
     game.use(Program.compile(STILL))
     await game.step()
     assert history.driven(5) == history.driven(4) == pytest.approx(driven * 0.4)
-    assert [(tick, each.text) for tick, each in history.programs(4)] == [(1, AHEAD)]
-    assert [(tick, each.text) for tick, each in history.programs(5)] == [(1, AHEAD), (5, STILL)]
+
+    def programs(up_to: int) -> list[tuple[int, str]]:
+        return [(tick, program.text) for tick, program in history.programs(up_to)]
+
+    assert programs(4) == [(1, AHEAD)]
+    assert programs(5) == [(1, AHEAD), (5, STILL)]
     game.restart()
     await game.step()
-    assert [(tick, each.text) for tick, each in history.programs(1)] == [(1, STILL)]
+    assert programs(1) == [(1, STILL)]
     assert history.driven(1) == 0
 
 
@@ -134,12 +126,10 @@ def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Le
 
 def test_starts_are_tried_one_by_one_and_can_be_stopped(level: Level) -> None:
     program = Program.compile(AHEAD)
-    told: list[tuple[int, int]] = []
-    wins = try_starts(
-        level, program, 200, starts=5, report=lambda tried, won: told.append((tried, won))
-    )
-    assert [tried for tried, _ in told] == [1, 2, 3, 4, 5]
-    assert told[-1][1] == wins
+    told: dict[int, int] = {}
+    wins = try_starts(level, program, 200, starts=5, report=told.__setitem__)
+    assert list(told) == [1, 2, 3, 4, 5]
+    assert told[5] == wins
     stop = threading.Event()
     with pytest.raises(Stopped):
         try_starts(level, program, 200, stop=stop, report=lambda _tried, _won: stop.set())

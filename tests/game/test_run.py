@@ -6,6 +6,8 @@ import asyncio
 import os
 import subprocess
 import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,24 +33,29 @@ def entry(folder: Path) -> Path:
     return path
 
 
+@asynccontextmanager
+async def opened(
+    level: Level, text: str = COUNTER, limits: Limits | None = None
+) -> AsyncIterator[Run]:
+    run = Run(level, Program.compile(text), limits=limits)
+    try:
+        yield run
+    finally:
+        await run.close()
+
+
 async def frames(
     level: Level, ticks: int = TICKS, text: str = COUNTER, limits: Limits | None = None
 ) -> list[Frame]:
     """The frames of a run that is opened and closed."""
-    run = Run(level, Program.compile(text), limits=limits)
-    try:
+    async with opened(level, text, limits) as run:
         return [frame async for frame in run.each(0, ticks, lambda frame, _mind, _stop: frame)]
-    finally:
-        await run.close()
 
 
 async def known(level: Level, text: str = COUNTER) -> int:
     """How many ticks are known to a run that is just opened."""
-    run = Run(level, Program.compile(text))
-    try:
+    async with opened(level, text) as run:
         return run.last
-    finally:
-        await run.close()
 
 
 async def played(level: Level, ticks: int, text: str = COUNTER) -> list[Frame]:
@@ -94,22 +101,20 @@ async def test_a_run_goes_on_where_an_earlier_one_ended(level: Level) -> None:
 
 async def test_a_tick_is_reached_in_any_order(level: Level) -> None:
     expected = await played(level, TICKS)
-    run = Run(level, Program.compile(COUNTER))
-    for tick in (70, 3, 0, 33, 32, 31, TICKS):
-        assert await run.frame(tick) == expected[tick]
-    await run.close()
+    async with opened(level) as run:
+        for tick in (70, 3, 0, 33, 32, 31, TICKS):
+            assert await run.frame(tick) == expected[tick]
 
 
 async def test_it_is_told_how_far_a_run_has_come(level: Level) -> None:
     told: list[int] = []
-    run = Run(level, Program.compile(COUNTER))
-    await run.frame(300, told.append)
-    assert told[-1] == 300
-    assert told == sorted(told)
-    told.clear()
-    await run.frame(200, told.append)
-    assert not told
-    await run.close()
+    async with opened(level) as run:
+        await run.frame(300, told.append)
+        assert told[-1] == 300
+        assert told == sorted(told)
+        told.clear()
+        await run.frame(200, told.append)
+        assert not told
 
 
 async def test_every_value_that_a_robot_may_remember_comes_back(level: Level) -> None:
@@ -129,28 +134,25 @@ async def test_every_value_that_a_robot_may_remember_comes_back(level: Level) ->
 async def test_all_that_a_run_depends_on_is_in_its_key(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    program = Program.compile(COUNTER)
+    def key(other: Level = level, text: str = COUNTER, limits: Limits | None = None) -> str:
+        return run_key(other, Program.compile(text), limits or Limits())
+
     ada, *others = level.robots
     keys = [
-        run_key(level, program, Limits()),
-        run_key(level, program, Limits(think_rows=9)),
-        run_key(level, Program.compile(BACKWARDS), Limits()),
-        run_key(replace(level, walls=~level.walls), program, Limits()),
-        run_key(replace(level, areas=()), program, Limits()),
-        run_key(replace(level, robots=(replace(ada, x=41.0), *others)), program, Limits()),
+        key(),
+        key(limits=Limits(think_rows=9)),
+        key(text=BACKWARDS),
+        key(replace(level, walls=~level.walls)),
+        key(replace(level, areas=())),
+        key(replace(level, robots=(replace(ada, x=41.0), *others))),
     ]
+    await frames(level, 5)
+    assert await known(level) == 5
     monkeypatch.setattr(running, "simulation_digest", lambda: b"as it will be")
-    keys.append(run_key(level, program, Limits()))
+    assert await known(level) == 0  # a recording by other code is not looked at
+    keys.append(key())
     assert len(set(keys)) == len(keys)
-    assert run_key(replace(level, title="New"), program, Limits()) == keys[-1]
-
-
-async def test_a_recording_by_other_code_is_not_looked_at(
-    level: Level, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    await frames(level)
-    monkeypatch.setattr(running, "simulation_digest", lambda: b"as it will be")
-    assert await known(level) == 0
+    assert key(replace(level, title="New")) == keys[-1]
 
 
 async def test_of_a_run_that_is_too_long_the_first_ticks_are_kept(
@@ -169,16 +171,15 @@ async def test_what_is_held_in_memory_is_bounded_and_what_is_dropped_computed_an
     expected = await frames(level, 500)
     monkeypatch.setattr(recording, "MAX_BYTES", 4_000)
     monkeypatch.setattr(recording, "MAX_HELD_BYTES", 8_000)
-    run = Run(level, Program.compile(COUNTER))
-    assert [frame async for frame in run.each(0, 500, lambda frame, *_: frame)] == expected
-    held = run._recording
-    assert sum(len(piece.content) for piece in held._pieces) <= 8_000
-    in_gap = [tick for tick in range(500) if held.is_in_gap(tick)]
-    assert in_gap[0] > 31
-    assert in_gap == list(range(in_gap[0], in_gap[-1] + 1))
-    for tick in (in_gap[0], 500, in_gap[-1], in_gap[-1] + 1, 5, 499):
-        assert await run.frame(tick) == expected[tick]
-    await run.close()
+    async with opened(level) as run:
+        assert [frame async for frame in run.each(0, 500, lambda frame, *_: frame)] == expected
+        held = run._recording
+        assert sum(len(piece.content) for piece in held._pieces) <= 8_000
+        in_gap = [tick for tick in range(500) if held.is_in_gap(tick)]
+        assert in_gap[0] > 31
+        assert in_gap == list(range(in_gap[0], in_gap[-1] + 1))
+        for tick in (in_gap[0], 500, in_gap[-1], in_gap[-1] + 1, 5, 499):
+            assert await run.frame(tick) == expected[tick]
     assert await known(level) == in_gap[0] - 1
 
 
@@ -205,11 +206,9 @@ async def test_the_oldest_recordings_go_first(
 
 
 async def test_a_shorter_run_never_replaces_a_longer_one(level: Level) -> None:
-    short, long = (Run(level, Program.compile(COUNTER)) for _ in range(2))
-    await short.frame(10)
-    await long.frame(TICKS)
-    await long.close()
-    await short.close()
+    async with opened(level) as short, opened(level) as long:
+        await short.frame(10)
+        await long.frame(TICKS)
     assert await known(level) == TICKS
 
 
@@ -222,18 +221,16 @@ async def test_what_a_guard_ended_is_not_kept_nor_what_follows(level: Level) -> 
     limits = Limits(think_seconds=0.2, think_steps=10**12)
     found = await frames(level, 42, ENDLESS_AT_41, limits)
     assert [frame.is_reliable for frame in found] == [True] * 41 + [False] * 2
-    again = Run(level, Program.compile(ENDLESS_AT_41), limits=limits)
-    assert again.last == 40
-    await again.close()
+    async with opened(level, ENDLESS_AT_41, limits) as again:
+        assert again.last == 40
 
 
 async def test_what_took_too_many_steps_is_kept(level: Level) -> None:
     limits = Limits(think_steps=1_000_000)
     found = await frames(level, 44, ENDLESS_AT_41, limits)
     assert [len(frame.decisions[0].notices) for frame in found[1:]] == [0] * 40 + [1] * 4
-    again = Run(level, Program.compile(ENDLESS_AT_41), limits=limits)
-    assert (again.last, again.lasts) == (44, True)
-    await again.close()
+    async with opened(level, ENDLESS_AT_41, limits) as again:
+        assert (again.last, again.lasts) == (44, True)
 
 
 async def test_where_nothing_can_be_kept_a_run_just_runs(
