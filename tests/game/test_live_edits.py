@@ -61,11 +61,20 @@ EDITS: list[Callable[[Level], Level]] = [
 ]
 POSES: list[dict[str, Pose]] = [{}, {"Ada": (70, 20, 1.5)}, {"Bo": (20, 70, -1.0)}]
 
+edits = st.tuples(st.just("edit"), st.integers(0, len(EDITS) - 1), st.integers(0, len(POSES) - 1))
 deeds = st.one_of(
     st.tuples(st.just("step"), st.integers(1, 40), st.just(0)),
     st.tuples(st.just("go to"), st.integers(0, 200), st.just(0)),
-    st.tuples(st.just("edit"), st.integers(0, len(EDITS) - 1), st.integers(0, len(POSES) - 1)),
+    edits,
 )
+
+
+def edited(played: Game, edit: int, poses: int) -> Frame:
+    """Change the level under way, and put elsewhere who is still there."""
+    level = EDITS[edit](played.level)
+    names = {robot.name for robot in level.robots}
+    there = {name: pose for name, pose in POSES[poses].items() if name in names}
+    return played.change_level(level, there)
 
 
 async def reached(played: Game, tick: int) -> None:
@@ -109,12 +118,9 @@ def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
                 elif what == "go to":
                     seen(played.go_to(number % len(branch)))
                 else:
-                    level = EDITS[number](played.level)
-                    names = {robot.name for robot in level.robots}
-                    poses = {n: pose for n, pose in POSES[more].items() if n in names}
-                    frame = played.change_level(level, poses)
+                    frame = edited(played, number, more)
                     del branch[frame.tick :]
-                    branch.append((frame, level))
+                    branch.append((frame, played.level))
             seen(played.go_to(0))
             while played.frame.tick < len(branch) - 1:
                 await step()

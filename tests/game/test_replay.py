@@ -26,7 +26,7 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.world.level import alike
 from tests.damage import Change, changed, changes
 from tests.game.playing import BACKWARDS, Play, game
-from tests.game.test_live_edits import EDITS, LEVEL, POSES, counter
+from tests.game.test_live_edits import LEVEL, counter, edited, edits
 from tests.mind.hostile.bounds import bounded_memory, bounded_work
 
 
@@ -55,9 +55,13 @@ def backwards() -> Program:
     return Program.compile(BACKWARDS)
 
 
+def with_values(replay: Replay, **values: object) -> Replay:
+    return msgspec.structs.replace(replay, **values)
+
+
 deeds = st.one_of(
     st.tuples(st.just("run"), st.integers(1, 130), st.just(0)),
-    st.tuples(st.just("edit"), st.integers(0, len(EDITS) - 1), st.integers(0, len(POSES) - 1)),
+    edits,
     st.tuples(st.just("use"), st.sampled_from([0, 1]), st.just(0)),
 )
 
@@ -77,10 +81,7 @@ def test_whatever_was_done_comes_back_exactly(
             elif what == "use":
                 played.use((counter(), backwards())[number])
             else:
-                level = EDITS[number](played.level)
-                names = {robot.name for robot in level.robots}
-                poses = {n: pose for n, pose in POSES[more].items() if n in names}
-                played.change_level(level, poses)
+                edited(played, number, more)
         replay = load_replay(written(await kept(played), tmp_path_factory.mktemp("replay")))
         async with again(replay) as (other, verifier):
             assert verifier.difference is None
@@ -112,7 +113,7 @@ async def test_the_robots_do_what_they_did_whatever_the_program_would_do_now(pla
     await played.run_until(tick=30)
     replay = await kept(played)
     texts = (msgspec.structs.replace(replay.texts[0], text=BACKWARDS),)
-    async with again(msgspec.structs.replace(replay, texts=texts)) as (other, verifier):
+    async with again(with_values(replay, texts=texts)) as (other, verifier):
         assert verifier.difference == (1, "Ada decides differently.")
         assert other.go_to(30).after == played.frame.after
         other.go_to(10)
@@ -126,9 +127,8 @@ async def test_another_world_is_noticed_at_the_next_hash(play: Play) -> None:
     await played.run_until(tick=250)
     replay = await kept(played)
     assert list(replay.hashes) == [100, 200, 250]
-    async with again(
-        msgspec.structs.replace(replay, hashes={**replay.hashes, 200: b"12345678"})
-    ) as (_other, verifier):
+    other = with_values(replay, hashes={**replay.hashes, 200: b"12345678"})
+    async with again(other) as (_, verifier):
         assert verifier.difference == (200, "The state of the world differs.")
 
 
@@ -159,80 +159,79 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Replay:
     return asyncio.run(play())
 
 
-def packed(body: bytes, number: int = 2) -> bytes:
+FIRST_LINE = b"logical-robots replay 2\n"
+
+
+def packed(body: bytes, first_line: bytes = FIRST_LINE) -> bytes:
     content = lzma.compress(body, preset=0)
-    return b"logical-robots replay %d\n" % number + sha256(content).digest() + content
+    return first_line + sha256(content).digest() + content
 
 
-FALSE = {
-    "nothing": (b"", "its first line is wrong"),
-    "a text": (b"hello", "its first line is wrong"),
-    "a newer one": (b"logical-robots replay 3\nabc", "another version"),
-    "no end": (b"logical-robots replay 2\n" + bytes(40), "damaged"),
-    "not packed": (
-        b"logical-robots replay 2\n" + sha256(b"abc").digest() + b"abc",
-        "is not a replay file",
-    ),
-    "too long": (b"logical-robots replay 2\n" + bytes(64_000_000), "more than 64,000,000 bytes"),
-    "of another kind": (packed(msgspec.msgpack.encode([1, 2])), "is not a replay file"),
-    "deep": (packed(b"\x91" * 100_000), "is not a replay file"),
-}
+FALSE = [
+    (b"", "its first line is wrong"),
+    (b"hello", "its first line is wrong"),
+    (b"logical-robots replay 3\nabc", "another version"),
+    (FIRST_LINE + bytes(40), "damaged"),
+    (FIRST_LINE + sha256(b"abc").digest() + b"abc", "is not a replay file"),
+    (FIRST_LINE + bytes(64_000_000), "more than 64,000,000 bytes"),
+    (packed(msgspec.msgpack.encode([1, 2])), "is not a replay file"),
+    (packed(b"\x91" * 100_000), "is not a replay file"),
+]
 
 
-@pytest.mark.parametrize("what", FALSE)
-def test_what_is_not_a_replay_is_refused_in_a_sentence(tmp_path: Path, what: str) -> None:
-    content, reason = FALSE[what]
+def test_what_is_not_a_replay_is_refused_in_a_sentence(tmp_path: Path) -> None:
     path = tmp_path / "false.replay"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=reason) as caught:
+    with pytest.raises(InputError, match="can't be read"):
         load_replay(path)
-    assert caught.value.place == str(path)
+    for content, reason in FALSE:
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=reason) as caught:
+            load_replay(path)
+        assert caught.value.place == str(path)
 
 
 MANY = 1_500_000
 STATE = {"tick": 0, "robots": [], "areas": [], "won_at": None, "tallies": []}
 STAGE = {"level": "", "state": STATE, "memories": "{}", "is_decided": False, "desires": []}
 ROBOT = dict.fromkeys(("x", "y", "angle", "battery_level", "left_engine", "right_engine"), 1)
-
-
 TEAMS = f"# teams: {json.dumps(dict.fromkeys(range(7_000), 0))}"
 
 
-def bomb(number: int = 2, **values: object) -> bytes:
+def bomb(first_line: bytes = FIRST_LINE, **values: object) -> bytes:
     parts = {"name": "", "last": 1, "stages": [STAGE], "texts": [], "hashes": {}}
-    return packed(msgspec.msgpack.encode({**parts, **values}), number)
+    return packed(msgspec.msgpack.encode({**parts, **values}), first_line)
+
+
+def in_stage(**values: object) -> bytes:
+    return bomb(stages=[{**STAGE, **values}])
+
+
+def in_state(**values: object) -> bytes:
+    return in_stage(state={**STATE, **values})
 
 
 BOMBS = {
     "zeros": lambda: packed(bytes(300_000_000)),
     "stages": lambda: bomb(stages=[STAGE] * MANY),
-    "robots": lambda: bomb(
-        stages=[{**STAGE, "state": {**STATE, "robots": [{"name": "A", **ROBOT}] * 300_000}}]
-    ),
-    "visitors": lambda: bomb(
-        stages=[
-            {**STAGE, "state": {**STATE, "areas": [{"name": "A", "visitors": ["ab"] * 9 * MANY}]}}
-        ]
-    ),
-    "tallies": lambda: bomb(stages=[{**STAGE, "state": {**STATE, "tallies": [[]] * 20 * MANY}}]),
-    "desires": lambda: bomb(stages=[{**STAGE, "desires": [b"ab"] * 7 * MANY}]),
+    "robots": lambda: in_state(robots=[{"name": "A", **ROBOT}] * 300_000),
+    "visitors": lambda: in_state(areas=[{"name": "A", "visitors": ["ab"] * 9 * MANY}]),
+    "tallies": lambda: in_state(tallies=[[]] * 20 * MANY),
+    "desires": lambda: in_stage(desires=[b"ab"] * 7 * MANY),
     "desires of stages": lambda: bomb(stages=[{**STAGE, "desires": [b"ab"] * 1_000}] * 9_000),
     "hashes": lambda: bomb(hashes=dict.fromkeys(range(MANY), b"ab")),
     "texts": lambda: bomb(texts=[{"tick": 1, "name": "", "text": ""}] * MANY),
-    "teams": lambda: bomb(1, texts=[{"tick": 1, "name": "", "text": TEAMS}] * 450),
+    "teams": lambda: bomb(
+        b"logical-robots replay 1\n", texts=[{"tick": 1, "name": "", "text": TEAMS}] * 450
+    ),
     "ticks": lambda: bomb(last=900_000, stages=[{**STAGE, "desires": [bytes(14_400_000)]}]),
-    "memories": lambda: bomb(stages=[{**STAGE, "memories": f"[{'[],' * 9 * MANY}1]"}]),
+    "memories": lambda: in_stage(memories=f"[{'[],' * 9 * MANY}1]"),
 }
+SMALL = [what for what in BOMBS if what not in ("zeros", "stages", "hashes")]
+LARGE = [pytest.param(what, marks=pytest.mark.slow) for what in ("zeros", "stages", "hashes")]
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize(
-    "what",
-    [
-        pytest.param(what, marks=[pytest.mark.slow] * (what in ("zeros", "stages", "hashes")))
-        for what in BOMBS
-    ],
-)
+@pytest.mark.parametrize("what", [*SMALL, *LARGE])
 def test_what_unpacks_to_more_than_memory_should_hold_is_refused(what: str, tmp_path: Path) -> None:
     path = tmp_path / "bomb.replay"
     path.write_bytes(BOMBS[what]())
@@ -252,64 +251,53 @@ def test_a_run_that_is_too_large_for_a_replay_is_not_written(whole: Replay) -> N
         first_stage(whole, desires=(bytes(48_000_000),)).to_bytes()
 
 
-def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="can't be read"):
-        load_replay(tmp_path / "none.replay")
-
-
-def with_values(replay: Replay, **values: object) -> Replay:
-    return msgspec.structs.replace(replay, **values)
-
-
 def first_stage(replay: Replay, **values: object) -> Replay:
     first, *rest = replay.stages
     return with_values(replay, stages=(msgspec.structs.replace(first, **values), *rest))
 
 
-def moved(replay: Replay, x: float) -> Replay:
-    state = replay.stages[0].state
-    robots = (replace(state.robots[0], x=x), *state.robots[1:])
-    return first_stage(replay, state=replace(state, robots=robots))
-
-
-@pytest.mark.parametrize(
-    ("forge", "reason"),
-    [
-        (lambda it: with_values(it, stages=()), "out of bounds"),
-        (lambda it: with_values(it, last=10**9), "out of bounds"),
-        (lambda it: with_values(it, last=0), "out of bounds"),
-        (lambda it: with_values(it, stages=(it.stages[0], it.stages[0])), "out of order"),
-        pytest.param(
-            lambda it: with_values(it, stages=it.stages * 6000),
-            "length <= 10000",
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            lambda it: first_stage(it, level="#" * 40_000_000),
-            "too many levels",
-            marks=pytest.mark.slow,
-        ),
-        (lambda it: with_values(it, hashes={}), "hashes don't belong"),
-        (lambda it: with_values(it, hashes={**it.hashes, it.last + 1: bytes(8)}), "hashes don't"),
-        (lambda it: with_values(it, hashes={it.last: b"short"}), "hashes don't belong"),
-        (lambda it: with_values(it, texts=()), "out of order"),
-        (lambda it: with_values(it, texts=(it.texts[0], it.texts[0])), "out of order"),
-        (lambda it: first_stage(it, level="[[robots]]"), "is not a replay file"),
-        (lambda it: first_stage(it, desires=()), "don't act"),
-        (lambda it: first_stage(it, desires=(b"1", b"2")), "don't act"),
-        (lambda it: first_stage(it, is_decided=True), "does not fit"),
-        (lambda it: first_stage(it, memories="{}"), "does not fit"),
-        (lambda it: first_stage(it, memories="[1"), "is not a replay file"),
-        (lambda it: first_stage(it, memories="[" * 100_000), "is not a replay file"),
-        (lambda it: moved(it, float("nan")), "does not fit"),
-    ],
-)
-def test_a_forged_replay_is_refused(
-    tmp_path: Path, whole: Replay, forge: object, reason: str
-) -> None:
-    assert callable(forge)
+def is_refused(replay: Replay, reason: str, folder: Path) -> None:
     with pytest.raises(InputError, match=reason):
-        load_replay(written(forge(whole), tmp_path))
+        load_replay(written(replay, folder))
+
+
+def test_a_forged_replay_is_refused(tmp_path: Path, whole: Replay) -> None:
+    text, stage = whole.texts[0], whole.stages[0]
+    forged: list[tuple[dict[str, object], str]] = [
+        ({"stages": ()}, "out of bounds"),
+        ({"last": 10**9}, "out of bounds"),
+        ({"last": 0}, "out of bounds"),
+        ({"stages": (stage, stage)}, "out of order"),
+        ({"hashes": {}}, "hashes don't belong"),
+        ({"hashes": {**whole.hashes, whole.last + 1: bytes(8)}}, "hashes don't"),
+        ({"hashes": {whole.last: b"short"}}, "hashes don't belong"),
+        ({"texts": ()}, "out of order"),
+        ({"texts": (text, text)}, "out of order"),
+    ]
+    for values, reason in forged:
+        is_refused(with_values(whole, **values), reason, tmp_path)
+    forged_stages: list[tuple[dict[str, object], str]] = [
+        ({"level": "[[robots]]"}, "is not a replay file"),
+        ({"desires": ()}, "don't act"),
+        ({"desires": (b"1", b"2")}, "don't act"),
+        ({"is_decided": True}, "does not fit"),
+        ({"memories": "{}"}, "does not fit"),
+        ({"memories": "[1"}, "is not a replay file"),
+        ({"memories": "[" * 100_000}, "is not a replay file"),
+    ]
+    for values, reason in forged_stages:
+        is_refused(first_stage(whole, **values), reason, tmp_path)
+    ada, *others = stage.state.robots
+    nowhere = replace(stage.state, robots=(replace(ada, x=float("nan")), *others))
+    is_refused(first_stage(whole, state=nowhere), "does not fit", tmp_path)
+
+
+@pytest.mark.slow
+def test_a_replay_with_too_many_stages_or_too_large_a_level_is_refused(
+    tmp_path: Path, whole: Replay
+) -> None:
+    is_refused(with_values(whole, stages=whole.stages * 6000), "length <= 10000", tmp_path)
+    is_refused(first_stage(whole, level="#" * 40_000_000), "too many levels", tmp_path)
 
 
 @given(st.integers(0), st.integers(1, 255))
