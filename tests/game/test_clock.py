@@ -6,13 +6,12 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 
 from logical_robots_tui import Program, list_levels, load_level
-from logical_robots_tui.game import Frame
 from logical_robots_tui.game.measuring import LateError, play_through
+from logical_robots_tui.world.levels.native import read_native
 from tests.game.playing import Play
 from tests.short import AHEAD, LEVEL
 
@@ -66,12 +65,10 @@ def test_with_a_tenth_of_a_processor_a_run_is_the_same() -> None:
 
 @pytest.mark.usefixtures("late")
 async def test_from_the_tick_on_in_which_the_clock_ended_a_thought_nothing_is_reliable(
-    tmp_path: Path, play: Play
+    play: Play,
 ) -> None:
-    path = tmp_path / "short.toml"
-    path.write_text(LEVEL)
-    game = play(AHEAD, load_level(path))
-    frame: Frame = await game.run_until(tick=5)
+    game = play(AHEAD, read_native(LEVEL, "short", ""))
+    frame = await game.run_until(tick=5)
     assert frame.is_reliable
     history = game.history
     assert [history.is_reliable_up_to(tick) for tick in range(6)] == [True] * 3 + [False] * 3
@@ -81,8 +78,6 @@ async def test_from_the_tick_on_in_which_the_clock_ended_a_thought_nothing_is_re
 
 
 @pytest.mark.usefixtures("late")
-def test_no_measure_is_taken_from_a_run_in_which_the_clock_ended_a_thought(tmp_path: Path) -> None:
-    path = tmp_path / "short.toml"
-    path.write_text(LEVEL)
+def test_no_measure_is_taken_from_a_run_in_which_the_clock_ended_a_thought() -> None:
     with pytest.raises(LateError):
-        play_through(load_level(path), Program.compile(AHEAD), 100)
+        play_through(read_native(LEVEL, "short", ""), Program.compile(AHEAD), 100)

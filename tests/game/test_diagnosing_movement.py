@@ -2,51 +2,45 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from logical_robots_tui.game import Game
 from logical_robots_tui.game.diagnosing import Diagnosis
 from logical_robots_tui.mind import Program
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world.levels.native import read_native
+from tests.game.playing import HALL
 from tests.game.test_diagnosing import diagnosis_of, the
 
-
-async def without_door(tmp_path: Path, text: str) -> Diagnosis:
-    """What is said of 300 ticks in a hall without a way out."""
-    return await diagnosis_of(
-        Game(load_level(_without_door(tmp_path)), Program.compile(text)), ticks=300
-    )
+NO_DOOR = read_native(HALL.split("[[areas]]")[0], "no door", "")
 
 
-async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of(
-    tmp_path: Path,
-) -> None:
+async def without_door(text: str, ticks: int = 300) -> Diagnosis:
+    """What is said of some ticks in a hall without a way out."""
+    return await diagnosis_of(Game(NO_DOOR, Program.compile(text)), ticks)
+
+
+async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of() -> None:
     for left, right, kind, words in (
         (0, 0, "still", "Ada stood still from tick 1 to 300"),
         (1, -1, "circle", "Ada goes round in a circle of"),
         (1, 1, "blocked", "Ada was blocked from tick"),
     ):
-        text = (
-            "Go() =\n"
-            f"  {{left_engine: {left}, right_engine: {right}}};\n"
-            "Robot(robot_name:, desire: Go(),\n"
-            '  memory: "") :- Sensor(robot_name:);'
-        )
-        finding = the(await without_door(tmp_path, text), kind)
+        text = f"""Go() =
+  {{left_engine: {left}, right_engine: {right}}};
+Robot(robot_name:, desire: Go(),
+  memory: "") :- Sensor(robot_name:);"""
+        finding = the(await without_door(text), kind)
         assert finding.message.startswith(words)
         assert finding.span is not None
         assert finding.span.line == 3
         assert {span.line for span in finding.others} <= {1, 2}
 
 
-async def test_who_has_just_got_stuck_is_not_on_its_way(tmp_path: Path) -> None:
+async def test_who_has_just_got_stuck_is_not_on_its_way() -> None:
     text = "Robot(robot_name:, desire: {left_engine: E, right_engine: E}) :- Sensor(robot_name:);"
-    level = load_level(_without_door(tmp_path))
     for engine, is_on_way in (("0.1", True), ("1", False)):
-        game = Game(level, Program.compile(text.replace("E", engine)))
-        kinds = {each.kind for each in (await diagnosis_of(game, ticks=200)).findings}
+        found = await without_door(text.replace("E", engine), ticks=200)
+        kinds = {each.kind for each in found.findings}
         assert ("unfinished" in kinds, "blocked" in kinds) == (is_on_way, False)
 
 
@@ -58,19 +52,14 @@ async def test_who_has_just_got_stuck_is_not_on_its_way(tmp_path: Path) -> None:
         pytest.param(2, "still", marks=pytest.mark.slow),
     ],
 )
-async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(
-    tmp_path: Path, last: int, kind: str
-) -> None:
+async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(last: int, kind: str) -> None:
     rules = [
-        f'Robot(robot_name:, memory: "", desire:) :- Sensor(robot_name:),\n  desire = {desire};'
-        for desire in (
-            "{left_engine: 1, right_engine: -1}",
-            "{left_engine: 1, right_engine: 1}",
-            "{left_engine: 0, right_engine: 0}",
-        )
+        'Robot(robot_name:, memory: "", desire:) :- Sensor(robot_name:),\n'
+        f"  desire = {{left_engine: {left}, right_engine: {right}}};"
+        for left, right in ((1, -1), (1, 1), (0, 0))
     ]
-    text = "\n".join([*rules[:last], *rules[last + 1 :], rules[last]])
-    finding = the(await without_door(tmp_path, text), kind)
+    rules.append(rules.pop(last))
+    finding = the(await without_door("\n".join(rules)), kind)
     assert finding.span is not None
     assert finding.span.line == 6
 
@@ -90,10 +79,8 @@ Robot(robot_name: "Bo", desire:, memory: "") :- Worker(robot_name: "Bo", desire:
 """
 
 
-async def test_who_stands_still_does_so_by_the_rule_that_gave_its_row_copied_or_not(
-    tmp_path: Path,
-) -> None:
-    finding = the(await without_door(tmp_path, COPIES), "still")
+async def test_who_stands_still_does_so_by_the_rule_that_gave_its_row_copied_or_not() -> None:
+    finding = the(await without_door(COPIES), "still")
     assert finding.robot == "Ada"
     assert finding.span is not None
     assert (finding.span.line, finding.span.text) == (8, "Stop()")
@@ -109,21 +96,10 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {state:, n
 """
 
 
-async def test_who_makes_no_progress_in_a_state_is_told_of_where_the_state_is_set(
-    tmp_path: Path,
-) -> None:
-    (finding,) = (
-        each for each in (await without_door(tmp_path, STATES)).findings if each.kind == "unchanged"
-    )
+async def test_who_makes_no_progress_in_a_state_is_told_of_where_the_state_is_set() -> None:
+    found = await without_door(STATES)
+    (finding,) = (each for each in found.findings if each.kind == "unchanged")
     assert finding.message == 'Ada\'s memory.state stayed "wait" from tick 1 to 300.'
     assert finding.span is not None
     assert finding.span.line == 7
     assert 5 in {span.line for span in finding.others}
-
-
-def _without_door(tmp_path: Path) -> Path:
-    from tests.game.playing import HALL
-
-    path = tmp_path / "no-door.toml"
-    path.write_text(HALL.split("[[areas]]")[0], encoding="utf-8")
-    return path

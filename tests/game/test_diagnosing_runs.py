@@ -6,11 +6,12 @@ import asyncio
 
 import pytest
 
-from logical_robots_tui.game import Game, Run, diagnosing
-from logical_robots_tui.game import diagnosing as scanning
-from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, diagnose_run, extent
+from logical_robots_tui.game import Game, diagnosing
+from logical_robots_tui.game.diagnosing import Diagnosis, diagnose_run, extent
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Level
+from tests.game.test_diagnosing import diagnosis_of
+from tests.game.test_run import opened
 
 TICKS = 120
 TEXT = """
@@ -28,21 +29,13 @@ pytestmark = pytest.mark.usefixtures("folder")
 
 
 async def of_run(level: Level, ticks: int = TICKS) -> tuple[Diagnosis, list[Diagnosis]]:
-    run = Run(level, Program.compile(TEXT))
     shown: list[Diagnosis] = []
-    try:
+    async with opened(level, TEXT) as run:
         return await diagnose_run(run, ticks, show=shown.append), shown
-    finally:
-        await run.close()
 
 
 async def of_game(level: Level) -> Diagnosis:
-    game = Game(level, Program.compile(TEXT))
-    try:
-        await game.run_until(tick=TICKS)
-        return await diagnose(game)
-    finally:
-        await game.close()
+    return await diagnosis_of(Game(level, Program.compile(TEXT)), TICKS)
 
 
 async def test_a_run_is_diagnosed_as_that_of_a_game_and_what_was_found_is_kept(
@@ -64,16 +57,9 @@ async def test_a_run_is_diagnosed_as_that_of_a_game_and_what_was_found_is_kept(
 
 
 async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level: Level) -> None:
-    program = Program.compile(
-        "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: 1) :-\n"
-        "  Sensor(robot_name:);"
-    )
-    run = Run(level, program)
-    try:
+    async with opened(level) as run:
         frame = await run.frame(200)
         found = await diagnose_run(run, 300)
-    finally:
-        await run.close()
     assert frame.after.won_at is not None
     assert found.last == found.won_at == frame.after.won_at
 
@@ -87,7 +73,7 @@ async def test_without_the_second_process_it_takes_longer(
     def refuse(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr(scanning, "Helper", refuse)
+    monkeypatch.setattr(diagnosing, "Helper", refuse)
     assert (await of_run(level))[0].findings == expected.findings
 
 
@@ -95,7 +81,6 @@ async def test_what_was_found_before_it_is_stopped_is_kept(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(diagnosing, "_SECONDS", 0.0)
-    run = Run(level, Program.compile(TEXT))
     shown: list[Diagnosis] = []
     some = asyncio.Event()
 
@@ -103,12 +88,10 @@ async def test_what_was_found_before_it_is_stopped_is_kept(
         shown.append(found)
         some.set()
 
-    try:
+    async with opened(level, TEXT) as run:
         task = asyncio.create_task(diagnose_run(run, TICKS, show=show))
         await some.wait()
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
             await task
-    finally:
-        await run.close()
     assert "of these ticks were examined." in extent(shown[-1])

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.game import Matches, Run, find_matches
+from logical_robots_tui.game import Matches, find_matches
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.world import Level
 from tests.game.playing import COUNTER
+from tests.game.test_run import opened
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 QUERY = f"{CLOCK}t in [3, 4, 9]"
@@ -25,19 +26,16 @@ async def found(
     level: Level, query: str = QUERY, ticks: int = 20, robot: str = "", text: str = COUNTER
 ) -> Matches:
     program = Program.compile(text)
-    run = Run(level, program, limits=Limits(think_seconds=0.3))
-    try:
+    async with opened(level, text, Limits(think_seconds=0.3)) as run:
         return await find_matches(run, program.question(query), ticks, robot)
-    finally:
-        await run.close()
 
 
-def kept(folder: Path) -> int:
-    return len(list(folder.glob("*.when")))
+def kept(folder: Path) -> list[Path]:
+    return list(folder.glob("*.when"))
 
 
 def entry(folder: Path) -> Path:
-    (path,) = folder.glob("*.when")
+    (path,) = kept(folder)
     return path
 
 
@@ -60,22 +58,16 @@ async def test_another_question_robot_or_number_of_ticks_is_asked(level: Level) 
     assert (await found(level, here, robot="Ada")).stretches == ()
 
 
-FORGED = [
-    {"ticks": 20, "won_at": None, "stretches": [[3, 99]]},
-    {"ticks": 20, "won_at": None, "stretches": [[9, 3]]},
-    {"ticks": 20, "won_at": None, "stretches": [[0, 3]]},
-    {"ticks": 20, "won_at": None, "stretches": [["3", 4]]},
-    {"ticks": 20, "won_at": None, "stretches": [[3, 4, 5]]},
-    {"ticks": 20, "stretches": []},
-    [],
-]
+FALSE = ([3, 99], [9, 3], [0, 3], ["3", 4], [3, 4, 5])
+FORGED = [{"ticks": 20, "won_at": None, "stretches": [stretch]} for stretch in FALSE]
 
 
 async def test_a_false_or_damaged_answer_is_dropped(level: Level, folder: Path) -> None:
     await found(level)
     path = entry(folder)
     content = path.read_bytes()
-    bodies = [json.dumps(forged).encode() for forged in FORGED]
+    forged = [*FORGED, {"ticks": 20, "stretches": []}, []]
+    bodies = [json.dumps(each).encode() for each in forged]
     written = [
         hashlib.sha256(path.stem.encode() + body).hexdigest().encode() + b"\n" + body
         for body in bodies
@@ -106,7 +98,7 @@ async def test_what_failed_may_hold_another_time_and_is_not_kept(
     assert matches.stretches == ((1, 1), (3, 5))
     assert matches.failed == ((2, 2),)
     assert "neither a record nor a list" in matches.reason
-    assert kept(folder) == 0
+    assert kept(folder) == []
 
 
 @pytest.mark.slow
@@ -118,4 +110,4 @@ async def test_nothing_is_kept_of_a_run_with_a_thought_that_was_cut_off(
         "left_engine: 1,", "left_engine: (if n == 5 then Sum{s :- Big(s:)} else 1),"
     )
     assert (await found(level, text=text)).stretches == FOUND.stretches
-    assert kept(folder) == 0
+    assert kept(folder) == []

@@ -42,11 +42,12 @@ def teams(red: str, blue: str) -> Program:
 
 
 async def test_each_team_follows_its_own_program(match: Level, play: Play) -> None:
-    game = play(teams(COUNTER, BACKWARDS), match)
-    frame = await game.run_until(tick=5)
-    ada, bo, cy = frame.after.robots
-    assert (ada.x, bo.x, cy.x) == (45, 35, 65)
+    program = teams(COUNTER, BACKWARDS)
+    frame = await play(program, match).run_until(tick=5)
+    assert [robot.x for robot in frame.after.robots] == [45, 35, 65]
     assert [decision.robot_name for decision in frame.decisions] == ["Ada", "Bo", "Cy"]
+    assert play_through(match, program, 30).won_at is None  # the quick loop thinks alike
+    assert play_through(match, Program.compile(COUNTER), 100).won_at is not None
 
 
 async def test_nothing_but_the_team_looked_at_is_visible(match: Level, play: Play) -> None:
@@ -85,8 +86,7 @@ async def test_looking_at_another_team_changes_nothing(match: Level, play: Play)
 
 async def test_one_program_may_play_every_team(match: Level, play: Play) -> None:
     alone = NOSY[: NOSY.index('Robot(robot_name: "Bo"')]
-    game = play(alone, match)
-    frame = await game.step()
+    frame = await play(alone, match).step()
     two, one = {"others": 2, "seen": 2}, {"others": 1, "seen": 1}
     assert frame.memories == {"Ada": two, "Bo": one, "Cy": two}
 
@@ -94,8 +94,7 @@ async def test_one_program_may_play_every_team(match: Level, play: Play) -> None
 async def test_a_team_that_uses_up_its_budget_costs_the_other_nothing(
     match: Level, play: Play
 ) -> None:
-    limits = Limits(think_steps=300_000)
-    game = play(teams(SLOW, COUNTER), match, limits=limits)
+    game = play(teams(SLOW, COUNTER), match, limits=Limits(think_steps=300_000))
     frame = await game.run_until(tick=3)
     assert frame.memories["Bo"] == 3
     assert not frame.decisions[1].notices
@@ -122,14 +121,7 @@ async def test_a_team_that_floods_its_memory_costs_the_other_nothing(
     assert frame.decisions[0].notices
 
 
-def test_the_quick_loop_thinks_alike(match: Level) -> None:
-    played = play_through(match, teams(COUNTER, BACKWARDS), 30)
-    assert played.won_at is None
-    assert play_through(match, Program.compile(COUNTER), 100).won_at is not None
-
-
-SCORE = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
-SCORED = "match = {ticks = 8}\n" + MATCH + SCORE
+SCORED = f'match = {{ticks = 8}}\n{MATCH}\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
 
 
 async def test_a_match_ends_and_may_go_on(tmp_path: Path, play: Play) -> None:
