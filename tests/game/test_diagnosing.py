@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from logical_robots_tui.explain.diagnosis.telling import Finding
+from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game import Game, Superseded
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import Program
@@ -39,8 +40,11 @@ def the_kinds(found: Diagnosis) -> list[str]:
     return [kind for kind, _ in told(found)]
 
 
-def the(found: Diagnosis, kind: str) -> Finding:
-    return next(each for each in found.findings if each.kind == kind)
+def the(found: Diagnosis, kind: str) -> tuple[Finding, Span]:
+    """The first finding of a kind, and its place."""
+    finding = next(each for each in found.findings if each.kind == kind)
+    assert finding.span is not None
+    return finding, finding.span
 
 
 NO_MISTAKES = {
@@ -70,10 +74,9 @@ async def test_a_text_that_the_program_gives_itself_is_no_mistake(level: Level) 
 async def test_a_comparison_beside_an_equation_is_told_with_what_it_lacks(level: Level) -> None:
     text = f"""Robot(robot_name:, {ENGINES}, memory: short) :-
     Sensor(robot_name:, sensor:), short = sensor.forward_distance < 0;"""
-    found = the(await diagnosed(level, text), "no rows")
-    assert found.span is not None
-    assert found.span.text == "short = sensor.forward_distance < 0"
-    assert "at best short = sensor.forward_distance was" in found.message
+    finding, span = the(await diagnosed(level, text), "no rows")
+    assert span.text == "short = sensor.forward_distance < 0"
+    assert "at best short = sensor.forward_distance was" in finding.message
 
 
 WRONG = """Num(1); Num(2); One(1);
@@ -182,9 +185,8 @@ async def test_where_the_values_of_an_engine_that_is_null_came_from_is_told(leve
     Robot(robot_name:, memory: "",
       desire: {left_engine: Angle(sensor.radar, guide), right_engine: 0}) :-
       Sensor(robot_name:, sensor:), Guide(robot_name:, guide:);"""
-    finding = the(await diagnosed(level, text), "bad engine")
-    assert finding.span is not None
-    assert finding.span.line == 6
+    finding, span = the(await diagnosed(level, text), "bad engine")
+    assert span.line == 6
     assert {span.line for span in finding.others} == {1, 3, 4, 7}
 
 

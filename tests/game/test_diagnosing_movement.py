@@ -29,10 +29,9 @@ async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of()
   {{left_engine: {left}, right_engine: {right}}};
 Robot(robot_name:, desire: Go(),
   memory: "") :- Sensor(robot_name:);"""
-        finding = the(await without_door(text), kind)
+        finding, span = the(await without_door(text), kind)
         assert finding.message.startswith(words)
-        assert finding.span is not None
-        assert finding.span.line == 3
+        assert span.line == 3
         assert {span.line for span in finding.others} <= {1, 2}
 
 
@@ -59,9 +58,8 @@ async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(last: int, k
         for left, right in ((1, -1), (1, 1), (0, 0))
     ]
     rules.append(rules.pop(last))
-    finding = the(await without_door("\n".join(rules)), kind)
-    assert finding.span is not None
-    assert finding.span.line == 6
+    _, span = the(await without_door("\n".join(rules)), kind)
+    assert span.line == 6
 
 
 COPIES = """Near(ray) :- ray.distance < 0;
@@ -80,10 +78,8 @@ Robot(robot_name: "Bo", desire:, memory: "") :- Worker(robot_name: "Bo", desire:
 
 
 async def test_who_stands_still_does_so_by_the_rule_that_gave_its_row_copied_or_not() -> None:
-    finding = the(await without_door(COPIES), "still")
-    assert finding.robot == "Ada"
-    assert finding.span is not None
-    assert (finding.span.line, finding.span.text) == (8, "Stop()")
+    finding, span = the(await without_door(COPIES), "still")
+    assert (finding.robot, span.line, span.text) == ("Ada", 8, "Stop()")
 
 
 STATES = """Plan(state: "wait", limit: 9000, next: "go");
@@ -98,8 +94,8 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {state:, n
 
 async def test_who_makes_no_progress_in_a_state_is_told_of_where_the_state_is_set() -> None:
     found = await without_door(STATES)
-    (finding,) = (each for each in found.findings if each.kind == "unchanged")
+    assert [each.kind for each in found.findings].count("unchanged") == 1
+    finding, span = the(found, "unchanged")
     assert finding.message == 'Ada\'s memory.state stayed "wait" from tick 1 to 300.'
-    assert finding.span is not None
-    assert finding.span.line == 7
+    assert span.line == 7
     assert 5 in {span.line for span in finding.others}

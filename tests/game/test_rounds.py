@@ -38,12 +38,8 @@ def circle(tick: int) -> tuple[float, float, float]:
 
 
 def spiral(tick: int) -> tuple[float, float, float]:
-    angle = tick * math.tau / 300
-    return (
-        300 + (50 + tick / 20) * math.cos(angle),
-        300 + (50 + tick / 20) * math.sin(angle),
-        angle,
-    )
+    angle, radius = tick * math.tau / 300, 50 + tick / 20
+    return 300 + radius * math.cos(angle), 300 + radius * math.sin(angle), angle
 
 
 def to_and_fro(tick: int) -> tuple[float, float, float]:

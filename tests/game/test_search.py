@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.game import Breakpoint, Game, search_ticks
-from logical_robots_tui.mind import Program, ProgramError
-from tests.game.playing import COUNTER, hall
+from logical_robots_tui.mind import ProgramError
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 HERE = f"{CLOCK}t in [10, 11, 12, 40, 41, 77]"
 
 
 @pytest.fixture
-async def game(tmp_path: Path) -> AsyncIterator[Game]:
-    made = Game(hall(tmp_path), Program.compile(COUNTER))
-    await made.run_until(tick=100)
-    while made.frame.tick < 100:
-        await made.run_until(tick=100)
-    yield made
-    await made.close()
+async def game(hall_game: Game) -> Game:
+    while hall_game.frame.tick < 100:
+        await hall_game.run_until(tick=100)
+    return hall_game
 
 
 async def sought(game: Game, begin: int, way: int, query: str = HERE) -> int | None:

@@ -19,6 +19,7 @@ def test_a_program_is_read_from_a_path(tmp_path: Path) -> None:
     path.write_bytes("# Zoë\r\nA(1);\n".encode())
     source = load_program(path)
     assert (source.name, source.text, source.shipped) == ("mine", "# Zoë\nA(1);\n", False)
+    assert load_program(list_programs()[0]).shipped
 
 
 def test_own_programs_are_found_by_name_and_listed_after_the_shipped_ones(tmp_path: Path) -> None:
@@ -27,30 +28,30 @@ def test_own_programs_are_found_by_name_and_listed_after_the_shipped_ones(tmp_pa
     assert load_program("zz-mine", tmp_path).text == "A(1);"
 
 
-def test_a_shipped_program_is_marked_as_such() -> None:
-    assert load_program(list_programs()[0]).shipped
-
-
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
+def test_what_is_not_a_program_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "odd.l"
+    for content, words in (
         (b"\x7fELF\x00\x00", "binary file"),
         (b"A(1);\nB(\xff);", "line 2 is not UTF-8"),
         (b"x" * 1_000_001, "larger than 1 MB"),
+    ):
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=words):
+            load_program(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        (".", "is a folder"),
+        ("none.l", "There is no such program"),
+        ("x" * 300, "can't be read"),
     ],
+    ids=["a folder", "missing", "out of reach"],
 )
-def test_what_is_not_a_program_is_refused(tmp_path: Path, content: bytes, words: str) -> None:
-    path = tmp_path / "odd.l"
-    path.write_bytes(content)
+def test_a_path_that_leads_to_no_file_is_refused(tmp_path: Path, name: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        load_program(path)
-
-
-def test_a_folder_and_a_missing_file_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is a folder"):
-        load_program(tmp_path)
-    with pytest.raises(InputError, match="There is no such program"):
-        load_program(tmp_path / "none.l")
+        load_program(tmp_path / name)
 
 
 def test_a_pipe_is_waited_for_only_by_who_says_so(tmp_path: Path) -> None:
@@ -68,14 +69,9 @@ def test_a_pipe_is_waited_for_only_by_who_says_so(tmp_path: Path) -> None:
     writer.join(PATIENCE)
 
 
-def test_a_path_that_is_out_of_reach_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="can't be read"):
-        load_program(tmp_path / ("x" * 300))
+def test_a_name_that_there_is_not_is_refused_with_a_suggestion(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="There is no such program"):
         load_program("none", tmp_path / ("x" * 300))
-
-
-def test_a_misspelt_name_gets_a_suggestion(tmp_path: Path) -> None:
     save_program(tmp_path / "wanderer.l", "A(1);")
     with pytest.raises(InputError, match=r"Did you mean .wanderer."):
         load_program("wandrer", tmp_path)

@@ -9,46 +9,30 @@ import pytest
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.replay import Replay, _hash_of, load_replay
-from logical_robots_tui.world import WorldState, load_level
+from logical_robots_tui.world import Level, World, WorldState, load_level
 from logical_robots_tui.world.dynamics import points
 from logical_robots_tui.world.levels.native import read_native
-from tests.game.playing import COUNTER, HALL, Play, hall
+from tests.game.playing import COUNTER, HALL, Play
 from tests.game.test_replay import again, kept, written
 from tests.game.test_run import frames
 
-TEAMS = """
-[[teams]]
-name = "red"
-
-[[teams]]
-name = "blue"
-
-[match]
-ticks = 100
-
-[[scores]]
-kind = "hold"
-area = "Door"
-
-[[scores]]
-kind = "near"
-area = "Door"
-points = 10
-"""
-MATCH = (
+MATCH = """
+match = {ticks = 100}
+teams = [{name = "red"}, {name = "blue"}]
+scores = [{kind = "hold", area = "Door"}, {kind = "near", area = "Door", points = 10}]
+""" + (
     HALL.replace('name = "Ada"', 'name = "Ada"\nteam = "red"')
     .replace('name = "Bo"\nx = 40', 'name = "Bo"\nx = 30\nteam = "blue"')
     .replace('goal_for = ["Ada", "Bo"]', "")
-    + TEAMS
 )
 LEVEL = read_native(MATCH, "match", "")
 TICKS = 120
 
 
+@pytest.mark.usefixtures("folder")
 async def test_every_tick_of_a_match_comes_back_from_history_recording_and_replay(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, play: Play
+    tmp_path: Path, play: Play
 ) -> None:
-    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
     game = play(COUNTER, LEVEL)
     heard = [game.frame.after]
     game.listen(lambda frame: heard.append(frame.after))
@@ -94,11 +78,9 @@ async def test_a_replay_from_before_there_were_scores_is_still_read(play: Play) 
         assert verifier.difference is None
 
 
-def test_the_hash_of_a_world_without_a_score_is_what_it_always_was(tmp_path: Path) -> None:
-    from logical_robots_tui.world import World
-
+def test_the_hash_of_a_world_without_a_score_is_what_it_always_was(level: Level) -> None:
     world = World(load_level("11-the-gate"))
     world.act({})
     assert _hash_of(world.save()).hex() == "bc3d5dae889711ff"
     match = World(LEVEL)
-    assert _hash_of(match.save()) != _hash_of(World(hall(tmp_path)).save())
+    assert _hash_of(match.save()) != _hash_of(World(level).save())
