@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import closing
 from typing import NamedTuple
 
 import pytest
@@ -176,25 +177,11 @@ MISTAKES = [
 ]  # fmt: skip
 
 
-def text_of(mistake: Mistake) -> str:
-    head = HEAD if not mistake.rules else f"{mistake.rules} {HEAD}"
-    return f"{head}  {mistake.body};\n"
-
-
 def check(text: str) -> tuple[Diagnostic, ...]:
     try:
         return Program.compile(text).warnings
     except ProgramError as error:
         return error.diagnostics
-
-
-def run(text: str) -> object:
-    mind = Mind(Program.compile(text))
-    try:
-        (decision,) = mind.think([row("Ada")], {"Ada": ""})
-        return decision.memory
-    finally:
-        mind.close()
 
 
 def lines(explanation: Explanation) -> str:
@@ -209,7 +196,7 @@ def lines(explanation: Explanation) -> str:
 
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda each: each.body)
 def test_a_mistake_is_marked_or_explained(mistake: Mistake) -> None:
-    text = text_of(mistake)
+    text = f"{mistake.rules} {HEAD}".lstrip() + f"  {mistake.body};\n"
     found = check(text)
     place, _, said = mistake.mark.partition(" ")
     if mistake.mark:
@@ -222,7 +209,8 @@ def test_a_mistake_is_marked_or_explained(mistake: Mistake) -> None:
     if any(each.severity == "error" for each in found):
         assert not mistake.explained
         return
-    run(text)
+    with closing(Mind(Program.compile(text))) as mind:
+        mind.think([row("Ada")], {"Ada": ""})
     assert mistake.mark or mistake.explained
     if mistake.explained:
         told_why = lines(why(text, memories={"Ada": ""}))

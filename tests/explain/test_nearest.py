@@ -151,12 +151,8 @@ def ask(rules: str, robot: str = "Ada", **given: Value) -> tuple[str, tuple[Sugg
 
 
 def has_row(text: str, robot: str) -> bool:
-    mind = Mind(Program.compile(text))
-    try:
-        table = mind.query("Near", ROWS, MEMORIES)
-    finally:
-        mind.close()
-    return any(robot in row for row in table.rows)
+    with closing(Mind(Program.compile(text))) as mind:
+        return any(robot in row for row in mind.query("Near", ROWS, MEMORIES).rows)
 
 
 VARIANTS = {  # of another case
@@ -198,11 +194,8 @@ def test_nothing_else_is_advised(rules: str, sentences: list[str]) -> None:
 
 
 def test_the_smallest_change_comes_first() -> None:
-    _, found = ask(
-        "Near(robot_name:) :- Sensor(robot_name:, sensor:), ray in sensor.radar, "
-        'ray.label == "Wall";'
-    )
-    assert [each.change for each in found][:1] == ['"wall"']
+    _, found = ask(f'Near(robot_name:) :- {SEES}, ray.label == "Wall";')
+    assert found[0].change == '"wall"'
 
 
 def test_of_a_row_with_certain_values_the_changes_are_told_that_give_that_row() -> None:

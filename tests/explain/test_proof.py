@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.explain.asking import REST, below, find, proof
+from tests.explain.asking import below, find, proof
 
 
 def test_every_call_is_followed_down_to_what_was_sensed() -> None:
@@ -24,7 +24,7 @@ def test_every_call_is_followed_down_to_what_was_sensed() -> None:
 
 
 def test_depth_says_how_many_predicates_deep() -> None:
-    text = f"A(1); B(x) :- A(x); C(x) :- B(x);{REST}"
+    text = "A(1); B(x) :- A(x); C(x) :- B(x);"
     assert len(below(proof(text, "C").nodes[0], "rule")) == 3
     shallow = proof(text, "C", depth=2)
     assert len(below(shallow.nodes[0], "rule")) == 2
@@ -32,11 +32,10 @@ def test_depth_says_how_many_predicates_deep() -> None:
 
 
 def test_a_recursion_is_not_proved_by_itself() -> None:
-    text = f"""
+    text = """
     Edge(1, 2); Edge(2, 1);
     Reach(a:, b:) distinct :- Edge(a, b);
-    Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);
-    {REST}"""
+    Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
     found = proof(text, "Reach", given={"a": 1, "b": 1})
     (root,) = found.nodes
     assert found.complete
@@ -48,30 +47,26 @@ def test_a_recursion_is_not_proved_by_itself() -> None:
 
 
 def test_a_shortest_way_is_proved_step_by_step() -> None:
-    text = f"""
+    text = """
     Edge(0, 1, 5); Edge(1, 2, 1); Edge(0, 2, 9); Edge(2, 0, 1);
     Far(x: 0, d? Min= 0) distinct;
-    Far(x: y, d? Min= e + w) distinct :- Far(x:, d: e), Edge(x, y, w), e < 20;
-    {REST}"""
+    Far(x: y, d? Min= e + w) distinct :- Far(x:, d: e), Edge(x, y, w), e < 20;"""
     found = proof(text, "Far", given={"x": 2})
     assert found.explanation.row == {"x": 2, "d": 6}
-    far = [n.values for n in below(found.nodes[0], "aggregate")]
-    assert far == [(6,), (5,), (0,)]
+    assert [n.values for n in below(found.nodes[0], "aggregate")] == [(6,), (5,), (0,)]
 
 
 def test_a_recursion_through_a_sum_is_shown_one_step_deep_and_says_so() -> None:
-    text = f"""
+    text = """
     Edge(0, 1); Edge(1, 2);
     Ways(x: 0, n? += 1) distinct;
-    Ways(x: y, n? += m) distinct :- Ways(x:, n: m), Edge(x, y);
-    {REST}"""
+    Ways(x: y, n? += m) distinct :- Ways(x:, n: m), Edge(x, y);"""
     found = proof(text, "Ways", given={"x": 2})
     assert found.explanation.row == {"x": 2, "n": 1}
     assert not found.complete or found.nodes[0].kind in ("rule", "note")
 
 
 def test_a_row_that_is_not_there_is_refuted_down_to_the_reason() -> None:
-    text = f"A(x) :- x in [1, 2], x > 5; B(x) :- A(x);{REST}"
-    found = proof(text, "B")
+    found = proof("A(x) :- x in [1, 2], x > 5; B(x) :- A(x);", "B")
     assert found.explanation.rows == 0
     assert find(found.nodes[0], "x > 5").holds is False

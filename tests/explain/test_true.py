@@ -26,11 +26,11 @@ def a_team(seed: int) -> AbstractContextManager[Scene]:
     return together(team(seed))
 
 
+Maker = Callable[[int], AbstractContextManager[Scene]]
+
+
 def find_nothing_false(
-    ask_of: Callable[[Scene], Asked],
-    made: Callable[[int], AbstractContextManager[Scene]],
-    number: int,
-    first: int = 0,
+    ask_of: Callable[[Scene], Asked], made: Maker, number: int, first: int
 ) -> None:
     """Ask of generated programs until so many answers are judged."""
 
@@ -53,9 +53,7 @@ def find_nothing_false(
         *(pytest.param(made, 2_500, 0, marks=pytest.mark.proof) for made in (one_robot, a_team)),
     ],
 )
-def test_nothing_false_is_said(
-    made: Callable[[int], AbstractContextManager[Scene]], questions: int, first: int
-) -> None:
+def test_nothing_false_is_said(made: Maker, questions: int, first: int) -> None:
     find_nothing_false(asked, made, questions, first)
 
 
@@ -69,9 +67,7 @@ def test_nothing_false_is_said(
         *(pytest.param(made, 300, 0, marks=pytest.mark.proof) for made in (one_robot, a_team)),
     ],
 )
-def test_each_change_that_is_advised_gives_a_row(
-    made: Callable[[int], AbstractContextManager[Scene]], changes: int, first: int
-) -> None:
+def test_each_change_that_is_advised_gives_a_row(made: Maker, changes: int, first: int) -> None:
     find_nothing_false(missed, made, changes, first)
 
 
