@@ -30,30 +30,16 @@ _AT_ONCE = 32  # claims that are compiled together
 
 
 class Claim(NamedTuple):
-    """That some conditions hold together in some way, or in none.
-
-    Attributes:
-        made: What is filled in with ``:=`` where the rule that they are from is a copy, or "".
-        is_so: Whether they are said to hold.
-        said: What is false if that is not so.
-    """
+    """That some conditions hold together in some way, or in none."""
 
     conditions: tuple[str, ...]
-    made: str
+    made: str  # what is filled in with `:=` where the rule that they are from is a copy, or ""
     is_so: bool
-    said: str
+    said: str  # what is false if that is not so
 
 
 class Checker:
-    """Asks a program whether what is claimed holds.
-
-    Args:
-        program: The program.
-        mind: A mind with it.
-        rows: Sensor rows.
-        memories: By robot.
-        robot: In whose mind it is asked, or "" if all think alike.
-    """
+    """Asks a program whether what is claimed holds in the mind of a robot; "" if all are alike."""
 
     def __init__(
         self, program: Program, mind: Mind, rows: Any, memories: Any, robot: str = ""

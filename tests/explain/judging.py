@@ -19,6 +19,7 @@ __all__ = ["claims_in", "false_in", "false_of", "judge_until"]
 
 _VALUED = re.compile(r"^(\w+)\([^()]*\) = ", re.MULTILINE)
 _DECIDED = ("Min", "Max", "ArgMin", "ArgMax")
+_Fixed = tuple[str, ...]
 
 
 def judge_until(number: int, judge: Callable[[int], int], first: int = 0) -> None:
@@ -37,14 +38,7 @@ def judge_until(number: int, judge: Callable[[int], int], first: int = 0) -> Non
 def false_in(
     nodes: Sequence[Node], asked: Ask, checker: Checker, copies: Mapping[str, str]
 ) -> list[str]:
-    """What is false in a proof.
-
-    Args:
-        nodes: The rules that answer a question.
-        asked: The question.
-        checker: Asks the program.
-        copies: By predicate made with ``:=``, what is filled in.
-    """
+    """What is false in a proof; `copies` has what is filled in for predicates made with ``:=``."""
     claims, false = claims_in(nodes, asked, checker, copies)
     return [*checker.false(claims), *false]
 
@@ -121,11 +115,7 @@ class _Judge:
     ) -> Iterator[Claim]:
         """What is claimed of steps that are said to hold, and of the one that is said to fail.
 
-        Args:
-            nodes: What is said.
-            context: What holds around them.
-            known: What is wanted of variables, as far as they are bound.
-            made: What is filled in.
+        The context holds around them; what is wanted of variables is known where they are bound.
         """
         for branch in _branches(nodes):
             yield from self._branch(branch, context, known, made)
@@ -167,7 +157,7 @@ class _Judge:
         is_value = node.kind == "call" and text.partition("(")[0] in self._valued
         return f"result_ == {text}" if is_value else text
 
-    def _denials(self, nodes: Sequence[Node], fixed: tuple[str, ...], made: str) -> Iterator[Claim]:
+    def _denials(self, nodes: Sequence[Node], fixed: _Fixed, made: str) -> Iterator[Claim]:
         for node in nodes:
             if node.kind == "denial" and node.holds and node.text.startswith("~"):
                 yield from self._refutation(node.children, fixed, [], made)
@@ -177,7 +167,7 @@ class _Judge:
     # -- aggregates ------------------------------------------------------------------------------
 
     def _aggregates(
-        self, rule: Node, written: Written, fixed: tuple[str, ...], made: str
+        self, rule: Node, written: Written, fixed: _Fixed, made: str
     ) -> Iterator[Claim]:
         for column in rule.children:
             if column.kind == "aggregate" and column.text in written.collected:
@@ -191,12 +181,7 @@ class _Judge:
                     yield from self._elements(node, apart(aggregate, rule.text), fixed, made)
 
     def _elements(
-        self,
-        node: Node,
-        aggregate: Aggregate,
-        fixed: tuple[str, ...],
-        made: str,
-        is_all: bool = True,
+        self, node: Node, aggregate: Aggregate, fixed: _Fixed, made: str, is_all: bool = True
     ) -> Iterator[Claim]:
         for each in node.children:
             if each.kind == "contributor":
@@ -211,15 +196,11 @@ class _Judge:
                     if inner.kind == "contributor":
                         yield self._element(inner, aggregate, fixed, made)
 
-    def _element(
-        self, each: Node, aggregate: Aggregate, fixed: tuple[str, ...], made: str
-    ) -> Claim:
+    def _element(self, each: Node, aggregate: Aggregate, fixed: _Fixed, made: str) -> Claim:
         told = (*fixed, aggregate.body, equal(aggregate.value, each.values[0]))
         return Claim(told, made, True, f"no element {each.text} = {each.values[0]}: {told}")
 
-    def _best(
-        self, each: Node, aggregate: Aggregate, fixed: tuple[str, ...], made: str
-    ) -> Iterator[Claim]:
+    def _best(self, each: Node, aggregate: Aggregate, fixed: _Fixed, made: str) -> Iterator[Claim]:
         """That the element that is said to decide is the best, as the engine orders them."""
         extreme = "Min" if aggregate.operator.endswith("Min") else "Max"
         key = aggregate.by or aggregate.value
@@ -231,12 +212,8 @@ class _Judge:
         told = (*fixed, aggregate.body, equal(aggregate.value, each.values[0]), equal(key, best))
         yield Claim(told, made, True, f"{each.text} = {each.values[0]} decides, not {best}")
         shown = each.text.rpartition(" -> ")[2]
-        if aggregate.by and not isinstance(best, float) and shown not in _spellings(best):
+        if aggregate.by and not isinstance(best, float) and shown not in (str(best), spelled(best)):
             yield Claim(("1 == 2",), "", True, f"{each.text} decides, but the best is {best}")
-
-
-def _spellings(value: Value) -> tuple[str, ...]:
-    return str(value), spelled(value)
 
 
 class _Branch(NamedTuple):

@@ -25,15 +25,10 @@ _MOST_NODES = 1_000
 
 @dataclass(frozen=True)
 class Scene:
-    """A program at a moment, as one robot sees it.
-
-    Attributes:
-        copies: By predicate made with ``:=``, what is filled in.
-        names: The predicates that are asked about.
-    """
+    """A program at a moment, as one robot sees it, and the predicates that are asked about."""
 
     mind: Mind
-    copies: dict[str, str]
+    copies: dict[str, str]  # by predicate made with `:=`, what is filled in
     rows: Any
     memories: Any
     robot: str

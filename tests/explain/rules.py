@@ -7,18 +7,6 @@ import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-__all__ = [
-    "Aggregate",
-    "Written",
-    "aggregates",
-    "apart",
-    "equal",
-    "names",
-    "parts",
-    "spelled",
-    "split",
-]
-
 _AGGREGATE = re.compile(r"(?<![\w.])([A-Z]\w*)\s*\{")
 _NAME = re.compile(r"\"[^\"]*\"|\.\w+|\b\w+\s*\?|\b[a-z_]\w*\b(?!\s*:)|\b[a-z_]\w*(?=\s*:\s*[,})])")
 _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "null", "true", "false", "distinct"})

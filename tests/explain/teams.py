@@ -59,18 +59,13 @@ _DISTANCE = (
 
 @dataclass(frozen=True)
 class Team:
-    """A program, and what its robots may see.
-
-    Attributes:
-        copies: By predicate made with ``:=``, what is filled in.
-        names: The predicates that are more than facts.
-    """
+    """A program, and what its robots may see."""
 
     text: str
     memory: Literal["own", "seen", "all"]
     sensor: Literal["own", "all"]
-    copies: dict[str, str]
-    names: frozenset[str]
+    copies: dict[str, str]  # by predicate made with `:=`, what is filled in
+    names: frozenset[str]  # of predicates that are more than facts
     clocks: tuple[int, ...]
     seed: int
 

@@ -6,14 +6,11 @@ import asyncio
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from logical_robots_tui.explain.diagnosis.telling import Finding
-from logical_robots_tui.game import Game
-from logical_robots_tui.game.diagnosing import Diagnosis, diagnose
 from logical_robots_tui.mind import Mind, Program, ProgramError
 from logical_robots_tui.mind.program import Table
 from logical_robots_tui.values import Value
@@ -21,7 +18,7 @@ from logical_robots_tui.world import Level, World
 from tests.explain.judging import judge_until
 from tests.explain.rules import names, parts, split
 from tests.explain.teams import Team, team
-from tests.game.playing import hall
+from tests.game.test_diagnosing import diagnosed
 
 TICKS = 4
 CASES = re.compile(r"(?:in (?P<copy>\w+) )?in (?:the|all) (?P<number>one|[\d,]+) cases? evaluated")
@@ -45,12 +42,7 @@ class Run:
             memories = {d.robot_name: d.memory for d in decisions}
 
     def ways(self, conditions: Sequence[str], made: str = "") -> int | None:
-        """In how many ways conditions hold in all ticks; None if that can't be asked.
-
-        Args:
-            conditions: The conditions.
-            made: What is filled in with ``:=``, or "".
-        """
+        """In how many ways conditions hold in all ticks; None if that can't be asked."""
         asked = f"Ways(n? += 1) distinct :- {', '.join(conditions)}"
         try:
             question = self.program.question(f"{asked};\nMade := Ways({made})" if made else asked)
@@ -66,16 +58,6 @@ def needed(made: Team) -> str:
     counts = ", ".join(f"Count{{k{n} :- {name}(key: k{n})}}" for n, name in enumerate(used))
     text = made.text.replace("desire == Go()", f"desire == Go(), used == [{counts}]")
     return f'@Visible(Memory, "all"); @Visible(Sensor, "all");\n{text}'
-
-
-async def diagnosis(level: Level, text: str) -> Diagnosis:
-    """What is said of a program's first ticks."""
-    game = Game(level, Program.compile(text))
-    try:
-        await game.run_until(tick=TICKS)
-        return await diagnose(game)
-    finally:
-        await game.close()
 
 
 def false_findings(findings: Sequence[Finding], run: Run) -> tuple[int, list[str]]:
@@ -121,24 +103,22 @@ def _before(finding: Finding, text: str) -> list[str] | None:
 
 
 @pytest.mark.parametrize(
-    ("findings", "first"),
+    "findings",
     [
-        (2, 0),
-        pytest.param(20, 0, marks=pytest.mark.slow),
-        pytest.param(200, 0, marks=pytest.mark.proof),
+        2,
+        pytest.param(20, marks=pytest.mark.slow),
+        pytest.param(200, marks=pytest.mark.proof),
     ],
 )
-def test_what_is_said_never_to_hold_never_does(tmp_path: Path, findings: int, first: int) -> None:
-    level = hall(tmp_path)
-
+def test_what_is_said_never_to_hold_never_does(level: Level, findings: int) -> None:
     def ask(seed: int) -> int:
         made = team(seed)
         text = needed(made)
-        found = asyncio.run(diagnosis(level, text))
+        found = asyncio.run(diagnosed(level, text, TICKS))
         run = Run(level, text, made.copies)
         with closing(run.mind):
             number, false = false_findings(found.findings, run)
         assert not false, (text, false)
         return number
 
-    judge_until(findings, ask, first)
+    judge_until(findings, ask)

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import asyncio
-
 import pytest
 
-from logical_robots_tui.game import Run
+from logical_robots_tui.game import load_program
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose_run
-from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import list_levels, load_level
+from tests.game.test_run import opened
 
-ENOUGH = 6000
-"""Ticks in which every solution wins."""
-
-DEFAULT = 3000
-"""Ticks in which not all of them do."""
-
+ENOUGH = 6000  # ticks in which every solution wins
+DEFAULT = 3000  # ticks in which not all of them do
 CURVES = "05-lighthouse"
 PROGRAMS = shipped_folder("programs")
 SOLUTIONS = [(level, str(load_level(level).solution)) for level in list_levels()]
@@ -33,29 +27,19 @@ ARENAS = [
 ]
 
 
-def diagnosed(level: str, program: str, ticks: int) -> Diagnosis:
-    text = (PROGRAMS / f"{program}.l").read_text("utf-8")
-
-    async def work() -> Diagnosis:
-        run = Run(load_level(level), Program.compile(text))
-        try:
-            return await diagnose_run(run, ticks)
-        finally:
-            await run.close()
-
-    return asyncio.run(work())
-
-
-def check(found: Diagnosis) -> None:
+async def check(level: str, program: str, ticks: int) -> Diagnosis:
+    """The diagnosis of a program, of which nothing warns."""
+    async with opened(load_level(level), load_program(PROGRAMS / f"{program}.l").text) as run:
+        found = await diagnose_run(run, ticks)
     assert [each.message for each in found.findings if each.severity == "warning"] == []
     assert found.second_step == 1
+    return found
 
 
-def check_victory(level: str, program: str) -> None:
+async def check_victory(level: str, program: str) -> None:
     """What is noted of a program that wins is that something never happened; and that is true."""
-    found = diagnosed(level, program, ENOUGH)
+    found = await check(level, program, ENOUGH)
     assert found.won_at is not None
-    check(found)
     assert {each.kind for each in found.findings} <= {"never true", "never false", "never null"}
 
 
@@ -66,23 +50,21 @@ def check_victory(level: str, program: str) -> None:
         *(pytest.param(*case, marks=pytest.mark.slow) for case in SOLUTIONS if case[0] == CURVES),
     ],
 )
-def test_of_a_solution_nothing_is_held_against_it(level: str, program: str) -> None:
-    check_victory(level, program)
+async def test_of_a_solution_nothing_is_held_against_it(level: str, program: str) -> None:
+    await check_victory(level, program)
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("level", "program"), [*SOLUTIONS, *REFERENCES])
-def test_of_no_reference_program_anything_is_held_against_it(level: str, program: str) -> None:
-    check_victory(level, program)
+async def test_of_no_reference_program_anything_is_held_against_it(
+    level: str, program: str
+) -> None:
+    await check_victory(level, program)
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize(("level", "program"), SOLUTIONS)
-def test_before_its_victory_nothing_is_held_against_a_solution(level: str, program: str) -> None:
-    check(diagnosed(level, program, DEFAULT))
-
-
-@pytest.mark.proof
-@pytest.mark.parametrize(("level", "program"), ARENAS)
-def test_in_a_match_nothing_is_held_against_a_program(level: str, program: str) -> None:
-    check(diagnosed(level, program, DEFAULT))
+@pytest.mark.parametrize(("level", "program"), [*SOLUTIONS, *ARENAS])
+async def test_before_its_victory_or_in_a_match_nothing_is_held_against_a_program(
+    level: str, program: str
+) -> None:
+    await check(level, program, DEFAULT)

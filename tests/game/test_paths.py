@@ -23,6 +23,8 @@ def test_what_is_out_of_reach_is_not_there(tmp_path: Path) -> None:
         assert not is_file(path)
         assert not is_folder(path)
     assert is_folder(tmp_path)
+    with pytest.raises(InputError, match="is a folder"):
+        target("/", tmp_path)
     (tmp_path / "mine.l").touch()
     assert is_file(tmp_path / "mine.l")
     assert is_there(tmp_path / "mine.l")
@@ -75,8 +77,3 @@ def test_a_name_in_a_folder_that_is_gone_is_refused(
     here.rmdir()
     with pytest.raises(InputError, match="no longer exists"):
         target("./mine.l", tmp_path)
-
-
-def test_the_root_is_a_folder(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is a folder"):
-        target("/", tmp_path)

@@ -8,14 +8,9 @@ import pytest
 
 from logical_robots_tui import load_level
 from logical_robots_tui.game.measuring import start_of, vary_start
-from logical_robots_tui.world import Area, Beacon, Level, LevelError
+from logical_robots_tui.world import Area, Beacon, LevelError
 from logical_robots_tui.world.levels.native import read_native
 from tests.short import LEVEL as SHORT
-
-
-@pytest.fixture
-def level() -> Level:
-    return read_native(SHORT, "short", "")
 
 
 def test_varied_starts_exchange_the_names_that_a_level_shuffles_wherever_they_stand() -> None:
@@ -51,9 +46,8 @@ def test_varied_starts_exchange_the_names_that_a_level_shuffles_wherever_they_st
     assert len({start.beacons for start in starts}) == 20
 
 
-def test_one_name_stays_and_two_change_by_chance_and_the_given_start_is_as_in_the_file(
-    level: Level,
-) -> None:
+def test_one_name_stays_and_two_change_by_chance_and_the_given_start_is_as_in_the_file() -> None:
+    level = read_native(SHORT, "short", "")
     two = (Beacon("one", 5, 5), Beacon("two", 9, 9), Beacon("other", 9, 5))
     level = replace(level, beacons=two, shuffled_names=("one", "t*", level.robots[0].name))
     starts = [vary_start(level, seed) for seed in range(20)]
@@ -65,23 +59,14 @@ def test_one_name_stays_and_two_change_by_chance_and_the_given_start_is_as_in_th
     assert start_of(level, 0) is level
 
 
-@pytest.mark.parametrize(
-    ("value", "where", "message"),
-    [
+def test_patterns_that_are_none_or_match_nothing_are_refused() -> None:
+    for value, where, message in (
         ("true", "", '"shuffled_names" must be a list, not true or false.'),
         ("[3]", "[0]", "This must be text, not a number."),
-        (
-            '["*", "a"]',
-            "[1]",
-            '"shuffled_names" has "a", but no robot or beacon has such a name.',
-        ),
+        ('["*", "a"]', "[1]", '"shuffled_names" has "a", but no robot or beacon has such a name.'),
         (str(["*"] * 1001), "", "There are 1001 shuffled_names; at most 1000 are allowed."),
-    ],
-)
-def test_patterns_that_are_none_or_match_nothing_are_refused(
-    value: str, where: str, message: str
-) -> None:
-    with pytest.raises(LevelError) as raised:
-        read_native(f"shuffled_names = {value}\n{SHORT}", "short", "short.toml")
-    assert raised.value.message == message
-    assert raised.value.place == f"short.toml: shuffled_names{where}"
+    ):
+        with pytest.raises(LevelError) as raised:
+            read_native(f"shuffled_names = {value}\n{SHORT}", "short", "short.toml")
+        assert raised.value.message == message
+        assert raised.value.place == f"short.toml: shuffled_names{where}"
