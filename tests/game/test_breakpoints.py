@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from pathlib import Path
-
 import pytest
 
 from logical_robots_tui.game import Breakpoint, Breakpoints, Game, Hit
 from logical_robots_tui.mind import Program
-from logical_robots_tui.world import load_level
-from tests.game.playing import HALL
-
-LAMP = '\n[[beacons]]\nname = "Lamp"\nx = 80\ny = 25\n'
+from logical_robots_tui.world.levels.native import read_native
+from tests.game.playing import HALL, Play
 
 # Ada drives to the wall at the right, remembers every tenth tick, and gives no row in tick 7;
 # Bo stays where it is.
@@ -27,19 +22,13 @@ Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: tens) :-
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "still") :-
   Sensor(robot_name:), robot_name == "Bo";
 """
-
-
 AHEAD = "Sensor(robot_name:, sensor:), d == sensor.forward_distance"
+LEVEL = read_native(HALL + '\n[[beacons]]\nname = "Lamp"\nx = 80\ny = 25\n', "hall", "")
 
 
 @pytest.fixture
-async def game(tmp_path: Path) -> AsyncIterator[Game]:
-    path = tmp_path / "hall.toml"
-    path.write_text(HALL + LAMP, encoding="utf-8")
-    made = Game(load_level(path), Program.compile(TEXT))
-    made.pace.speed = None
-    yield made
-    await made.close()
+def game(play: Play) -> Game:
+    return play(TEXT, LEVEL)
 
 
 async def stops(game: Game, *breakpoints: Breakpoint, ticks: int = 200) -> list[Hit]:

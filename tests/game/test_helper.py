@@ -89,10 +89,11 @@ def test_only_the_games_own_helpers_are_taken_for_one() -> None:
 
     Noted("logical_robots_tui.explain.worker")
     Noted(MODULE)
-    assert is_helper(sys.executable, words[0])
-    assert not is_helper(sys.executable, words[1])
-    assert not is_helper("/bin/sh", words[0])
-    for at in range(len(words[0]) - 3):
+    own, odd = words
+    assert is_helper(sys.executable, own)
+    assert not is_helper(sys.executable, odd)
+    assert not is_helper("/bin/sh", own)
+    for at in range(len(own) - 3):
         for change in ([], ["-c"], ["import os"]):
-            changed = [*words[0][:at], *change, *words[0][at + 1 :]]
-            assert not is_helper(sys.executable, changed) or changed == words[0]
+            changed = [*own[:at], *change, *own[at + 1 :]]
+            assert not is_helper(sys.executable, changed) or changed == own
