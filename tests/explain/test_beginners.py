@@ -38,51 +38,34 @@ class Mistake(NamedTuple):
 
 MISTAKES = [
     # A comparison that is to be a value.
-    Mistake(
-        "m = sensor.forward_distance < 60",
+    Mistake("m = sensor.forward_distance < 60",
         "3:3 '=' is read before '<' ... Put the comparison in parentheses: "
         "m = (sensor.forward_distance < 60).",
-        (
-            "+ m = sensor.forward_distance = 200",
-            "- m = sensor.forward_distance < 60 "
-            "(compares `m = sensor.forward_distance` (200) with 60)",
-        ),
-    ),
-    Mistake(
-        'm = sensor.forward_label == "wall" && sensor.clock > 0',
+        ("+ m = sensor.forward_distance = 200", "- m = sensor.forward_distance < 60 "
+         "(compares `m = sensor.forward_distance` (200) with 60)")),
+    Mistake('m = sensor.forward_label == "wall" && sensor.clock > 0',
         '3:3 \'=\' is read before \'==\' ... (sensor.forward_label == "wall" && sensor.clock > 0).',
-        ('(compares `m = sensor.forward_label` ("nothing") with "wall")',),
-    ),
-    Mistake(
-        "m = sensor.clock > 5 || sensor.clock < 0",
+        ('(compares `m = sensor.forward_label` ("nothing") with "wall")',)),
+    Mistake("m = sensor.clock > 5 || sensor.clock < 0",
         "3:3 '=' is read before '>' ... m = (sensor.clock > 5 || sensor.clock < 0).",
-        ("(compares `m = sensor.clock` (1) with 5)",),
-    ),
+        ("(compares `m = sensor.clock` (1) with 5)",)),
     Mistake("F(1)", "1:6 more than one '=' ... in parentheses: = (x <= 3).", (), "F(x) = x <= 3;"),
     # '=' where a comparison is meant.
-    Mistake(
-        "m = (if sensor.clock = 3 then 1 else 2)",
+    Mistake("m = (if sensor.clock = 3 then 1 else 2)",
         "3:11 '=' does not compare here ... Compare with '==': sensor.clock == 3.",
-        ("- sensor.clock = 3 (no match)", "sensor.clock = 1"),
-    ),
-    Mistake(
-        'm = 1, sensor.forward_label = "wall" && sensor.clock = 1',
+        ("- sensor.clock = 3 (no match)", "sensor.clock = 1")),
+    Mistake('m = 1, sensor.forward_label = "wall" && sensor.clock = 1',
         '3:10 \'=\' does not compare here ... sensor.forward_label == "wall" && sensor.clock == 1.',
-        ('- sensor.forward_label = "wall"',),
-    ),
+        ('- sensor.forward_label = "wall"',)),
     Mistake("m = 1, sensor.clock % 2 = 0", "3:24 not an expression ... Compare with '=='"),
     Mistake("m = 1, sensor.clock => 3", "3:10 not a condition ... '>='"),
     Mistake("m = 1, sensor.clock =< 3", "3:24 not an expression ... '<='"),
     Mistake("m = 1, sensor.clock <> 3", "3:24 not an expression ... '!='"),
     # What '!', '~' and words belong to.
-    Mistake(
-        'm = 1, !sensor.forward_label == "wall"',
-        "3:11 ! takes a Boolean ... Put the condition after ! in parentheses",
-    ),
-    Mistake(
-        'm = 1, ~sensor.forward_label == "wall"',
-        "3:11 This is not a condition ... Put the condition after ~ in parentheses: ~(a == b).",
-    ),
+    Mistake('m = 1, !sensor.forward_label == "wall"',
+        "3:11 ! takes a Boolean ... Put the condition after ! in parentheses"),
+    Mistake('m = 1, ~sensor.forward_label == "wall"',
+        "3:11 This is not a condition ... Put the condition after ~ in parentheses: ~(a == b)."),
     Mistake("m = 1, not sensor.clock == 3", "3:10 not an expression ... ~(a == b)"),
     Mistake("m = 1, sensor.clock > 1 and sensor.clock < 9", "3:25 '&&' within"),
     Mistake("m = 1, (sensor.clock < 1 or sensor.clock > 9)", "3:26 '||' within"),
@@ -106,60 +89,36 @@ MISTAKES = [
     Mistake("m = 1, sensor.radar[0].distance < 3", "3:10 Element(list, 0)"),
     # Types and null.
     Mistake('m = 1, sensor.clock == "3"', "3:26 with a string ... Write 3 without quotes."),
-    Mistake(
-        "m = 1, memory.count == null",
-        "3:10 never holds ... Write memory.count is null.",
-        ("- memory.count == null (no match)", "memory.count = null"),
-    ),
+    Mistake("m = 1, memory.count == null", "3:10 never holds ... Write memory.count is null.",
+        ("- memory.count == null (no match)", "memory.count = null")),
     Mistake("m = memory.count + 1", "", ("+ m = memory.count + 1 = null", "memory.count = null")),
     Mistake("m = sensor.clock / 2, m == 1", "", ("- m == 1 (no match)", "m = 0.5")),
     Mistake("m = 1, memory == 0", "", ("- memory == 0 (no match)", 'memory = ""')),
     # Variables and rows.
-    Mistake(
-        "m = 1, n = sensor.clock, n = n + 1",
-        "3:28 never holds ... a name of its own: new_n = n + 1.",
-        ("- n = n + 1 (no match)",),
-    ),
-    Mistake(
-        "ray in sensor.radar, m = ray.angle",
-        "",
-        (
-            "(gives 31 rows; this is the last)",
-            "Another row of this rule comes from (a condition, or distinct with an aggregation, ",
-            "m = ray.angle = 1.0471975511965976",
-        ),
-    ),
-    Mistake(
-        "m = 1",
-        "",
-        ("(gives 1 row, but not the last)", "memory = 2", "(gives 1 row; this is the last)"),
+    Mistake("m = 1, n = sensor.clock, n = n + 1",
+        "3:28 never holds ... a name of its own: new_n = n + 1.", ("- n = n + 1 (no match)",)),
+    Mistake("ray in sensor.radar, m = ray.angle", "", ("(gives 31 rows; this is the last)",
+        "Another row of this rule comes from (a condition, or distinct with an aggregation, ",
+        "m = ray.angle = 1.0471975511965976")),
+    Mistake("m = 1", "", ("(gives 1 row, but not the last)", "memory = 2",
+        "(gives 1 row; this is the last)"),
         "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 2) :- "
-        "Sensor(robot_name:);",
-    ),
-    Mistake(
-        "m = Min{r.distance :- r in sensor.radar, r.distance < 9} + 1",
-        "",
-        ("is null (It aggregates no rows; Coalesce(Min{r.distance :- ",),
-    ),
-    Mistake(
-        "m = 2 * Near(sensor.radar)",
-        "",
+        "Sensor(robot_name:);"),
+    Mistake("m = Min{r.distance :- r in sensor.radar, r.distance < 9} + 1", "",
+        ("is null (It aggregates no rows; Coalesce(Min{r.distance :- ",)),
+    Mistake("m = 2 * Near(sensor.radar)", "",
         ("`Near(sensor.radar)` is null (`Min{r.distance :- r in radar, r.distance < 9}` aggregates "
-         "no rows; Coalesce(Near(sensor.radar), 0) would be 0 then)",),
-        "Near(radar) = Min{r.distance :- r in radar, r.distance < 9};",
-    ),
+        "no rows; Coalesce(Near(sensor.radar), 0) would be 0 then)",),
+        "Near(radar) = Min{r.distance :- r in radar, r.distance < 9};"),
     Mistake("m = Sum{d}, r in sensor.radar, d = r.distance", "3:7 no body ... Sum{d :- ...}."),
     Mistake("m += r.distance :- r in sensor.radar", "3:19 two ':-' ... Aggregates use braces"),
     Mistake("m = ArgMax{r.angle :- r in sensor.radar}", "3:14 takes pairs ... what -> value"),
-    Mistake(
-        "m = ArgMax{r.angle -> r.distance && true :- r in sensor.radar}",
-        "3:14 '->' is read before '&&' ... r.angle -> (r.distance && true).",
-    ),
+    Mistake("m = ArgMax{r.angle -> r.distance && true :- r in sensor.radar}",
+        "3:14 '->' is read before '&&' ... r.angle -> (r.distance && true)."),
     Mistake("m = ArgMin{r.angle, r.distance :- r in sensor.radar}", "3:14 a pair: x -> y."),
-    Mistake("P(1, n: m)", "1:1 `distinct` ... distinct :-", (),
-            "P(x, n? += 1) :- x in [1];"),
+    Mistake("P(1, n: m)", "1:1 `distinct` ... distinct :-", (), "P(x, n? += 1) :- x in [1];"),
     Mistake("m = Sum{1 :- Seen(kind)}", "", ("m = Sum{1 :- Seen(kind)} = 31", "aggregates 31 rows"),
-            'Seen(r.object) :- Sensor(sensor:), r in sensor.radar;'),
+        'Seen(r.object) :- Sensor(sensor:), r in sensor.radar;'),
     Mistake("m = 1, Near(9)", "3:10 always holds ... Near(9) == true.", (), "Near(x) = x < 5;"),
     Mistake("m = Count(sensor.radar)", "3:7 a single value ... braces and a body"),
     Mistake("m = Min{r.distance | r in sensor.radar}", "3:11 not an expression ... follows ':-'"),
