@@ -183,21 +183,16 @@ async def test_what_is_held_in_memory_is_bounded_and_what_is_dropped_computed_an
     assert await known(level) == in_gap[0] - 1
 
 
-async def test_a_recording_that_is_too_large_is_dropped(
+async def test_a_recording_that_is_too_large_is_dropped_and_the_oldest_go_first(
     level: Level, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await frames(level)
-    name = entry(folder).name
-    monkeypatch.setattr(recording, "MAX_BYTES", entry(folder).stat().st_size - 1)
-    assert await known(level) == 0
-    assert not is_there(folder / name)
-
-
-async def test_the_oldest_recordings_go_first(
-    level: Level, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    await frames(level, 40)
     first = entry(folder)
+    with monkeypatch.context() as small:
+        small.setattr(recording, "MAX_BYTES", first.stat().st_size - 1)
+        assert await known(level) == 0
+        assert not is_there(first)
+    await frames(level, 40)
     os.utime(first, (1, 1))
     monkeypatch.setattr(recording, "MAX_FOLDER_BYTES", int(1.5 * first.stat().st_size))
     await frames(level, 40, BACKWARDS)
@@ -243,18 +238,20 @@ async def test_where_nothing_can_be_kept_a_run_just_runs(
         assert await frames(level, 40) == expected
 
 
+SCRIPT = """if True:
+    import asyncio, sys
+    from tests.game.test_run import frames
+    from logical_robots_tui.world import load_level
+    level = load_level(sys.argv[1])
+    for ticks in (5, 40, 20, 90):
+        found = asyncio.run(frames(level, ticks))
+        print(hash(repr([(f.tick, f.after, f.memories) for f in found])))
+"""
+
+
 @pytest.mark.slow
 def test_many_processes_share_a_run(tmp_path: Path, folder: Path, level: Level) -> None:
-    script = (
-        "import asyncio, sys\n"
-        "from tests.game.test_run import frames\n"
-        "from logical_robots_tui.world import load_level\n"
-        "level = load_level(sys.argv[1])\n"
-        "for ticks in (5, 40, 20, 90):\n"
-        "    found = asyncio.run(frames(level, ticks))\n"
-        "    print(hash(repr([(f.tick, f.after, f.memories) for f in found])))\n"
-    )
-    command = [sys.executable, "-c", script, level.source]
+    command = [sys.executable, "-c", SCRIPT, level.source]
     environment = {**os.environ, "PYTHONHASHSEED": "0"}
     processes = [
         subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) for _ in range(4)
