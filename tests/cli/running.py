@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import sys
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,6 +34,18 @@ class Told:
         """Standard output as JSON, as strict as can be."""
         return json.loads(self.out, parse_constant=_refuse)
 
+    @property
+    def success(self) -> str:
+        """What it printed, and it has done what it was asked to do."""
+        assert self.status == 0, self
+        return self.out
+
+    @property
+    def refusal(self) -> str:
+        """What it said on standard error, and it has refused to work."""
+        assert self.status == 2, self
+        return self.err
+
 
 def _refuse(constant: str) -> None:
     raise ValueError(f"{constant} is no JSON")
@@ -43,11 +57,15 @@ class Command:
     def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
         self._capsys = capsys
 
-    def __call__(self, *arguments: object) -> Told:
-        try:
-            status = main([str(argument) for argument in arguments])
-        except SystemExit as end:
-            status = int(end.code or 0)
+    def __call__(self, *arguments: object, typed: Sequence[str] | None = None) -> Told:
+        """What the command leaves behind; lines can be typed into it."""
+        with pytest.MonkeyPatch.context() as patch:
+            if typed is not None:
+                patch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in typed)))
+            try:
+                status = main([str(argument) for argument in arguments])
+            except SystemExit as end:
+                status = int(end.code or 0)
         caught = self._capsys.readouterr()
         return Told(status, caught.out, caught.err)
 

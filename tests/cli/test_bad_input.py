@@ -64,34 +64,26 @@ def test_a_missing_file_and_a_folder_are_named(
 ) -> None:
     files = [level, ahead]
     files[which] = tmp_path
-    told = command("run", *files)
-    assert told.status == 2
-    assert told.err.startswith(f"logical-robots: {tmp_path}")
-    assert "folder" in told.err
+    told = command("run", *files).refusal
+    assert told.startswith(f"logical-robots: {tmp_path}")
+    assert "folder" in told
     files[which] = tmp_path / ("missing" + files[which].suffix)
-    told = command("run", *files)
-    assert told.status == 2
-    assert str(files[which]) in told.err
+    assert str(files[which]) in command("run", *files).refusal
 
 
 def test_a_mistyped_name_is_answered_with_one_that_exists(command: Command, ahead: Path) -> None:
     known = command("levels", "--json").data[0]["name"]
-    told = command("run", known[:-1] + "x", ahead)
-    assert told.status == 2
-    assert known in told.err
+    assert known in command("run", known[:-1] + "x", ahead).refusal
 
 
 def test_control_characters_in_a_message_are_made_harmless(
     command: Command, level: Path, tmp_path: Path
 ) -> None:
-    told = command("run", level, tmp_path / "a\x1b[2Jb.l")
-    assert told.status == 2
-    assert "\x1b" not in told.err
-    assert r"a\x1b[2Jb.l" in told.err
+    told = command("run", level, tmp_path / "a\x1b[2Jb.l").refusal
+    assert "\x1b" not in told
+    assert r"a\x1b[2Jb.l" in told
 
 
 @pytest.mark.parametrize("ticks", ["0", "-3", "many", "1.5"])
 def test_ticks_must_be_a_whole_number_from_1_up(ticks: str, short: Callable[..., Told]) -> None:
-    told = short("run", f"--ticks={ticks}")
-    assert told.status == 2
-    assert "not an integer" in told.err
+    assert "not an integer" in short("run", f"--ticks={ticks}").refusal

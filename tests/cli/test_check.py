@@ -89,9 +89,7 @@ def test_a_program_that_can_run_is_met_with_silence(command: Command, ahead: Pat
 
 def test_a_warning_is_told_but_the_program_is_fine(command: Command, program: Path) -> None:
     program.write_text(DOUBTFUL)
-    told = command("check", program)
-    assert told.status == 0
-    assert ":1:1: warning: Robot sets no memory" in told.out
+    assert ":1:1: warning: Robot sets no memory" in command("check", program).success
     program.write_text(HERE)
     assert command("check", program, "--web", "--json").data["ok"] is True
 
@@ -115,9 +113,7 @@ def test_several_programs_are_checked_and_one_mistake_is_enough(
 
 
 def test_a_file_that_is_not_there_is_told_in_one_line(command: Command, program: Path) -> None:
-    told = command("check", program)
-    assert told.status == 2
-    assert told.err.count("\n") == 1
+    assert command("check", program).refusal.count("\n") == 1
 
 
 def test_a_very_long_line_is_shown_around_its_mistake_and_no_codes_reach_the_terminal(

@@ -28,10 +28,9 @@ COMMANDS = (
 
 
 def test_the_help_names_every_command(command: Command) -> None:
-    told = command("--help")
-    assert told.status == 0
+    told = command("--help").success
     for name in COMMANDS:
-        assert re.search(rf"^ {{4,}}{name}( |$)", told.out, re.MULTILINE), name
+        assert re.search(rf"^ {{4,}}{name}( |$)", told, re.MULTILINE), name
 
 
 @pytest.mark.parametrize("arguments", [(), *((name,) for name in COMMANDS)])
@@ -98,9 +97,7 @@ def test_a_stream_that_is_not_a_terminal_is_named(
 
 
 def test_an_unknown_command_is_refused(command: Command) -> None:
-    told = command("fly")
-    assert told.status == 2
-    assert "'fly'" in told.err
+    assert "'fly'" in command("fly").refusal
 
 
 def test_the_levels_are_listed_with_title_and_robots(command: Command) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import tomllib
 from pathlib import Path
 
@@ -78,11 +77,9 @@ def test_a_home_that_is_out_of_reach_stops_nothing(
     assert "The file is ignored" in command("config").err
     assert command("check", ahead).status == 0
     assert command("run", level, ahead).status == 0
-    monkeypatch.setattr("sys.stdin", io.StringIO("step\nsave mine\n"))
-    told = command("play", level, ahead, "--plain")
-    assert told.status == 0
-    assert "Tick 1." in told.out
-    assert "can't be written" in told.out
+    said = command("play", level, ahead, "--plain", typed=("step", "save mine")).success
+    assert "Tick 1." in said
+    assert "can't be written" in said
 
 
 @pytest.mark.parametrize(("version", "is_old"), [((3, 40, 1), True), ((3, 50, 2), False)])

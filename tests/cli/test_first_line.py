@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -52,11 +51,13 @@ def test_it_is_checked_as_one(command: Command) -> None:
     assert (told.status, found["line"]) == (2, 5)
 
 
-def test_it_runs_as_one(command: Command) -> None:
+def test_it_runs_and_is_played_in_lines_as_one(command: Command) -> None:
     plain = command("run", "hall.toml", "plain.l", "--json").data
     told = command("run", "hall.toml", "teams.l", "--json").data
     assert told["won"]
     assert (told["ticks"], told["robots"]) == (plain["ticks"], plain["robots"])
+    words = ("play", "hall.toml", "teams.l", "--plain", "--data-dir", "data")
+    assert "The victory is saved in your progress." in command(*words, typed=("run", "quit")).out
 
 
 def test_it_is_recorded_verified_and_shown_as_one(command: Command) -> None:
@@ -81,9 +82,3 @@ def test_it_is_swept_as_one(command: Command, monkeypatch: pytest.MonkeyPatch) -
     assert measured[0]
     assert ",won," in teams
     assert [each[1:] for each in measured[0]] == [each[1:] for each in measured[1]]
-
-
-def test_it_is_played_in_lines_as_one(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sys.stdin", StringIO("run\nquit\n"))
-    told = command("play", "hall.toml", "teams.l", "--plain", "--data-dir", "data")
-    assert "The victory is saved in your progress." in told.out

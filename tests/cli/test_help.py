@@ -9,17 +9,14 @@ from tests.cli.running import Command
 
 
 def test_without_a_name_everything_is_listed(command: Command) -> None:
-    told = command("help")
-    assert told.status == 0
-    listed = {line.split("  ")[1] for line in told.out.splitlines() if line.startswith("  ")}
+    told = command("help").success
+    listed = {line.split("  ")[1] for line in told.splitlines() if line.startswith("  ")}
     assert listed == {entry.name for entry in REFERENCE}
 
 
 @pytest.mark.parametrize("name", ["ArgMin", "argmin"])
 def test_a_function_is_explained_with_an_example(name: str, command: Command) -> None:
-    told = command("help", name)
-    assert told.status == 0
-    assert told.out == (
+    assert command("help", name).success == (
         "ArgMin{x -> y :- P(x, y)}\n"
         "  the x of the smallest y (an aggregate)\n"
         "\n"
@@ -29,9 +26,10 @@ def test_a_function_is_explained_with_an_example(name: str, command: Command) ->
 
 
 def test_a_misspelt_name_gets_a_suggestion(command: Command) -> None:
-    told = command("help", "Squrt")
-    assert told.status == 2
-    assert told.err == "logical-robots: There is no function Squrt. Did you mean Sqrt?\n"
+    assert (
+        command("help", "Squrt").refusal
+        == "logical-robots: There is no function Squrt. Did you mean Sqrt?\n"
+    )
     assert "`logical-robots help` lists" in command("help", "Xyzzyx").err
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from pathlib import Path
 
@@ -31,22 +30,17 @@ def lesson(level: Path) -> Path:
 
 
 @pytest.fixture
-def typed(command: Command, monkeypatch: pytest.MonkeyPatch, lesson: Path) -> Callable[..., Told]:
-    def learn(*lines: str, options: tuple[object, ...] = ()) -> Told:
-        monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
-        return command("learn", lesson, *options)
-
-    return learn
+def typed(command: Command, lesson: Path) -> Callable[..., Told]:
+    return lambda *lines, options=(): command("learn", lesson, *options, typed=lines)
 
 
 def test_the_lesson_is_printed_and_its_questions_are_asked(typed: Callable[..., Told]) -> None:
-    told = typed("Here(1);", "Sensor(robot_name:)", "")
-    assert told.status == 0
-    assert told.out.startswith("A short way\n\nA rule with one case.\n")
-    assert "Question 1 of 2: Who is there?\nAt ticks 0 and 2 of obstacle-avoider, " in told.out
-    assert "A query may use Sensor, Memory, FreedomMotion, Robot." in told.out
-    assert 'robot_name\n"Pip"\nRight at ticks 0 and 2.\n' in told.out
-    assert "1 of 2 answered." in told.out
+    told = typed("Here(1);", "Sensor(robot_name:)", "").success
+    assert told.startswith("A short way\n\nA rule with one case.\n")
+    assert "Question 1 of 2: Who is there?\nAt ticks 0 and 2 of obstacle-avoider, " in told
+    assert "A query may use Sensor, Memory, FreedomMotion, Robot." in told
+    assert 'robot_name\n"Pip"\nRight at ticks 0 and 2.\n' in told
+    assert "1 of 2 answered." in told
 
 
 def test_answers_are_kept_and_their_questions_marked(
@@ -57,9 +51,8 @@ def test_answers_are_kept_and_their_questions_marked(
     assert f"> {WRONG}\n      ^\n" in told
     assert "col0\n200\nAt tick 0 your only row is wrong; 1 row is expected.\n" in told
     assert "Right at ticks 0 and 5.\n\n1 of 2 answered.\n" in told
-    assert (
-        "Question 2 of 2, answered: How far?" in typed("", options=(*mine, "--question", "2")).out
-    )
+    again = typed("", options=(*mine, "--question", "2"))
+    assert "Question 2 of 2, answered: How far?" in again.out
     progress = Progress(tmp_path / FILE_NAME)
     assert progress.record(str(lesson)).answers == (("How far?", RIGHT),)
     progress.close()
@@ -90,10 +83,7 @@ def test_only_a_few_rows_of_many_are_printed(typed: Callable[..., Told]) -> None
     query = "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar"
     lines = typed(options=("--question", "2", "--answer", query)).out.splitlines()
     assert len(lines) == 15
-    assert lines[-2:] == [
-        "...",
-        "At tick 0 all its 31 rows are wrong; 1 row is expected.",
-    ]
+    assert lines[-2:] == ["...", "At tick 0 all its 31 rows are wrong; 1 row is expected."]
 
 
 def test_mistakes_in_what_is_typed_are_told(typed: Callable[..., Told], command: Command) -> None:

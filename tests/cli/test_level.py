@@ -71,9 +71,7 @@ def test_a_copy_keeps_its_comments_and_can_be_called_otherwise(
 
 def test_a_file_that_is_there_is_kept_unless_forced(command: Command, level: Path) -> None:
     before = level.read_text()
-    told = command("level", "new", level)
-    assert told.status == 2
-    assert "already exists" in told.err
+    assert "already exists" in command("level", "new", level).refusal
     told = command("level", "new", level, "--labyrinth", "99x99", "--force")
     assert told.status == 2
     assert level.read_text() == before
@@ -103,9 +101,7 @@ def test_what_makes_no_level_is_refused(
     typed: str, message: str, command: Command, tmp_path: Path
 ) -> None:
     path = tmp_path / "new.toml"
-    told = command("level", "new", path, *typed.split())
-    assert told.status == 2
-    assert message in told.err
+    assert message in command("level", "new", path, *typed.split()).refusal
     assert not path.exists()
     assert "Use .toml" in command("level", "new", tmp_path / "new.txt").err
 
@@ -115,9 +111,10 @@ def test_what_makes_no_level_is_refused(
 
 def test_what_looks_wrong_is_told_with_its_place(command: Command, level: Path) -> None:
     level.write_text(level.read_text().replace("#..........#", "#....#.....#"))
-    told = command("level", "check", level)
-    assert told.status == 0
-    assert told.out == f'{level}: at 42, 12: warning: Pip can\'t reach the goal "Door".\n'
+    assert (
+        command("level", "check", level).success
+        == f'{level}: at 42, 12: warning: Pip can\'t reach the goal "Door".\n'
+    )
 
 
 def test_a_level_that_can_not_be_loaded_is_told_with_its_line(
@@ -146,9 +143,7 @@ def test_a_level_goes_to_the_platform_and_comes_back(
     command: Command, level: Path, tmp_path: Path
 ) -> None:
     web, back = tmp_path / "short.json", tmp_path / "back.toml"
-    told = command("level", "convert", level, web)
-    assert told.status == 0
-    assert told.out.splitlines() == [
+    assert command("level", "convert", level, web).success.splitlines() == [
         "Left out because the web platform does not support it: title, visibility.",
         f"Wrote {web}.",
     ]
@@ -172,11 +167,10 @@ def test_a_file_is_only_replaced_when_forced(command: Command, level: Path, tmp_
 def test_a_level_is_drawn_in_colours_in_a_terminal_and_with_plain_characters_in_a_pipe(
     command: Command,
 ) -> None:
-    told = command("level", "show", "05-lighthouse")
-    assert told.status == 0
-    assert told.out.isascii()
-    assert "Otter" in told.out
-    assert len({len(line) for line in told.out.splitlines()}) == 1
+    told = command("level", "show", "05-lighthouse").success
+    assert told.isascii()
+    assert "Otter" in told
+    assert len({len(line) for line in told.splitlines()}) == 1
     seen = shown("level", "show", "05-lighthouse")
     assert seen.status == 0
     colours = {cell.bg for row in seen.screen.buffer.values() for cell in row.values()}
@@ -213,6 +207,7 @@ def test_a_drawing_is_well_formed_and_shows_everything(
     assert walls is not None
     sizes = re.findall(r"h(\d+)v(\d+)", walls)
     assert sum(int(w) * int(h) for w, h in sizes) == load_level(level).walls.sum()
-    told = command("level", "show", level, "--svg", tmp_path / "nowhere" / "a.svg")
-    assert told.status == 2
-    assert "can't be written" in told.err
+    assert (
+        "can't be written"
+        in command("level", "show", level, "--svg", tmp_path / "nowhere" / "a.svg").refusal
+    )

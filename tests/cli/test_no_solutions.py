@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import pytest
@@ -22,6 +21,7 @@ REFERENCES = {
 }
 LISTED = {*shipped_names("programs", ".l"), *shipped_names("programs", ".l", ARENAS)}
 SOLUTIONS = set(REFERENCES) & LISTED
+UNREAD = "a solution of a level that you have not won yet"
 
 
 @pytest.fixture(autouse=True)
@@ -40,18 +40,12 @@ def listed(command: Command, folder: Path, *options: str) -> set[str]:
 
 
 def test_the_list_of_programs_leaves_out_solutions(
-    command: Command, progress: Progress, tmp_path: Path
+    command: Command, progress: Progress, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    everything = LISTED
-    assert listed(command, tmp_path / "data") == everything
+    assert listed(command, tmp_path / "data") == LISTED
     progress.win("02-open-space", "text")
-    hidden = SOLUTIONS - {"open-space"}
-    assert listed(command, tmp_path / "data", "--no-solutions") == everything - hidden
-
-
-def test_a_variable_of_the_environment_hides_them_too(
-    command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+    left = LISTED - (SOLUTIONS - {"open-space"})
+    assert listed(command, tmp_path / "data", "--no-solutions") == left
     monkeypatch.setenv("LOGICAL_ROBOTS_NO_SOLUTIONS", "1")
     assert not listed(command, tmp_path) & SOLUTIONS
 
@@ -83,35 +77,25 @@ def test_everything_else_can_be_read(progress: Progress) -> None:
 
 @pytest.mark.parametrize(
     "words",
-    [
-        ("run", "01-first-steps", "first-steps"),
-        ("check", "first-steps"),
-        ("trace", "01-first-steps", "first-steps"),
-    ],
+    [(name, "01-first-steps", "first-steps") for name in ("run", "trace")]
+    + [("check", "first-steps")],
 )
 def test_commands_read_no_solution(
     words: tuple[str, ...], command: Command, progress: Progress, tmp_path: Path
 ) -> None:
-    told = command(*words, "--no-solutions", "--data-dir", tmp_path / "data")
-    assert told.status == 2
-    assert "a solution of a level that you have not won yet" in told.err
+    options = ("--no-solutions", "--data-dir", tmp_path / "data")
+    assert UNREAD in command(*words, *options).refusal
     progress.win("01-first-steps", "text")
-    told = command("check", "first-steps", "--no-solutions", "--data-dir", tmp_path / "data")
-    assert told.status == 0
+    assert command("check", "first-steps", *options).status == 0
 
 
-def test_the_game_in_lines_opens_and_shows_no_solution(
-    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    told = command(
-        "play", "01-first-steps", "first-steps", "--plain", "--no-solutions", "--data-dir", tmp_path
-    )
-    assert told.status == 2
-    assert "a solution of a level that you have not won yet" in told.err
-    assert "Win 01-first-steps" in told.err
-    monkeypatch.setattr("sys.stdin", io.StringIO("solution\n"))
-    told = command("play", "01-first-steps", "--plain", "--no-solutions", "--data-dir", tmp_path)
-    assert "You can read the reference programs when you have won this level." in told.out
+def test_the_game_in_lines_opens_and_shows_no_solution(command: Command, tmp_path: Path) -> None:
+    play = ("play", "--plain", "--no-solutions", "--data-dir", tmp_path, "01-first-steps")
+    refusal = command(*play, "first-steps").refusal
+    assert UNREAD in refusal
+    assert "Win 01-first-steps" in refusal
+    told = command(*play, typed=("solution",)).out
+    assert "You can read the reference programs when you have won this level." in told
 
 
 @pytest.mark.slow

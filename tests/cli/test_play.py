@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import sys
 from pathlib import Path
 
@@ -34,13 +33,10 @@ def test_what_can_not_be_opened_is_told_after_the_prompt_and_not_in_the_game(ahe
     assert "\x1b[?1049h" not in terminal.everything
 
 
-def test_the_labyrinth_of_a_day_is_played(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.stdin", io.StringIO("where\n"))
-    told = command("play", "--daily", "2026-11-22", "--size", "small", "--plain")
-    assert told.status == 0
-    assert told.out.startswith("Labyrinth of 2026-11-22, small\n")
+def test_the_labyrinth_of_a_day_is_played(command: Command) -> None:
+    words = ("play", "--daily", "2026-11-22", "--size", "small", "--plain")
+    said = command(*words, typed=("where",)).success
+    assert said.startswith("Labyrinth of 2026-11-22, small\n")
 
 
 @pytest.mark.parametrize(
@@ -54,6 +50,4 @@ def test_the_labyrinth_of_a_day_is_played(
 def test_a_labyrinth_that_can_not_be_played_is_told(
     words: tuple[str, ...], message: str, command: Command
 ) -> None:
-    told = command("play", *words, "--plain")
-    assert told.status == 2
-    assert message in told.err
+    assert message in command("play", *words, "--plain").refusal

@@ -236,9 +236,7 @@ def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["../ben", "", ".", "a/b", "x" * 40])
 def test_a_players_name_is_not_a_path(name: str, command: Command) -> None:
-    told = command("play", "--player", name)
-    assert told.status == 2
-    assert "is not a name" in told.err
+    assert "is not a name" in command("play", "--player", name).refusal
 
 
 @pytest.mark.slow

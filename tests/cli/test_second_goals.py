@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import pytest
@@ -28,11 +27,7 @@ def file(tmp_path: Path) -> Path:
 def test_a_run_says_which_are_reached(command: Command, file: Path, ahead: Path) -> None:
     found = command("run", file, ahead).data
     assert (found["size"], found["distance"]) == (SIZE, DISTANCE)
-    assert found["second_goals"] == {
-        "at most 9 ticks": False,
-        "never blocked": True,
-        GOALS[2]: None,
-    }
+    assert found["second_goals"] == dict(zip(GOALS, (False, True, None), strict=True))
 
 
 async def test_a_run_says_so_in_words(file: Path) -> None:
@@ -44,10 +39,10 @@ async def test_a_run_says_so_in_words(file: Path) -> None:
 
 
 def test_the_game_in_lines_names_and_keeps_them(
-    command: Command, file: Path, ahead: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    command: Command, file: Path, ahead: Path, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("sys.stdin", io.StringIO("run\n"))
-    told = command("play", file, ahead, "--plain", "--data-dir", tmp_path / "data").out
+    words = (file, ahead, "--plain", "--data-dir", tmp_path / "data")
+    told = command("play", *words, typed=("run",)).out
     assert "Bonus goal: never blocked.\n" in told
     assert "Bonus goal reached: never blocked.\n" in told
     assert "reached: at most 9 ticks" not in told

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -49,14 +48,9 @@ def test_a_match_is_told_to_people_and_played_in_lines(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("logical_robots_tui.cli.run.prefers_json", lambda _options: False)
-    told = command("run", "match.toml", "off.l", "on.l")
-    assert told.status == 0
-    assert "Hall: after 60 ticks blue " in told.out
-    monkeypatch.setattr("sys.stdin", StringIO("run\nquit\n"))
+    assert "Hall: after 60 ticks blue " in command("run", "match.toml", "off.l", "on.l").success
     words = ("match.toml", "on.l", "--team", "blue=off.l", "--plain", "--data-dir", "data")
-    told = command("play", *words)
-    assert told.status == 0
-    assert "The match is over: red " in told.out
+    assert "The match is over: red " in command("play", *words, typed=("run", "quit")).success
 
 
 def test_why_explains_with_the_program_of_the_robot(command: Command) -> None:
@@ -93,10 +87,8 @@ def test_a_mistake_is_told_with_its_file_and_line(command: Command) -> None:
 
 
 def test_a_match_is_recorded_with_the_programs_of_all_teams(command: Command) -> None:
-    told = command("replay", "record", "match.toml", "on.l", "off.l", "-o", "m.replay")
-    assert told.status == 0
-    assert "60 ticks" in told.out
+    words = ("match.toml", "on.l", "off.l", "-o", "m.replay")
+    assert "60 ticks" in command("replay", "record", *words).success
     assert command("replay", "verify", "m.replay").status == 0
-    told = command("replay", "show", "m.replay", "--json")
-    assert told.status == 0
-    assert COUNTER in told.out.encode().decode("unicode_escape")
+    shown = command("replay", "show", "m.replay", "--json").success
+    assert COUNTER in shown.encode().decode("unicode_escape")

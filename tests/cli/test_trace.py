@@ -64,7 +64,6 @@ def test_one_robot_only(command: Command, ahead: Path) -> None:
 
 def test_unknown_names_are_refused_before_the_run(short: Callable[..., Told]) -> None:
     for option, name in (("--robot", "Pop"), ("--predicates", "Robbot")):
-        told = short("trace", option, name)
-        assert told.status == 2
-        assert f"no {option[2:].removesuffix('s')} {name}" in told.err
-        assert "There is" in told.err or "There are" in told.err
+        told = short("trace", option, name).refusal
+        assert f"no {option[2:].removesuffix('s')} {name}" in told
+        assert "There is" in told or "There are" in told

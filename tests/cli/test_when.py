@@ -96,18 +96,16 @@ def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
     run = ["when", level, program, "Late", "--ticks", 9]
     assert command(*run).data["first"] == 4
     assert command(*run, "--robot", "Bo").data["first"] == 7
-    told = command(*run, "--robot", "Eve")
-    assert told.status == 2
-    assert "There is no robot Eve. There are Ada, Bo." in told.err.replace("\n", " ")
+    assert "There is no robot Eve. There are Ada, Bo." in command(
+        *run, "--robot", "Eve"
+    ).refusal.replace("\n", " ")
 
 
 def test_a_wrong_query_is_reported_with_its_place_before_the_run(
     when: Callable[..., Told], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Mind, "think", None)
-    told = when("Sensor(robot_nam:)")
-    assert told.status == 2
-    assert "query:1:8: Sensor has no column robot_nam" in told.err
+    assert "query:1:8: Sensor has no column robot_nam" in when("Sensor(robot_nam:)").refusal
 
 
 def test_the_ticks_in_which_it_fails_are_told(when: Callable[..., Told]) -> None:
@@ -117,9 +115,7 @@ def test_the_ticks_in_which_it_fails_are_told(when: Callable[..., Told]) -> None
     assert told.data["stretches"] == [[1, 1], [4, 5]]
     assert told.data["failed_in"] == [[2, 3]]
     assert "neither a record nor a list" in told.data["failure"]
-    told = when('x in ["a"], x.field == 2')
-    assert told.status == 2
-    assert "It failed in every tick: This failed" in told.err
+    assert "It failed in every tick: This failed" in when('x in ["a"], x.field == 2').refusal
 
 
 def test_the_second_time_nothing_is_thought_again(

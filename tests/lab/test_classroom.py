@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from pathlib import Path
 
@@ -140,12 +139,9 @@ def test_programs_of_different_authors_are_not_alike() -> None:
         assert likeness(own, other, program_text(f"{level}-starter")) < ALIKE
 
 
-def test_a_program_is_played_by_name_and_number(
-    out: Path, command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_program_is_played_by_name_and_number(out: Path, command: Command) -> None:
     for words in (("2017", "02"), ("ada", "2"), ("lovelace", "open-space", "--start", 1)):
-        monkeypatch.setattr("sys.stdin", io.StringIO("quit\n"))
-        told = command("lab", "play", out, *words, "--plain")
+        told = command("lab", "play", out, *words, "--plain", typed=("quit",))
         assert (told.status, told.err) == (0, "")
         assert told.out.startswith("Open space"), told.out
 
@@ -158,7 +154,5 @@ def test_what_cannot_be_played_is_said(out: Path, command: Command) -> None:
         ("2017", "7"): "No program was run in this level. Levels: 01-first-steps, 02-open-space",
         ("hal", "02"): "Hal Two (2024) has no program for 02-open-space",
     }.items():
-        told = command("lab", "play", out, *words)
-        assert told.status == 2
-        assert said in told.err
+        assert said in command("lab", "play", out, *words).refusal
     assert sorted(Folder(out).path.iterdir()) == before

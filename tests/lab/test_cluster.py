@@ -173,6 +173,7 @@ def test_without_a_scheduler_or_the_extra_a_cluster_says_what_is_missing(
     if not is_installed:
         monkeypatch.setitem(sys.modules, "distributed", None)
     file = write_experiment(tmp_path)
-    told = command("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
-    assert told.status == 2
-    assert said in told.err
+    assert (
+        said
+        in command("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9").refusal
+    )

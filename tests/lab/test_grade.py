@@ -181,9 +181,7 @@ def test_who_was_not_matched_in_an_old_folder_stays_ungraded(exported: Path) -> 
 
 
 def test_the_report_is_one_page_without_scripts_and_links(exported: Path, command: Command) -> None:
-    told = command("lab", "report", exported)
-    assert told.status == 0
-    assert "Students who win from the given start" in told.out
+    assert "Students who win from the given start" in command("lab", "report", exported).success
     page = (exported / "report.html").read_text("utf-8")
     assert "<svg" in page
     assert "Week &lt;1&gt;" in page
@@ -195,6 +193,4 @@ def test_without_the_extra_a_report_says_what_is_missing(
     exported: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("logical_robots_tui.lab.exporting.has_extra", lambda _module: False)
-    told = command("lab", "report", exported)
-    assert told.status == 2
-    assert "pip install 'logical-robots-tui[lab]'" in told.err
+    assert "pip install 'logical-robots-tui[lab]'" in command("lab", "report", exported).refusal

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import multiprocessing
 import os
 import re
@@ -198,13 +197,10 @@ def replayed(folder: Path, command: Command) -> list[str]:
     return [*arguments, row["ticks"]]
 
 
-def test_the_command_of_a_row_replays_that_very_run(
-    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_of_a_row_replays_that_very_run(tmp_path: Path, command: Command) -> None:
     *arguments, ticks = replayed(tmp_path, command)
-    monkeypatch.setattr("sys.stdin", io.StringIO("run\n"))
-    told = command("play", *arguments, "--plain", "--data-dir", tmp_path / "data")
-    assert f"Won after {ticks} ticks." in told.out
+    options = ("--plain", "--data-dir", tmp_path / "data")
+    assert f"Won after {ticks} ticks." in command("play", *arguments, *options, typed=["run"]).out
 
 
 @pytest.mark.slow
@@ -221,9 +217,7 @@ def test_the_command_of_a_row_opens_the_game_at_that_start(
 def test_results_of_another_version_count_only_if_asked(copied: Path, command: Command) -> None:
     with closing(sqlite3.connect(copied / "ledger.db", isolation_level=None)) as ledger:
         ledger.execute("UPDATE results SET engine = 'another', run = 'of another ' || run")
-    told = command("lab", "resume", copied)
-    assert told.status == 2
-    assert "--mixed" in told.err
+    assert "--mixed" in command("lab", "resume", copied).refusal
     assert command("lab", "resume", copied, "--mixed").status == 0
     assert recorded(copied) == 4
     assert (copied / "runs.csv").read_text("utf-8").count(",another,") == 4
@@ -277,9 +271,7 @@ def test_the_second_interrupt_ends_at_once(tmp_path: Path) -> None:
 def test_a_second_coordinator_is_refused(swept: Path, command: Command) -> None:
     out = swept / "out"
     with Folder(out).locked():
-        told = command("lab", "resume", out)
-        assert told.status == 2
-        assert "Another process is at work in this folder" in told.err
+        assert "Another process is at work in this folder" in command("lab", "resume", out).refusal
         assert command("lab", "status", out).status == 0
 
 
@@ -295,8 +287,7 @@ def test_a_terminal_shows_how_far_it_is(tmp_path: Path) -> None:
 def test_a_wrong_specification_is_exit_status_2(tmp_path: Path, command: Command) -> None:
     file = tmp_path / "e.toml"
     file.write_text("[experiment]\nlevel = 3\nstarts = true\n")
-    told = command("sweep", file, "-o", tmp_path / "out")
-    assert told.status == 2
-    lines = [line.split(": ")[0] for line in told.err.splitlines()]
+    told = command("sweep", file, "-o", tmp_path / "out").refusal
+    lines = [line.split(": ")[0] for line in told.splitlines()]
     assert lines == [f"{file}:{number}" for number in (1, 2, 3)]
     assert not (tmp_path / "out").exists()

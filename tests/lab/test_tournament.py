@@ -348,15 +348,15 @@ def test_all_that_is_wrong_is_said_with_its_line(
 ) -> None:
     wrong, players = write_arena(tmp_path)
     wrong.write_text(text)
-    told = command("tournament", wrong, players, "-o", tmp_path / "out")
-    assert told.status == 2
-    said = [line.split(": ")[0] for line in told.err.splitlines()]
+    told = command("tournament", wrong, players, "-o", tmp_path / "out").refusal
+    said = [line.split(": ")[0] for line in told.splitlines()]
     assert said == [f"{wrong}:{line}" for line in lines]
     assert not (tmp_path / "out").exists()
 
 
 def test_one_player_is_not_enough(tmp_path: Path, command: Command) -> None:
     arena, players = write_arena(tmp_path, {"lonely": drives(1)})
-    told = command("tournament", arena, players, "-o", tmp_path / "out")
-    assert told.status == 2
-    assert "fewer than two players" in told.err
+    assert (
+        "fewer than two players"
+        in command("tournament", arena, players, "-o", tmp_path / "out").refusal
+    )
