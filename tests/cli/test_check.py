@@ -82,12 +82,12 @@ def test_what_is_wrong_is_told_with_its_line_a_caret_and_a_hint(
     assert (told.status, told.out) == (status, lines.format(program, program))
 
 
-def test_a_program_that_can_run_is_met_with_silence(command: Command, ahead: Path) -> None:
+def test_a_program_that_can_run_is_met_with_silence_or_warnings_and_one_that_is_missing_is_told(
+    command: Command, program: Path, ahead: Path
+) -> None:
     told = command("check", ahead)
     assert (told.status, told.out, told.err) == (0, "", "")
-
-
-def test_a_warning_is_told_but_the_program_is_fine(command: Command, program: Path) -> None:
+    assert command("check", program).refusal.count("\n") == 1
     program.write_text(DOUBTFUL)
     assert ":1:1: warning: Robot sets no memory" in command("check", program).success
     program.write_text(HERE)
@@ -102,18 +102,9 @@ def test_several_programs_are_checked_and_one_mistake_is_enough(
     assert (told.status, told.data["ok"]) == (2, False)
     fine, wrong = told.data["programs"]
     assert fine == {"file": str(ahead), "diagnostics": []}
-    assert wrong["diagnostics"][0] == {
-        "line": 3,
-        "column": 32,
-        "message": "A sensor has no field clok",
-        "hint": "Did you mean clock?",
-        "excerpt": "clok",
-        "severity": "error",
-    }
-
-
-def test_a_file_that_is_not_there_is_told_in_one_line(command: Command, program: Path) -> None:
-    assert command("check", program).refusal.count("\n") == 1
+    words = {"message": "A sensor has no field clok", "hint": "Did you mean clock?"}
+    place = {"line": 3, "column": 32, "excerpt": "clok", "severity": "error"}
+    assert wrong["diagnostics"][0] == place | words
 
 
 def test_a_very_long_line_is_shown_around_its_mistake_and_no_codes_reach_the_terminal(

@@ -17,7 +17,7 @@ from logical_robots_tui.cli import command as commands
 from logical_robots_tui.cli import listing
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.wording import join_names
-from tests.cli.running import Command
+from tests.cli.running import Command, Told
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
@@ -27,7 +27,8 @@ COMMANDS = (
 )
 
 
-def test_the_help_names_every_command(command: Command) -> None:
+def test_the_help_names_every_command_and_an_unknown_one_is_refused(command: Command) -> None:
+    assert "'fly'" in command("fly").refusal
     told = command("--help").success
     for name in COMMANDS:
         assert re.search(rf"^ {{4,}}{name}( |$)", told, re.MULTILINE), name
@@ -73,9 +74,7 @@ def test_without_a_terminal_the_game_says_so_in_one_line_and_points_to_run(
     arguments: tuple[str, ...], command: Command
 ) -> None:
     told = command(*arguments)
-    assert told.status == 2
-    assert told.out == ""
-    assert told.err.count("\n") == 1
+    assert (told.status, told.out, told.err.count("\n")) == (2, "", 1)
     assert "needs a terminal" in told.err
     assert "logical-robots run LEVEL PROGRAM" in told.err
 
@@ -94,10 +93,6 @@ def test_a_stream_that_is_not_a_terminal_is_named(
         monkeypatch.setattr(stream, "isatty", lambda: True)
     told = command()
     assert (told.status, "for standard error too." in told.err) == (2, True)
-
-
-def test_an_unknown_command_is_refused(command: Command) -> None:
-    assert "'fly'" in command("fly").refusal
 
 
 def test_the_levels_are_listed_with_title_and_robots(command: Command) -> None:
@@ -173,26 +168,32 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
     assert process.returncode == 141
 
 
+def in_shell(words: str, typed: str = "") -> Told:
+    """What the command leaves behind in a shell."""
+    done = subprocess.run(
+        ["sh", "-c", f"{sys.executable} -m logical_robots_tui {words}"],
+        input=typed,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+    return Told(done.returncode, done.stdout, done.stderr)
+
+
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     "typed", ["levels", "run 01-first-steps first-steps --ticks 5", "run nowhere nothing --json"]
 )
 def test_a_full_disk_is_said_where_output_goes_there(typed: str) -> None:
-    command = f"{sys.executable} -m logical_robots_tui {typed} > /dev/full"
-    done = subprocess.run(
-        ["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False, timeout=PATIENCE
-    )
-    assert done.stderr == (
-        "logical-robots: Can't write to standard output: No space left on device.\n"
-    )
-    assert done.returncode == 2
+    refusal = in_shell(f"{typed} > /dev/full").refusal
+    assert refusal == "logical-robots: Can't write to standard output: No space left on device.\n"
 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("typed", ["levels > /dev/full 2>&1", "run nowhere nothing 2> /dev/full"])
 def test_where_nothing_can_be_said_the_exit_status_tells(typed: str) -> None:
-    command = f"{sys.executable} -m logical_robots_tui {typed}"
-    assert subprocess.run(["sh", "-c", command], check=False, timeout=PATIENCE).returncode == 2
+    assert in_shell(typed).status == 2
 
 
 def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
@@ -212,14 +213,6 @@ def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
 @pytest.mark.sampled
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
 def test_a_stream_that_is_closed_is_an_empty_one(closed: str, tmp_path: Path) -> None:
-    script = f'"$0" -m logical_robots_tui play 01-first-steps --plain --data-dir "$1" {closed}'
-    done = subprocess.run(
-        ["sh", "-c", script, sys.executable, tmp_path],
-        input="step\n",
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert ("Tick 1." in done.stdout) == (closed == "2>&-")
+    told = in_shell(f"play 01-first-steps --plain --data-dir '{tmp_path}' {closed}", "step\n")
+    assert (told.status, told.err) == (0, "")
+    assert ("Tick 1." in told.out) == (closed == "2>&-")

@@ -15,10 +15,8 @@ from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world.level import alike
 from tests.cli.running import Command, shown
 
-SUBCOMMANDS = ("new", "check", "convert", "show")
 
-
-@pytest.mark.parametrize("name", SUBCOMMANDS)
+@pytest.mark.parametrize("name", ["new", "check", "convert", "show"])
 def test_each_help_fits_a_terminal_and_has_examples_and_exit_statuses(
     name: str, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -28,9 +26,6 @@ def test_each_help_fits_a_terminal_and_has_examples_and_exit_statuses(
     assert "examples:" in told
     assert "exit status:" in told
     assert f"    {name} " in command("level", "--help").out
-
-
-# -- new -----------------------------------------------------------------------------------------
 
 
 def test_a_room_is_made_and_nothing_looks_wrong_with_it(command: Command, tmp_path: Path) -> None:
@@ -45,8 +40,7 @@ def test_a_room_is_made_and_nothing_looks_wrong_with_it(command: Command, tmp_pa
 def test_a_labyrinth_of_one_seed_is_always_the_same(command: Command, tmp_path: Path) -> None:
     paths = [tmp_path / name for name in ("a.toml", "b.toml", "c.toml", "d.json")]
     for path, seed in zip(paths, (7, 7, 8, 7), strict=True):
-        told = command("level", "new", path, "--labyrinth", "9x6", "--seed", seed)
-        assert told.status == 0
+        assert command("level", "new", path, "--labyrinth", "9x6", "--seed", seed).status == 0
     assert paths[0].read_text() == paths[1].read_text() != paths[2].read_text()
     assert (load_level(paths[0]).walls == load_level(paths[3]).walls).all()
     assert command("level", "check", *paths).out == ""
@@ -72,8 +66,7 @@ def test_a_copy_keeps_its_comments_and_can_be_called_otherwise(
 def test_a_file_that_is_there_is_kept_unless_forced(command: Command, level: Path) -> None:
     before = level.read_text()
     assert "already exists" in command("level", "new", level).refusal
-    told = command("level", "new", level, "--labyrinth", "99x99", "--force")
-    assert told.status == 2
+    assert command("level", "new", level, "--labyrinth", "99x99", "--force").status == 2
     assert level.read_text() == before
     assert command("level", "new", level, "--copy", level, "--force").status == 0
     assert level.read_text() == before
@@ -106,21 +99,14 @@ def test_what_makes_no_level_is_refused(
     assert "Use .toml" in command("level", "new", tmp_path / "new.txt").err
 
 
-# -- check ---------------------------------------------------------------------------------------
-
-
-def test_what_looks_wrong_is_told_with_its_place(command: Command, level: Path) -> None:
-    level.write_text(level.read_text().replace("#..........#", "#....#.....#"))
-    assert (
-        command("level", "check", level).success
-        == f'{level}: at 42, 12: warning: Pip can\'t reach the goal "Door".\n'
-    )
-
-
-def test_a_level_that_can_not_be_loaded_is_told_with_its_line(
+def test_what_looks_wrong_or_can_not_be_loaded_is_told_with_its_place(
     command: Command, level: Path
 ) -> None:
-    level.write_text(level.read_text().replace("#..........#", "#...X......#", 1))
+    text = level.read_text()
+    level.write_text(text.replace("#..........#", "#....#.....#"))
+    said = command("level", "check", level).success
+    assert said == f'{level}: at 42, 12: warning: Pip can\'t reach the goal "Door".\n'
+    level.write_text(text.replace("#..........#", "#...X......#", 1))
     told = command("level", "check", level, "01-first-steps", "--json")
     assert told.status == 2
     assert told.data["ok"] is False
@@ -136,32 +122,22 @@ def test_a_level_that_can_not_be_loaded_is_told_with_its_line(
     assert "\x1b" not in told.out + told.err, "names can't reach the terminal as codes"
 
 
-# -- convert -------------------------------------------------------------------------------------
-
-
 def test_a_level_goes_to_the_platform_and_comes_back(
     command: Command, level: Path, tmp_path: Path
 ) -> None:
     web, back = tmp_path / "short.json", tmp_path / "back.toml"
-    assert command("level", "convert", level, web).success.splitlines() == [
-        "Left out because the web platform does not support it: title, visibility.",
-        f"Wrote {web}.",
-    ]
+    left_out = "Left out because the web platform does not support it: title, visibility."
+    assert command("level", "convert", level, web).success == f"{left_out}\nWrote {web}.\n"
     assert command("level", "convert", web, back).out == f"Wrote {back}.\n"
     assert alike(load_level(web), load_level(back))
     assert load_level(back).areas == load_level(level).areas
-
-
-def test_a_file_is_only_replaced_when_forced(command: Command, level: Path, tmp_path: Path) -> None:
+    # A file is only replaced when that is forced.
     other = tmp_path / "other.toml"
     other.write_text("# precious")
     assert command("level", "convert", level, other).status == 2
     assert other.read_text() == "# precious"
     assert command("level", "convert", level, other, "--force").status == 0
     assert alike(load_level(other), load_level(level))
-
-
-# -- show ----------------------------------------------------------------------------------------
 
 
 def test_a_level_is_drawn_in_colours_in_a_terminal_and_with_plain_characters_in_a_pipe(
@@ -207,7 +183,5 @@ def test_a_drawing_is_well_formed_and_shows_everything(
     assert walls is not None
     sizes = re.findall(r"h(\d+)v(\d+)", walls)
     assert sum(int(w) * int(h) for w, h in sizes) == load_level(level).walls.sum()
-    assert (
-        "can't be written"
-        in command("level", "show", level, "--svg", tmp_path / "nowhere" / "a.svg").refusal
-    )
+    nowhere = tmp_path / "nowhere" / "a.svg"
+    assert "can't be written" in command("level", "show", level, "--svg", nowhere).refusal

@@ -20,8 +20,6 @@ from tests.cli.running import Command
 
 LEVEL = "01-first-steps"
 GOALS = ("never blocked",)
-
-
 WON = "Mine() = 1;", Measures(1234, 56, 789.5)
 
 
@@ -36,13 +34,6 @@ def folder(tmp_path: Path) -> Path:
     progress.begin("/maps/cellar.toml")
     progress.close()
     return tmp_path
-
-
-def exported(command: Command, folder: Path) -> dict[str, Any]:
-    told = command("progress", "--data-dir", folder, "--json")
-    assert told.status == 0
-    found: dict[str, Any] = told.data
-    return found
 
 
 def achieved(level: str, program: str) -> Measures:
@@ -66,28 +57,24 @@ def test_each_level_has_a_line(command: Command, folder: Path) -> None:
     assert lines[1][-4:] == ["1", "of", "20", "1"]
     assert lines[2] == ["02-open-space", "new", "2"]
     assert lines[-1] == ["/maps/cellar.toml", "started"]
+    nothing = folder / "nothing"
+    assert command("progress", "--data-dir", nothing).status == 0
+    assert not nothing.exists(), "nothing is written for who has no progress"
 
 
-def test_nothing_is_written_for_who_has_no_progress(command: Command, tmp_path: Path) -> None:
-    folder = tmp_path / "nothing"
-    assert command("progress", "--data-dir", folder).status == 0
-    assert not folder.exists()
-
-
-def test_csv_has_the_best_of_each_measure(command: Command, folder: Path) -> None:
+def test_exports_have_the_best_of_each_measure_and_their_programs(
+    command: Command, folder: Path
+) -> None:
     told = command("progress", "--data-dir", folder, "--csv")
     rows = list(csv.DictReader(io.StringIO(told.out)))
-    assert rows[0]["level"] == LEVEL
-    assert rows[0]["ticks"] == "1234"
-    assert (rows[0]["goals"], rows[1]["goals"]) == ("never blocked", "")
-    assert rows[1]["ticks"] == ""
-
-
-def test_an_export_holds_the_programs_of_the_best_results(command: Command, folder: Path) -> None:
-    first = exported(command, folder)["levels"][0]
-    assert first["best"] == {**WON[1]._asdict(), "wins": 1, "starts": 20, "goals": list(GOALS)} | {
-        "rules": None
-    }
+    columns = ("level", "ticks", "goals")
+    assert [rows[0][name] for name in columns] == [LEVEL, "1234", "never blocked"]
+    assert [rows[1][name] for name in columns[1:]] == ["", ""]
+    told = command("progress", "--data-dir", folder, "--json")
+    assert told.status == 0
+    first = told.data["levels"][0]
+    others = {"wins": 1, "starts": 20, "goals": list(GOALS), "rules": None}
+    assert first["best"] == WON[1]._asdict() | others
     assert {victory["program"] for victory in first["victories"]} == {WON[0], "Worse() = 1;"}
 
 
@@ -162,6 +149,5 @@ def test_a_file_that_is_no_export_is_refused(
     file = tmp_path / "export.json"
     file.write_text(content, encoding="utf-8")
     told = command("progress", "--check", file)
-    assert told.status == 2
-    assert message in told.err
+    assert message in told.refusal
     assert not told.out

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 import sys
@@ -17,7 +16,7 @@ from logical_robots_tui.confinement import MOST_FILES
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.drafts import release
 from logical_robots_tui.player.recovery import MOST_GAMES, OpenGames
-from tests.cli.running import Command
+from tests.cli.running import Command, Told
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE, until
 
@@ -135,9 +134,7 @@ def test_a_restricted_process_reaches_its_own_folder_and_the_game_and_nothing_el
     neighbour = tmp_path / "players" / "ben"
     neighbour.mkdir(parents=True)
     own = tmp_path / "players" / "ada"
-    done = finished([sys.executable, "-c", ATTEMPTS, secret, neighbour, own])
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)
+    found = finished([sys.executable, "-c", ATTEMPTS, secret, neighbour, own]).data
     for what, answers in found.pop("answers").items():
         assert len(answers) == 1, (what, answers)
         assert "restricted mode allows only your own files" in answers[0]
@@ -150,7 +147,7 @@ def test_a_restricted_process_reaches_its_own_folder_and_the_game_and_nothing_el
     assert not list(neighbour.iterdir())
 
 
-def test_a_restricted_game_takes_nothing_from_the_environment_but_what_it_needs(
+def test_a_restricted_game_takes_nothing_from_the_environment_or_a_home_but_what_it_needs(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     kept = {"TERM": "xterm", "LC_ALL": "C.UTF-8", "HOME": "/home/ada"}
@@ -158,11 +155,6 @@ def test_a_restricted_game_takes_nothing_from_the_environment_but_what_it_needs(
     monkeypatch.setattr(os, "environ", {**kept, **others})
     clear_environment()
     assert os.environ == kept
-
-
-def test_a_restricted_game_wants_no_packages_from_home_folders(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
     monkeypatch.setattr("site.ENABLE_USER_SITE", True)
     with pytest.raises(InputError, match="loads no packages from home folders"):
         clear_environment()
@@ -173,9 +165,9 @@ def test_a_link_in_place_of_a_file_of_the_game_leads_nowhere(tmp_path: Path, nam
     own, elsewhere = tmp_path / "players" / "ada", tmp_path / "elsewhere"
     own.mkdir(parents=True)
     (own / name).symlink_to(elsewhere)
-    done = in_lines(tmp_path, "step\nquit\n", "02-open-space")
-    assert done.returncode in (0, 2), done.stderr
-    assert "can't be " in done.stdout + done.stderr
+    told = in_lines(tmp_path, "step\nquit\n", "02-open-space")
+    assert told.status in (0, 2), told
+    assert "can't be " in told.out + told.err
     assert not elsewhere.exists()
 
 
@@ -184,19 +176,20 @@ def game(folder: Path, *arguments: str) -> Sequence[object]:
     return [*command, "--data-dir", folder, "--player", "ada", *arguments]
 
 
-def finished(command: Sequence[object], typed: str = "") -> subprocess.CompletedProcess[str]:
-    """A command in a process of its own after its end."""
-    return subprocess.run(
-        list(map(str, command)),
-        input=typed,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
+def opened(command: Sequence[object]) -> subprocess.Popen[str]:
+    """A command in a process of its own, which can be typed to."""
+    pipe = subprocess.PIPE
+    return subprocess.Popen([*map(str, command)], stdin=pipe, stdout=pipe, stderr=pipe, text=True)
 
 
-def in_lines(folder: Path, script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+def finished(command: Sequence[object], typed: str = "") -> Told:
+    """What a command in a process of its own leaves behind."""
+    with opened(command) as process:
+        out, err = process.communicate(typed, PATIENCE)
+    return Told(process.returncode, out, err)
+
+
+def in_lines(folder: Path, script: str, *arguments: str) -> Told:
     return finished(game(folder, "--plain", *arguments), script)
 
 
@@ -243,49 +236,37 @@ def test_a_players_name_is_not_a_path(name: str, command: Command) -> None:
 def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "logical_robots_tui", "play", "02-open-space", "--plain"]
 
-    def played(*arguments: str) -> subprocess.CompletedProcess[str]:
+    def played(*arguments: str) -> Told:
         return finished([*command, "--data-dir", tmp_path, *arguments])
 
-    assert played("--restricted").returncode == 0
-    assert played("--restricted", "--player", "ada").returncode == 0
-    done = played("--restricted")
-    assert done.returncode == 2
-    assert "No player is named" in done.stderr
-    assert "LOGICAL_ROBOTS_PLAYER=NAME" in done.stderr
-    assert played("--restricted", "--player", "ben").returncode == 0
-    assert played().returncode == 0
+    assert played("--restricted").status == 0
+    assert played("--restricted", "--player", "ada").status == 0
+    refusal = played("--restricted").refusal
+    assert "No player is named" in refusal
+    assert "LOGICAL_ROBOTS_PLAYER=NAME" in refusal
+    assert played("--restricted", "--player", "ben").status == 0
+    assert played().status == 0
 
 
 def test_a_folder_that_cant_be_made_is_told_in_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "players").write_text("in the way")
-    done = in_lines(tmp_path, "")
-    assert done.returncode == 2
-    assert "The player's folder can't be used: " in done.stderr
-    assert "mistake" not in done.stderr
+    refusal = in_lines(tmp_path, "").refusal
+    assert "The player's folder can't be used: " in refusal
+    assert "mistake" not in refusal
 
 
 @pytest.mark.slow
 def test_a_player_has_so_many_games_and_no_more(tmp_path: Path) -> None:
-    games = [
-        subprocess.Popen(
-            list(map(str, game(tmp_path, "--plain", "02-open-space"))),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        for _ in range(MOST_GAMES)
-    ]
+    games = [opened(game(tmp_path, "--plain", "02-open-space")) for _ in range(MOST_GAMES)]
     try:
         for each in games:
             assert each.stdout is not None
             while "Type help" not in each.stdout.readline():
                 assert each.poll() is None
-        done = in_lines(tmp_path, "")
-        assert done.returncode == 2
-        assert f"You have {MOST_GAMES} games open" in done.stderr
+        assert f"You have {MOST_GAMES} games open" in in_lines(tmp_path, "").refusal
         games[0].kill()
         games[0].wait(PATIENCE)
-        assert in_lines(tmp_path, "quit\n").returncode == 0
+        assert in_lines(tmp_path, "quit\n").status == 0
     finally:
         for each in games:
             each.kill()
@@ -296,12 +277,7 @@ def test_a_player_in_lines_is_told_of_another_game_and_can_end_it(tmp_path: Path
     own = tmp_path / "players" / "ada"
     own.mkdir(parents=True)
     hung = OpenGames(own)
-    with subprocess.Popen(
-        list(map(str, game(tmp_path, "--plain", "02-open-space"))),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as second:
+    with opened(game(tmp_path, "--plain", "02-open-space")) as second:
         assert second.stdin is not None
         second.stdin.write("yes\n")
         second.stdin.flush()
@@ -325,13 +301,14 @@ def test_a_player_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None
         hung.send("2hello")
         hung.wait_for("hello")
         second = later.enter_context(Terminal(game(tmp_path, "02-open-space")))
-        second.wait_for("Another game has been open since")
-        second.wait_for("Yes, end it")
-        second.send("y")
+        for words, answer in (
+            ("Another game has been open since", "Yes, end it"),
+            ("Continue with your unsaved text", "Yes, continue"),
+        ):
+            second.wait_for(words)
+            second.wait_for(answer)
+            second.send("y")
         assert hung.finish() == 0
-        second.wait_for("Continue with your unsaved text")
-        second.wait_for("Yes, continue")
-        second.send("y")
         second.wait_for("open-space-starter*")
         second.send("q")
         assert second.finish() == 0
@@ -341,7 +318,6 @@ FILLS_CACHES = """if True:
     import os, sys
     from pathlib import Path
 
-    from tests.cli.running import Command
     from logical_robots_tui.confinement import MOST_BYTES, MOST_FILES, check_quota, confine
     from logical_robots_tui.game.debugging import matches
     from logical_robots_tui.game.history import recording
@@ -362,14 +338,12 @@ FILLS_CACHES = """if True:
 
 
 @pytest.mark.slow
-def test_caches_leave_a_restricted_player_most_of_the_room(tmp_path: Path) -> None:
-    environment = {**os.environ, "LOGICAL_ROBOTS_CACHE_DIR": str(tmp_path / "cache")}
-    subprocess.run(
-        [sys.executable, "-c", FILLS_CACHES, tmp_path],
-        env=environment,
-        check=True,
-        timeout=PATIENCE,
-    )
+def test_caches_leave_a_restricted_player_most_of_the_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
+    told = finished([sys.executable, "-c", FILLS_CACHES, tmp_path])
+    assert told.status == 0, told.err
 
 
 def test_a_game_in_lines_is_fenced_in_and_a_full_folder_is_told_in_a_sentence(
@@ -379,10 +353,10 @@ def test_a_game_in_lines_is_fenced_in_and_a_full_folder_is_told_in_a_sentence(
     programs.mkdir(parents=True)
     for number in range(MOST_FILES):
         (programs / f"p{number}.l").touch()
-    done = in_lines(tmp_path, "save mine\nstep\nopen /etc/passwd\nquit\n", "02-open-space")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert f"your folder is full: it holds {MOST_FILES:,} files" in done.stdout
-    assert "Tick 1." in done.stdout
-    assert "restricted mode allows only your own files" in done.stdout
+    told = in_lines(tmp_path, "save mine\nstep\nopen /etc/passwd\nquit\n", "02-open-space")
+    assert (told.status, told.err) == (0, "")
+    assert f"your folder is full: it holds {MOST_FILES:,} files" in told.out
+    assert "Tick 1." in told.out
+    assert "restricted mode allows only your own files" in told.out
     assert not (programs / "mine.l").exists()
     assert len(list(programs.iterdir())) == MOST_FILES

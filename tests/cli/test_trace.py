@@ -19,7 +19,9 @@ def lines(told: str) -> list[Any]:
     return [json.loads(line) for line in told.splitlines()]
 
 
-def test_every_tick_up_to_victory_is_told(short: Callable[..., Told]) -> None:
+def test_every_tick_up_to_victory_or_the_given_one_is_told(
+    short: Callable[..., Told], command: Command, level: Path, still: Path
+) -> None:
     told = short("trace")
     found = lines(told.out)
     assert (told.status, told.err) == (0, "")
@@ -27,19 +29,14 @@ def test_every_tick_up_to_victory_is_told(short: Callable[..., Told]) -> None:
     assert [line["won"] for line in found] == [False] * (len(found) - 1) + [True]
     last = found[-1]
     (pip,) = last["robots"]
-    assert pip["name"] == "Pip"
-    assert pip["right_engine"] == 0.5
+    assert (pip["name"], pip["right_engine"]) == ("Pip", 0.5)
     assert len(last["sensors"]["Pip"]["radar"]) == 31
     assert last["memories"] == {"Pip": "on my way"}
     (decision,) = last["decisions"]
     assert decision["desire"] == {"left_engine": 0.5, "right_engine": 0.5}
     assert last["areas"] == [{"name": "Door", "active": True, "visitors": ["Pip"]}]
-
-
-def test_it_ends_after_the_given_ticks(command: Command, level: Path, still: Path) -> None:
     told = command("trace", level, still, "--ticks", 3)
-    assert told.status == 1
-    assert len(lines(told.out)) == 3
+    assert (told.status, len(lines(told.out))) == (1, 3)
 
 
 def test_the_rows_of_predicates_are_told(short: Callable[..., Told], ahead: Path) -> None:

@@ -33,19 +33,12 @@ def when(command: Command, level: Path, counter: Path) -> Callable[..., Told]:
 
 
 def test_the_stretches_are_the_ticks_in_which_there_are_rows(
-    when: Callable[..., Told],
-) -> None:
-    told = when(f"{CLOCK}clock in [3, 4, 5, 9, 11, 12]")
-    assert told.status == 0
-    data = told.data
-    assert (data["first"], data["last"], data["holds_in"]) == (3, 12, 6)
-    assert data["stretches"] == [[3, 5], [9, 9], [11, 12]]
-    assert data["failed_in"] == []
-
-
-def test_it_holds_where_query_has_rows(
     when: Callable[..., Told], command: Command, level: Path, counter: Path
 ) -> None:
+    told = when(f"{CLOCK}clock in [3, 4, 5, 9, 11, 12]")
+    data = told.data
+    assert (told.status, data["first"], data["last"], data["holds_in"]) == (0, 3, 12, 6)
+    assert (data["stretches"], data["failed_in"]) == ([[3, 5], [9, 9], [11, 12]], [])
     stretches = when("Third", "--ticks", 7).data["stretches"]
     asked = ("query", level, counter, "Third", "--tick")
     rows = [bool(command(*asked, tick).data["rows"]) for tick in range(8)]
@@ -96,34 +89,26 @@ def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
     run = ["when", level, program, "Late", "--ticks", 9]
     assert command(*run).data["first"] == 4
     assert command(*run, "--robot", "Bo").data["first"] == 7
-    assert "There is no robot Eve. There are Ada, Bo." in command(
-        *run, "--robot", "Eve"
-    ).refusal.replace("\n", " ")
+    refusal = command(*run, "--robot", "Eve").refusal.replace("\n", " ")
+    assert "There is no robot Eve. There are Ada, Bo." in refusal
 
 
-def test_a_wrong_query_is_reported_with_its_place_before_the_run(
+def test_a_wrong_query_is_reported_before_the_run_and_a_second_one_thinks_nothing_again(
     when: Callable[..., Told], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    first = when("Third").data
     monkeypatch.setattr(Mind, "think", None)
+    assert when("Third").data == first
     assert "query:1:8: Sensor has no column robot_nam" in when("Sensor(robot_nam:)").refusal
 
 
 def test_the_ticks_in_which_it_fails_are_told(when: Callable[..., Told]) -> None:
     question = f'{CLOCK}x in ["a"], (if clock in [2, 3] then x.field else 1) == 1'
     told = when(question, "--ticks", 5)
-    assert told.status == 0
-    assert told.data["stretches"] == [[1, 1], [4, 5]]
-    assert told.data["failed_in"] == [[2, 3]]
-    assert "neither a record nor a list" in told.data["failure"]
+    data = told.data
+    assert (told.status, data["stretches"], data["failed_in"]) == (0, [[1, 1], [4, 5]], [[2, 3]])
+    assert "neither a record nor a list" in data["failure"]
     assert "It failed in every tick: This failed" in when('x in ["a"], x.field == 2').refusal
-
-
-def test_the_second_time_nothing_is_thought_again(
-    when: Callable[..., Told], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    first = when("Third").data
-    monkeypatch.setattr(Mind, "think", None)
-    assert when("Third").data == first
 
 
 def test_in_a_terminal_it_is_told_in_words(level: Path, counter: Path) -> None:

@@ -48,13 +48,16 @@ def test_each_rule_says_whether_it_gave_a_row_and_what_stopped_it(
     assert "--predicate 'Speed(" in in_terminal.text
 
 
-def test_one_step_deeper(why: Callable[..., Told]) -> None:
+def test_one_step_deeper_and_with_values_of_ones_own(why: Callable[..., Told]) -> None:
     asked = [node["asked"] for node in _walk(*why().data["tree"]) if "asked" in node]
     assert asked[0]["predicate"] == "Speed"
     given = [f"--given={column}={value}" for column, value in asked[0]["given"].items()]
     assert why("--predicate", "Speed", *given).data["rules"][0]["rows"] == 1
     told = why("--predicate", "Speed", "--given", "col0=9")
     assert (told.status, told.data["rules"][0]["stopped_by"]) == (1, "d > 20")
+    there, low = why("--predicate", "Speed(30)"), why("--predicate", "Speed(5)")
+    assert (there.status, there.data["row"]["d"]) == (0, 30)
+    assert (low.status, low.data["rules"][0]["stopped_by"]) == (1, "d > 20")
 
 
 def test_a_tree_goes_down_to_what_was_sensed(why: Callable[..., Told]) -> None:
@@ -87,12 +90,6 @@ def test_what_is_not_there_is_named(
     why: Callable[..., Told], more: list[str], message: str
 ) -> None:
     assert message in why(*more).refusal
-
-
-def test_values_of_ones_own_show_where_a_rule_stops_then(why: Callable[..., Told]) -> None:
-    there, low = why("--predicate", "Speed(30)"), why("--predicate", "Speed(5)")
-    assert (there.status, there.data["row"]["d"]) == (0, 30)
-    assert (low.status, low.data["rules"][0]["stopped_by"]) == (1, "d > 20")
 
 
 def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, ahead: Path) -> None:
