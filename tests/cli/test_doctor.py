@@ -11,27 +11,29 @@ from logical_robots_tui.caching import FOLDER_VARIABLE
 from tests.cli.running import Command, in_terminal
 
 
-def values(told: object) -> dict[str, str]:
-    assert isinstance(told, list)
-    return {finding["name"]: finding["value"] for finding in told}
+def findings(command: Command) -> dict[str, str]:
+    told = command("doctor", "--json")
+    assert told.status == 0
+    return {finding["name"]: finding["value"] for finding in told.data}
 
 
-def test_it_tells_terminal_versions_and_places(
+def test_it_tells_terminal_versions_places_and_an_sqlite_with_a_known_hole(
     command: Command, monkeypatch: pytest.MonkeyPatch, home: Path
 ) -> None:
     for name in ("NO_COLOR", "COLORTERM", "SSH_CONNECTION", "STY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.setenv("TMUX", "/tmp/tmux-0/default,1,0")
-    told = command("doctor", "--json")
-    found = values(told.data)
-    assert told.status == 0
+    found = findings(command)
     assert (found["name"], found["colours"], found["inside"]) == ("xterm-256color", "256", "tmux")
     assert found["data"].startswith(str(home))
     assert found["configuration"].endswith("config.toml (none)")
     assert {"python", "textual", "logica", "sqlite", "numpy", "cache"} <= found.keys()
     monkeypatch.setenv("NO_COLOR", "1")
-    assert values(command("doctor", "--json").data)["drawing"] == "ascii"
+    assert findings(command)["drawing"] == "ascii"
+    for version, is_old in (((3, 40, 1), True), ((3, 50, 2), False)):
+        monkeypatch.setattr("sqlite3.sqlite_version_info", version)
+        assert ("CVE-2025-6965" in command("doctor").out) == is_old
 
 
 def test_what_stands_in_the_way_is_marked(command: Command, tmp_path: Path, home: Path) -> None:
@@ -80,11 +82,3 @@ def test_a_home_that_is_out_of_reach_stops_nothing(
     said = command("play", level, ahead, "--plain", typed=("step", "save mine")).success
     assert "Tick 1." in said
     assert "can't be written" in said
-
-
-@pytest.mark.parametrize(("version", "is_old"), [((3, 40, 1), True), ((3, 50, 2), False)])
-def test_an_sqlite_with_a_known_hole_is_named(
-    command: Command, monkeypatch: pytest.MonkeyPatch, version: tuple[int, ...], is_old: bool
-) -> None:
-    monkeypatch.setattr("sqlite3.sqlite_version_info", version)
-    assert ("CVE-2025-6965" in command("doctor").out) == is_old

@@ -74,23 +74,18 @@ def test_an_expression_holds_where_it_is_true(
 
 
 def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
-    level = tmp_path / "two.toml"
-    level.write_text(
-        'title = "Two"\ncell = 10\nwalls = """\n#######\n#.....#\n#.....#\n#######\n"""\n'
-        '[[robots]]\nname = "Ada"\nx = 15\ny = 15\n[[robots]]\nname = "Bo"\nx = 35\ny = 25\n'
-    )
     program = tmp_path / "late.l"
     program.write_text(
         'Late(n) :- Memory(robot_name:, memory: n), n != "",\n'
-        '  n >= (if robot_name == "Bo" then 6 else 3);\n'
+        '  n >= (if robot_name == "Jade" then 6 else 3);\n'
         "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory:) :-\n"
         "  Sensor(robot_name:, sensor:), memory == sensor.clock;\n"
     )
-    run = ["when", level, program, "Late", "--ticks", 9]
+    run = ["when", "04-everybody-home", program, "Late", "--ticks", 9]
     assert command(*run).data["first"] == 4
-    assert command(*run, "--robot", "Bo").data["first"] == 7
+    assert command(*run, "--robot", "Jade").data["first"] == 7
     refusal = command(*run, "--robot", "Eve").refusal.replace("\n", " ")
-    assert "There is no robot Eve. There are Ada, Bo." in refusal
+    assert "There is no robot Eve. There are Ruby, Jade, Lapis." in refusal
 
 
 def test_a_wrong_query_is_reported_before_the_run_and_a_second_one_thinks_nothing_again(

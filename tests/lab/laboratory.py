@@ -9,7 +9,7 @@ import sqlite3
 import subprocess
 import sys
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -17,20 +17,6 @@ from logical_robots_tui.lab import running
 from logical_robots_tui.lab.running import Answer, Task
 from logical_robots_tui.paths import shipped_folder
 from tests.waiting import PATIENCE, until
-
-__all__ = [
-    "Background",
-    "InlineEngine",
-    "deadly",
-    "endless",
-    "exported",
-    "lane",
-    "program_text",
-    "recorded",
-    "rows",
-    "start",
-    "write_experiment",
-]
 
 FIRST_STEPS = """
 # The number is what is varied.
@@ -79,6 +65,11 @@ radius = 20
 goal_for = ["Ada"]
 """
 
+SENSOR = "Sensor(robot_name:, sensor:)"
+STILL = "Robot(robot_name:, desire: {{left_engine: {}, right_engine: 0}}, memory: {}) :- {};"
+STANDING = STILL.format("0", '""', SENSOR)
+ENDLESS = "N(x) :- x in Range(3000);\n" + STILL.format("Sum{x * y :- N(x), N(y)}", '""', SENSOR)
+
 
 def lane(title: str) -> str:
     """A level that the program of the experiment wins within 100 ticks."""
@@ -99,6 +90,23 @@ def write_experiment(
     text = EXPERIMENT.format(values=list(values), starts=starts, ticks=ticks)
     file.write_text(text, "utf-8")
     return file
+
+
+def write_files(folder: Path, files: Mapping[str, str | bytes]) -> Path:
+    """Write files into a folder and into folders in it; return the folder."""
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return folder
+
+
+def page_of(folder: Path) -> str:
+    """The report of a folder, a page that runs nothing and needs nothing else."""
+    page = (folder / "report.html").read_text("utf-8")
+    for outside in ("<script", "href=", "src=", "@import", "url("):
+        assert outside not in page
+    return page
 
 
 def exported(folder: Path) -> dict[str, bytes]:
@@ -196,9 +204,17 @@ class Background:
         return self.process.returncode, said
 
 
-def start(*arguments: object) -> Background:
-    """Start the command in a process of its own."""
-    return Background(*arguments)
+def killed(out: Path, arguments: Sequence[object], workers: Sequence[int]) -> list[int]:
+    """Begin a work and go on with it, each time killing it; return the counts of its results."""
+    counts = [recorded(out)]
+    words = (*arguments, "-o", out)
+    for number in workers:
+        running = Background(*words, "--workers", number)
+        until(lambda: recorded(out) > counts[-1])
+        running.kill()
+        counts.append(recorded(out))
+        words = ("lab", "resume", out)
+    return counts[1:]
 
 
 def endless(task: Task) -> Answer:

@@ -56,10 +56,7 @@ def test_no_path_leads_out(pack: Callable[[dict[str, str]], bytes], name: str) -
 def test_links_and_devices_are_not_followed() -> None:
     info = zipfile.ZipInfo("x.l")
     info.external_attr = (stat.S_IFLNK | 0o777) << 16
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w") as archive:
-        archive.writestr(info, "/etc/passwd")
-    assert unpacked(out.getvalue()) == {"a.zip/x.l": "it is a link"}
+    assert unpacked(zipped({info: "/etc/passwd"})) == {"a.zip/x.l": "it is a link"}
     for kind in (tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.FIFOTYPE, tarfile.CHRTYPE):
         found = unpacked(tar_of(("x.l", kind, 0), content=bytes(1024)))
         assert found == {"a.zip/x.l": "it is a link"}
@@ -92,10 +89,7 @@ def test_encrypted_and_strangely_packed_files_are_told_apart() -> None:
         (zipfile.ZIP_LZMA, "its compression method is not supported"),
         (zipfile.ZIP_STORED, "it is encrypted"),
     ):
-        out = io.BytesIO()
-        with zipfile.ZipFile(out, "w", method) as archive:
-            archive.writestr("x.l", "x")
-        content = bytearray(out.getvalue())
+        content = bytearray(zipped({"x.l": "x"}, method))
         if method == zipfile.ZIP_STORED:
             content[content.index(b"PK\1\2") + 8] |= 1
         assert unpacked(bytes(content)) == {"a.zip/x.l": problem}

@@ -11,8 +11,16 @@ from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.classroom import ALIKE, likeness
 from logical_robots_tui.lab.folder import Folder
 from tests.cli.running import Command
-from tests.lab.laboratory import FIRST_STEPS, lane, program_text, rows
-from tests.lab.test_running import SENSOR, STILL
+from tests.lab.laboratory import (
+    FIRST_STEPS,
+    SENSOR,
+    STANDING,
+    STILL,
+    lane,
+    program_text,
+    rows,
+    write_files,
+)
 from tests.short import AHEAD
 
 ASSIGNMENT = """
@@ -57,7 +65,7 @@ Robot(robot_name:, desire: {left_engine: Sum{x * y :- N(x), N(y)} * 0, right_eng
   :- Sensor(robot_name:, sensor:), memory == sensor.clock;
 """
 
-TWO = STILL.format("0", '""', SENSOR) + STILL.format("1", '""', SENSOR)
+TWO = STANDING + STILL.format("1", '""', SENSOR)
 
 
 @pytest.fixture(scope="module")
@@ -78,12 +86,10 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "all/dot/01-first-steps.l": f"# {'again ' * 9}\n{FIRST_STEPS}",
         "all/eve/01-first-steps.l": TWO,
         "all/fay/01-first-steps.l": SLOW,
-        "all/gus/01-first-steps.l": STILL.format("0", '""', SENSOR),
+        "all/gus/01-first-steps.l": STANDING,
         "all/hal/01-first-steps.l": program_text("first-steps-starter"),
     }
-    for name, text in files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text)
+    write_files(folder, files)
     out = folder / "grades"
     assert main(["grade", f"{folder}/a.toml", f"{folder}/all", "-o", str(out)]) == 0
     return out

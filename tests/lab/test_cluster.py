@@ -21,7 +21,7 @@ from logical_robots_tui.lab.engines import ClusterEngine
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.cli.running import Command
-from tests.lab.laboratory import Background, deadly, exported, recorded, start, write_experiment
+from tests.lab.laboratory import Background, deadly, exported, recorded, write_experiment
 from tests.waiting import PATIENCE, until
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own, at every turn
@@ -75,7 +75,7 @@ def machines(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
 
 def sweep(machines: Cluster, file: Path, out: Path) -> Background:
-    running = start("sweep", file, "-o", out, "--dask", machines.address)
+    running = Background("sweep", file, "-o", out, "--dask", machines.address)
     until(lambda: recorded(out) > 0 or running.process.poll() is not None)
     return running
 

@@ -13,27 +13,22 @@ from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.exporting import done_runs
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
 from logical_robots_tui.lab.running import Answer, Task
+from tests.lab.laboratory import InlineEngine
 
 
-class Whimsical:
+class Whimsical(InlineEngine):
     """An engine whose workers die, are late, and give back what they like, but not for ever."""
 
-    slots = 3
-
     def __init__(self, seed: int) -> None:
+        super().__init__(3)
         self._chance = random.Random(seed)
-        self._tasks: list[tuple[object, Task]] = []
         self.failures: Counter[str] = Counter()
         self.executions: Counter[tuple[str, int]] = Counter()
-
-    @property
-    def free(self) -> int:
-        return self.slots - len(self._tasks)
 
     def submit(self, key: object, task: Task) -> None:
         assert self.free
         assert task.starts
-        self._tasks.append((key, task))
+        super().submit(key, task)
 
     def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
         self._chance.shuffle(self._tasks)
@@ -53,9 +48,6 @@ class Whimsical:
             yield key, Answer(() if dies else tuple(done), "" if dies else "w", "it failed")
             return
         yield key, Answer(tuple(done), "w")
-
-    def close(self, *, at_once: bool = False) -> None:
-        """Nothing to end."""
 
 
 def result(program: str, start: int) -> str:
@@ -86,11 +78,9 @@ def test_the_ledger_ends_the_same(tmp_path: Path, seed: int, *, given_first: boo
         manifest = manifest_for(folder, given_first=given_first)
         coordinator = Coordinator(folder, manifest, ledger)
         coordinator.work(engine, lambda: False, lambda: None)
-        tally = coordinator.tally()
-        assert tally.is_complete
-        found = Counter(
-            (done.cell.program_name, done.result.outcome) for done in done_runs(manifest, ledger)
-        )
+        assert coordinator.tally().is_complete
+        runs = done_runs(manifest, ledger)
+        found = Counter((done.cell.program_name, done.result.outcome) for done in runs)
         wins = {(name, "won"): 6 for name in ("wins a", "wins b", "wins c", "wins  c")}
         lost = {(name, "out of ticks"): 1 for name, _ in wins}
         loser = {("loses", "out of ticks"): 1 if given_first else 2}
@@ -99,5 +89,4 @@ def test_the_ledger_ends_the_same(tmp_path: Path, seed: int, *, given_first: boo
         assert found == Counter(wins | lost | loser | broken)
         assert ("wins  c", 0) not in engine.executions  # the same program runs once
         assert ("broken  ", 0) in engine.executions  # but its mistakes are its own
-        fresh = Coordinator(folder, manifest, ledger)
-        assert fresh.tally().is_complete
+        assert Coordinator(folder, manifest, ledger).tally().is_complete

@@ -20,8 +20,7 @@ from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.toml_files import TomlFileError
 from tests.cli.running import Command
-from tests.lab.laboratory import FIRST_STEPS, rows
-from tests.lab.test_running import SENSOR, STILL
+from tests.lab.laboratory import FIRST_STEPS, STANDING, rows, write_files
 
 ASSIGNMENT = """
 [assignment]
@@ -40,17 +39,18 @@ keep = 0.5
 @pytest.fixture
 def assignment(tmp_path: Path) -> tuple[Path, Path]:
     """Three students who were all too late, but one had more time."""
-    (tmp_path / "a.toml").write_text(ASSIGNMENT)
-    (tmp_path / "roster.csv").write_text("id,name\nada,Ada\nben,Ben\ncem,Cem\n")
-    (tmp_path / "extensions.csv").write_text("id,until\nben,2026-02-01T12:00:00+00:00\n")
-    (tmp_path / "by-hand.csv").write_text("id,points,reason\nada,1.5,neat\nada,-0.5,\n")
-    folder = tmp_path / "all"
-    folder.mkdir()
+    files = {
+        "a.toml": ASSIGNMENT,
+        "roster.csv": "id,name\nada,Ada\nben,Ben\ncem,Cem\n",
+        "extensions.csv": "id,until\nben,2026-02-01T12:00:00+00:00\n",
+        "by-hand.csv": "id,points,reason\nada,1.5,neat\nada,-0.5,\n",
+        **{f"all/{name}.l": FIRST_STEPS for name in ("ada", "ben")},
+        "all/cem.l": STANDING,
+    }
+    folder = write_files(tmp_path, files) / "all"
     changed = datetime(2026, 1, 31, 13, 2, 3, tzinfo=UTC).timestamp()
-    for name in ("ada", "ben", "cem"):
-        text = STILL.format("0", '""', SENSOR) if name == "cem" else FIRST_STEPS
-        (folder / f"{name}.l").write_text(text)
-        os.utime(folder / f"{name}.l", (changed, changed))
+    for file in folder.iterdir():
+        os.utime(file, (changed, changed))
     return tmp_path / "a.toml", folder
 
 
@@ -139,24 +139,22 @@ def test_how_a_run_ended_is_said_in_sentences(
     assignment: tuple[Path, Path], command: Command
 ) -> None:
     file, folder = assignment
-    file.with_name("my-level.toml").write_bytes(
-        (shipped_folder("levels") / "01-first-steps.toml").read_bytes()
-    )
     text = ASSIGNMENT.replace("01-first-steps", "my-level.toml").replace("starts = 0", "starts = 2")
-    file.write_text(
-        text.replace("[assignment]", "[assignment]\nticks = 99") + "[points]\nstarts = 1\n"
-    )
-    (folder / "ada.l").write_text(STILL.format("0", '""', SENSOR))
-    (folder / "ben.l").write_text("Robot(")
+    text = text.replace("[assignment]", "[assignment]\nticks = 99") + "[points]\nstarts = 1\n"
+    level = (shipped_folder("levels") / "01-first-steps.toml").read_bytes()
+    write_files(file.parent, {"a.toml": text, "my-level.toml": level})
     (folder / "cem.l").rename(folder / "x.l")
-    for name in ("1.l", "2.l"):
-        (folder / "cem").mkdir(exist_ok=True)
-        (folder / "cem" / name).write_text(FIRST_STEPS)
-    assert command("grade", file, folder, "-o", file.with_name("out")).status == 0
-    ada, ben, cem = (
-        (file.with_name("out") / f"feedback/{name}.md").read_text()
-        for name in ("ada", "ben", "cem")
+    programs = {
+        "ada.l": STANDING,
+        "ben.l": "Robot(",
+        "cem/1.l": FIRST_STEPS,
+        "cem/2.l": FIRST_STEPS,
+    }
+    assert (
+        command("grade", file, write_files(folder, programs), "-o", folder / "../out").status == 0
     )
+    feedback = file.with_name("out") / "feedback"
+    ada, ben, cem = ((feedback / f"{name}.md").read_text() for name in ("ada", "ben", "cem"))
     untried = "varied starts: not tried, because it was not won from the given start.\n"
     assert f"- 0 of 5 points for {untried}" in ada
     assert "- The run ended at tick 2: nothing could change any more.\n" in ada
@@ -179,33 +177,27 @@ def test_one_student_can_be_looked_at_before_all_are_run(
 
 def test_what_is_wrong_with_the_tables_is_said(assignment: tuple[Path, Path]) -> None:
     folder = assignment[0].parent
-    (folder / "extensions.csv").write_text("id,until\nben,tomorrow\n")
-    (folder / "by-hand.csv").write_text("id;points\nada;1\n\nada;many\n")
-    assert problems(assignment) == [
+
+    def problems(*tables: str) -> list[str]:
+        names = ("extensions.csv", "by-hand.csv", "roster.csv")
+        write_files(folder, dict(zip(names, tables, strict=False)))
+        with pytest.raises(TomlFileError) as caught:
+            plan_grading(*assignment)
+        return [problem.removeprefix(f"{folder}/") for problem in caught.value.problems]
+
+    assert problems("id,until\nben,tomorrow\n", "id;points\nada;1\n\nada;many\n") == [
         "extensions.csv:2: until for ben must be like 2026-01-31T23:59:00+01:00.",
         "by-hand.csv:4: points for ada must be a number.",
     ]
-    (folder / "extensions.csv").write_text("id,unitl\nben,2026-02-01T12:00:00+00:00\n")
-    (folder / "by-hand.csv").write_text("id,points\n")
-    (folder / "roster.csv").write_text("name\nada\n")
+    until = "2026-02-01T12:00:00+00:00\n"
     first = "the first line names the columns"
-    assert problems(assignment) == [
+    assert problems(f"id,unitl\nben,{until}", "id,points\n", "name\nada\n") == [
         f'roster.csv:1: There is no column "id"; {first}: name.',
         f'extensions.csv:1: There is no column "until"; {first}: id, unitl.',
     ]
-    (folder / "roster.csv").write_text("id\nada\nben\nada\n")
-    (folder / "extensions.csv").write_text("id,until\n")
-    assert problems(assignment) == ["roster.csv:4: ada is there twice."]
-    (folder / "roster.csv").write_text("id\nada\nben\n")
-    (folder / "extensions.csv").write_text("id,until\nbenn,2026-02-01T12:00:00+00:00\n")
-    (folder / "by-hand.csv").write_text("id,points\nxyz,1\n")
-    assert problems(assignment) == [
+    twice = problems("id,until\n", "id,points\n", "id\nada\nben\nada\n")
+    assert twice == ["roster.csv:4: ada is there twice."]
+    assert problems(f"id,until\nbenn,{until}", "id,points\nxyz,1\n", "id\nada\nben\n") == [
         'extensions.csv:2: benn is not among the students. Did you mean "ben"?',
         "by-hand.csv:2: xyz is not among the students.",
     ]
-
-
-def problems(assignment: tuple[Path, Path]) -> list[str]:
-    with pytest.raises(TomlFileError) as caught:
-        plan_grading(*assignment)
-    return [each.removeprefix(f"{assignment[0].parent}/") for each in caught.value.problems]

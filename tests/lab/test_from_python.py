@@ -16,7 +16,15 @@ from logical_robots_tui.lab import Results, coordinating, grade, sweep, tourname
 from logical_robots_tui.lab.coordinating import Coordinator, Engine
 from logical_robots_tui.toml_files import TomlFileError
 from tests.cli.running import Command
-from tests.lab.laboratory import FIRST_STEPS, exported, recorded, write_experiment
+from tests.lab.laboratory import (
+    FIRST_STEPS,
+    SENSOR,
+    STILL,
+    exported,
+    recorded,
+    write_experiment,
+    write_files,
+)
 from tests.waiting import PATIENCE
 
 
@@ -40,10 +48,8 @@ def test_a_file_gives_the_same_folder_as_the_command_and_workers(
     assert repr(results).endswith("mine: 4 runs>")
     # A script needs no guard against its workers.
     script = tmp_path / "script.py"
-    script.write_text(
-        "from logical_robots_tui.lab import sweep\n"
-        "print(sweep('experiment.toml', 'out', workers=1).done, 'runs')\n"
-    )
+    call = "print(sweep('experiment.toml', 'out', workers=1).done, 'runs')\n"
+    script.write_text(f"from logical_robots_tui.lab import sweep\n{call}")
     done = subprocess.run(
         [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
     )
@@ -125,13 +131,10 @@ def test_progress_is_said_on_standard_error(
 
 
 def test_a_class_is_graded_to_a_gradebook(tmp_path: Path) -> None:
-    (tmp_path / "class" / "ada").mkdir(parents=True)
-    (tmp_path / "class" / "ada" / "first-steps.l").write_text(FIRST_STEPS)
-    assignment = {
-        "assignment": {"starts": 0},
-        "level": [{"name": "01-first-steps", "points": 10}],
-    }
-    results = grade(assignment, tmp_path / "class", tmp_path / "out", workers=1, progress=False)
+    folder = write_files(tmp_path / "class", {"ada/first-steps.l": FIRST_STEPS})
+    levels = [{"name": "01-first-steps", "points": 10}]
+    assignment = {"assignment": {"starts": 0}, "level": levels}
+    results = grade(assignment, folder, tmp_path / "out", workers=1, progress=False)
     assert results.tables[0] == "gradebook"
     frame = results.to_pandas()
     assert list(frame["id"]) == ["ada"]
@@ -145,13 +148,9 @@ def test_no_module_hides_a_function() -> None:
 
 
 def test_a_tournament_plays_all_its_rounds(tmp_path: Path) -> None:
-    players = tmp_path / "players"
-    players.mkdir()
-    for name, power in (("ada", 1), ("ben", 0.5), ("cem", 0)):
-        (players / f"{name}.l").write_text(
-            f"Robot(robot_name:, desire: {{left_engine: {power}, right_engine: {power}}}, "
-            'memory: "") :- Sensor(robot_name:);'
-        )
+    powers = {"ada.l": 1, "ben.l": 0.5, "cem.l": 0}
+    programs = {name: STILL.format(power, '""', SENSOR) for name, power in powers.items()}
+    players = write_files(tmp_path / "players", programs)
     arena = {"tournament": {"level": "16-high-ground", "format": "swiss", "starts": 0, "ticks": 5}}
     results = tournament(arena, players, tmp_path / "out", workers=1, progress=False)
     assert results.complete

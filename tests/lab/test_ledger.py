@@ -28,9 +28,15 @@ def entry(job: str, result: str = WON, engine: str = "") -> Entry:
     return Entry(job, f"run of {job}{engine}", result, 0.5, "here/1")
 
 
-def test_a_run_is_recorded_once_and_a_second_result_is_compared(tmp_path: Path) -> None:
+def test_failures_count_until_a_run_is_recorded_once_and_a_second_result_is_compared(
+    tmp_path: Path,
+) -> None:
     with closing(Ledger(tmp_path / "l.db", "e")) as ledger:
+        ledger.fail("a", "died", "here/1")
+        ledger.fail("a", "late", "here/1")
+        assert ledger.failures() == {"a": ["died", "late"]}
         assert ledger.record([entry("a"), entry("b")]) == {"a": "won", "b": "won"}
+        assert ledger.failures() == {}
         ledger.record([entry("a")])
         assert ledger.differences() == []
         assert ledger.record([entry("a", LOST)]) == {"a": "won"}
@@ -50,15 +56,6 @@ def test_results_of_another_engine_are_not_mixed_unless_asked(tmp_path: Path) ->
         assert ledger.outcomes() == {"a": "out of ticks", "b": "won"}
         assert ledger.engines() == {"a": "new", "b": "old"}
         assert ledger.differences() == []
-
-
-def test_failures_count_until_there_is_a_result(tmp_path: Path) -> None:
-    with closing(Ledger(tmp_path / "l.db", "e")) as ledger:
-        ledger.fail("a", "died", "here/1")
-        ledger.fail("a", "late", "here/1")
-        assert ledger.failures() == {"a": ["died", "late"]}
-        ledger.record([entry("a")])
-        assert ledger.failures() == {}
 
 
 def test_a_ledger_that_is_damaged_newer_or_has_a_view_gets_a_sentence(tmp_path: Path) -> None:
@@ -122,12 +119,10 @@ def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
     (folder.path / "inputs" / written.files[program]).write_text("Robot();")
     with pytest.raises(InputError, match="This input is damaged"):
         folder.text(program)
-    (folder.path / "manifest.json").write_text('{"format": 7}')
-    with pytest.raises(InputError, match="newer version"):
-        folder.manifest()
-    (folder.path / "manifest.json").write_text('{"kind": 7}')
-    with pytest.raises(InputError, match="This manifest is damaged"):
-        folder.manifest()
+    for text, problem in (("format", "newer version"), ("kind", "This manifest is damaged")):
+        (folder.path / "manifest.json").write_text(f'{{"{text}": 7}}')
+        with pytest.raises(InputError, match=problem):
+            folder.manifest()
 
 
 @pytest.fixture(scope="module")

@@ -87,10 +87,7 @@ def test_what_is_sampled_is_sampled_together_and_crossed_with_the_rest() -> None
     st.booleans(),
 )
 def test_a_mapping_means_what_a_file_would(
-    tmp_path_factory: pytest.TempPathFactory,
-    values: list[float],
-    text: str,
-    wide: bool,
+    tmp_path_factory: pytest.TempPathFactory, values: list[float], text: str, wide: bool
 ) -> None:
     table = {"level": "01-first-steps", "program": FIRST_STEPS, "wide": wide, "title": "t"}
     data = {
@@ -114,13 +111,13 @@ def test_the_number_of_robots_can_be_varied() -> None:
     manifest, inputs = plan(
         {"level": "robots", "range": [1, 3]}, level="04-everybody-home", experiment={"ticks": 5}
     )
-    levels = [read_level(inputs[cell.level], "level") for cell in manifest.cells]
-    assert [[robot.name for robot in level.robots] for level in levels] == [
-        *(["Ruby"], ["Ruby", "Jade"], ["Ruby", "Jade", "Lapis"])
-    ]
-    for level in levels:
+    for count, cell in enumerate(manifest.cells, 1):
+        level = read_level(inputs[cell.level], "level")
+        names = ["Ruby", "Jade", "Lapis"][:count]
+        assert [robot.name for robot in level.robots] == names
         goal = next(area.victory_robots for area in level.areas if area.victory_robots)
-        assert {*goal} == {robot.name for robot in level.robots}
+        assert {*goal} == {*names}
+    assert count == 3
     assert "The level has 3" in wrong({"level": "robots", "values": [4]}, level="04-everybody-home")
 
 
@@ -157,28 +154,19 @@ def test_a_series_is_reduced_to_one_number(numbers: list[float]) -> None:
     asked = Asked("a", "1", 1)
     result = Result("won", series={"a": Series((), (), "", tuple(enumerate(numbers, 1)))})
     ways: tuple[Way, ...] = ("last", "min", "max", "mean", "sum")
-    assert [reduced(result, asked, how) for how in ways] == [
-        *(numbers[-1], min(numbers), max(numbers), fmean(numbers), sum(numbers))
-    ]
-
-
-def test_what_could_not_be_measured_in_every_tick_is_not_reduced() -> None:
-    asked = Asked("a", "1", 1)
-    for numbers in ((), ((1, None),), ((1, 2), (2, None))):
-        result = Result("won", series={"a": Series((), (), "", numbers)})
+    expected = [numbers[-1], min(numbers), max(numbers), fmean(numbers), sum(numbers)]
+    assert [reduced(result, asked, how) for how in ways] == expected
+    # What could not be measured in every tick is not reduced.
+    for measured in ((), ((1, None),), ((1, 2), (2, None))):
+        result = Result("won", series={"a": Series((), (), "", measured)})
         assert reduced(result, asked, "max") is None
     assert reduced(Result("does not compile"), asked, "max") is None
 
 
 def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
-    given = {
-        "experiment": {
-            "level": "01-first-steps",
-            "program": FIRST_STEPS,
-            "ticks": 60,
-            "wide": True,
-            "until": "Sensor(sensor:), sensor.clock >= 35",
-        },
+    table = {"ticks": 60, "wide": True, "until": "Sensor(sensor:), sensor.clock >= 35"}
+    given: dict[str, Any] = {
+        "experiment": {"level": "01-first-steps", "program": FIRST_STEPS, **table},
         "vary": [{"constant": "Near", "values": [20, 40]}],
         "measure": {
             "won": "end",
@@ -189,15 +177,13 @@ def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
     }
     results = sweep(given, tmp_path / "out", workers=1, progress=False)
     assert results.tables == ("runs", "series", "wide")
-    varied = ["run", "level", "program", "Near", "start"]
-    for table in results.tables:
-        frame = results.to_pandas(table)
-        assert list(frame.columns[:5]) == varied
-        assert (tmp_path / "out" / f"{table}.csv").exists()
+    for name in results.tables:
+        columns = list(results.to_pandas(name).columns[:5])
+        assert columns == ["run", "level", "program", "Near", "start"]
+        assert (tmp_path / "out" / f"{name}.csv").exists()
     runs = results.to_pandas()
-    assert list(runs.columns[5:11]) == [
-        *("outcome", "won", "clock_mean", "clock_max", "final", "alone")
-    ]
+    measures = ["outcome", "won", "clock_mean", "clock_max", "final", "alone"]
+    assert list(runs.columns[5:11]) == measures
     assert {*runs["outcome"]} == {"stopped"}
     assert {*runs["final"]} == {*runs["clock_max"]} == {35}
     wide = results.to_pandas("wide")
@@ -210,15 +196,9 @@ def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
     assert list(means) == pytest.approx(list(runs["clock_mean"]))
     sweep(given, tmp_path / "another", workers=2, progress=False)
     assert exported(tmp_path / "another") == exported(tmp_path / "out")
-
-
-def test_what_is_reduced_anew_is_not_run_again(tmp_path: Path) -> None:
-    table = {"level": "01-first-steps", "program": FIRST_STEPS, "ticks": 30}
-    asked: dict[str, Any] = {"query": CLOCK, "every": 10}
-    first = {"experiment": table, "measure": {"clock": asked}}
-    sweep(first, tmp_path / "out", workers=1, progress=False)
+    # What is only reduced anew is not run again.
     ledger = (tmp_path / "out" / "ledger.db").read_bytes()
-    first["measure"] = {"clock": {**asked, "reduce": "sum"}}
-    sweep(first, tmp_path / "out", workers=1, progress=False)
+    given["measure"]["clock"]["reduce"] = "sum"
+    sweep(given, tmp_path / "out", workers=1, progress=False)
     assert (tmp_path / "out" / "ledger.db").read_bytes() == ledger
     assert "clock_sum" in Results(tmp_path / "out").to_pandas().columns

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from itertools import combinations
 
+import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -61,23 +62,19 @@ def test_strengths_are_those_that_the_shares_were_made_with() -> None:
     np.fill_diagonal(wins, 0)
     assert strengths(wins) == pytest.approx(rating, abs=4)
     assert strengths(np.array([[0, 0.75], [0.25, 0]])) == pytest.approx([90, -90], abs=6)
+    # Who lost everything has a strength, too, and not an endless one.
+    clear = strengths(np.triu(np.ones((4, 4)), 1))
+    assert np.isfinite(clear).all()
+    assert (np.diff(clear) < -100).all()
+    assert strengths(np.zeros((2, 2))) == pytest.approx([0, 0])
 
 
 def test_a_strength_of_nothing_has_no_sign_of_minus() -> None:
     standing = Standing("ada", 1, 1, 0.5, 0.5, 0.5, -0.04, 1)
-    manifest = Manifest(
-        "tournament", "", "", 1, False, (), (), 1, 1.0, (), players=(Player("ada"),)
-    )
+    players = (Player("ada"),)
+    manifest = Manifest("tournament", "", "", 1, False, (), (), 1, 1.0, (), players=players)
     (row,) = _rows(manifest, Ranking((standing,), {}, ()))
     assert row[4] == "+0"
-
-
-def test_who_lost_everything_has_a_strength_and_not_an_endless_one() -> None:
-    wins = np.triu(np.ones((4, 4)), 1)
-    found = strengths(wins)
-    assert np.isfinite(found).all()
-    assert (np.diff(found) < -100).all()
-    assert strengths(np.zeros((2, 2))) == pytest.approx([0, 0])
 
 
 def test_the_better_one_is_first_and_equal_ones_share_their_ranks() -> None:
@@ -137,25 +134,16 @@ def test_matches_that_are_missing_are_left_out() -> None:
     assert played == {"ada": 3, "ben": 4, "cem": 3, "dot": 4, "eve": 4}
     assert ("ada", "cem") not in ranking.pairings
     assert ranking.pairings["ada", "ben"].share == pytest.approx(np.nanmean(shares[0]))
-
-
-def test_before_the_first_match_nothing_is_known() -> None:
+    # Before the first match nothing is known.
     ranking = ranking_of_shares(NAMES, PAIRS, np.full((len(PAIRS), 3), np.nan))
     assert [each.rank for each in ranking.standings] == ["1-5"] * 5
     assert not ranking.pairings
 
 
-def swiss(count: int) -> Manifest:
-    """A tournament of so many players before its first round."""
-    players = tuple(Player(f"p{n:02}", f"{n * 7919 % 1000:03}") for n in range(count))
-    return Manifest("tournament", "", "", 0, False, (), (), 1, 1, (), players=players)
-
-
 def rounds_of(count: int, rounds: int) -> list[tuple[tuple[int, int], ...]]:
     """The rounds of a tournament in which the higher number wins."""
-    import msgspec
-
-    manifest = swiss(count)
+    players = tuple(Player(f"p{n:02}", f"{n * 7919 % 1000:03}") for n in range(count))
+    manifest = Manifest("tournament", "", "", 0, False, (), (), 1, 1, (), players=players)
     for _ in range(rounds):
         wins = {player.name: 0.0 for player in manifest.players}
         for pairs in manifest.rounds:

@@ -21,10 +21,7 @@ from logical_robots_tui.mind import Program, Stopped
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.levels.load import read_level
-from tests.lab.laboratory import FIRST_STEPS, lane, program_text
-
-STILL = "Robot(robot_name:, desire: {{left_engine: {}, right_engine: 0}}, memory: {}) :- {};"
-SENSOR = "Sensor(robot_name:, sensor:)"
+from tests.lab.laboratory import FIRST_STEPS, SENSOR, STANDING, STILL, lane, program_text
 
 
 def task(program: str, **changes: Any) -> Task:
@@ -52,7 +49,7 @@ def test_a_run_is_the_game_played_through() -> None:
 
 
 def test_a_run_ends_where_nothing_can_change_any_more() -> None:
-    result = only(execute(task(STILL.format("0", '""', SENSOR))))
+    result = only(execute(task(STANDING)))
     assert (result.outcome, result.ticks) == ("nothing changes", 2)
     turning = only(execute(task(STILL.format("0.5", '""', SENSOR))))
     assert turning.outcome == "out of ticks"
@@ -63,9 +60,7 @@ def test_a_run_ends_where_nothing_can_change_any_more() -> None:
     [
         STILL.format("0", "sensor.clock", SENSOR),
         STILL.format("if sensor.clock > 250 then 1 else 0", '""', SENSOR),
-        "Seen(robot_name:, sensor:) :- "
-        + SENSOR
-        + ";"
+        f"Seen(robot_name:, sensor:) :- {SENSOR};"
         + STILL.format("if s.clock > 250 then 1 else 0", '""', "Seen(robot_name:, sensor: s)"),
     ],
 )
@@ -79,13 +74,10 @@ def test_stopping_early_says_nothing_else_than_the_whole_run() -> None:
     level = (shipped_folder("levels") / "01-first-steps.toml").read_text("utf-8")
     early = only(execute(task(text, ticks=900, level=level)))
     assert early.outcome == "nothing changes"
-    played = play_through(load_level("01-first-steps"), Program.compile(text), 900)
-    assert played.won_at is None
+    played, program = load_level("01-first-steps"), Program.compile(text)
+    at_end, later = (play_through(played, program, ticks) for ticks in (early.ticks, 900))
+    assert later.won_at is None
     # From there on the world is what it was.
-    at_end, later = (
-        play_through(load_level("01-first-steps"), Program.compile(text), ticks)
-        for ticks in (early.ticks, 900)
-    )
     assert later.distance == at_end.distance
 
 
@@ -108,7 +100,7 @@ def test_a_program_that_does_not_compile_says_where() -> None:
 
 def test_questions_are_asked_every_so_many_ticks_or_at_the_end() -> None:
     asked = (Asked("often", "Robot(robot_name:)", 100), Asked("last", "1 + 1", 0))
-    result = only(execute(task(STILL.format("0", '""', SENSOR), asked=asked)))
+    result = only(execute(task(STANDING, asked=asked)))
     assert result.series["often"].columns == ("tick", "robot", "robot_name")
     assert result.series["often"].rows == tuple((tick, "Ada", "Ada") for tick in (1, 100, 200, 300))
     assert [row[0] for row in result.series["last"].rows] == [300]
@@ -122,28 +114,27 @@ def test_an_answer_is_one_number_of_each_tick_that_is_asked() -> None:
         Asked("text", '"a"', 7),
         Asked("fails", "Sum{1 / 0}", 7),
     )
-    result = only(execute(task(STILL.format("0", '""', SENSOR), asked=asked, ticks=24)))
+    result = only(execute(task(STANDING, asked=asked, ticks=24)))
     numbers = {name: dict(series.numbers) for name, series in result.series.items()}
     ticks = [1, 7, 14, 21, 24]
     assert numbers["rows"] == dict.fromkeys(ticks, 1)
     assert list(numbers["value"]) == ticks
-    assert sorted(numbers["value"].values(), key=lambda each: each or 0) == list(
-        numbers["value"].values()
-    )
+    values = list(numbers["value"].values())
+    assert sorted(values, key=lambda value: value or 0) == values
     assert numbers["truth"] == {tick: int((numbers["value"][tick] or 0) > 10) for tick in ticks}
     assert numbers["text"] == dict.fromkeys(ticks)
 
 
 def test_the_last_tick_is_asked_once() -> None:
     asked = (Asked("often", "1", 10),)
-    result = only(execute(task(STILL.format("0", '""', SENSOR), asked=asked, ticks=20)))
+    result = only(execute(task(STANDING, asked=asked, ticks=20)))
     assert result.series["often"].numbers == ((1, 1), (10, 1), (20, 1))
     result = only(execute(task(FIRST_STEPS, asked=asked)))
     assert result.series["often"].numbers[-1] == (result.ticks, 1)
 
 
 def test_a_run_stops_when_its_question_holds() -> None:
-    text = STILL.format("0", '""', SENSOR)
+    text = STANDING
     until = "Sensor(sensor:), sensor.clock >= 50"
     asked = (Asked("last", "Max{sensor.clock :- Sensor(sensor:)}", 0),)
     result = only(execute(task(text, asked=asked, until=until)))
@@ -154,7 +145,8 @@ def test_a_run_stops_when_its_question_holds() -> None:
     assert won == only(execute(task(FIRST_STEPS)))
 
 
-def test_varied_starts_are_for_programs_that_win_if_the_task_says_so() -> None:
+def test_varied_starts_are_for_programs_that_win_and_tasks_for_the_same_engine() -> None:
+    assert execute(task(FIRST_STEPS, fingerprint="another")).refused
     lost = execute(task(FIRST_STEPS, ticks=50, starts=(0, 1, 2), given_first=True))
     assert [start for start, _, _ in lost.results] == [0]
 
@@ -164,10 +156,6 @@ def test_a_run_that_takes_too_long_is_not_a_result() -> None:
     assert answer.results == ()
     assert answer.failure == "it took more than 0.01 seconds"
     assert _reason(Stopped(), task(FIRST_STEPS, seconds=1.0)) == "it took more than 1 second"
-
-
-def test_another_engine_refuses_the_task() -> None:
-    assert execute(task(FIRST_STEPS, fingerprint="another")).refused
 
 
 def test_a_run_that_is_explained_is_the_same_run_and_always_explained_alike() -> None:

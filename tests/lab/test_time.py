@@ -13,8 +13,8 @@ from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Manifest, Student, digest
 from logical_robots_tui.lab.running import Answer, Task, execute
 from tests.cli.running import Command
-from tests.lab.laboratory import FIRST_STEPS, endless, lane, rows
-from tests.lab.test_running import SENSOR, STILL, only, task
+from tests.lab.laboratory import FIRST_STEPS, SENSOR, STILL, InlineEngine, endless, lane, rows
+from tests.lab.test_running import only, task
 from tests.waiting import PATIENCE
 
 HEAVY = "N(x) :- x in Range(100);\n" + STILL.format(
@@ -43,22 +43,16 @@ def test_a_program_that_thinks_too_much_is_too_slow_at_a_tick_that_is_always_the
     assert only(execute(task(HEAVY, ticks=first.ticks))).outcome == "out of ticks"
 
 
-class Recorder:
+class Recorder(InlineEngine):
     """An engine that runs one task at a time and takes long for some programs."""
 
-    slots = 1
-
     def __init__(self) -> None:
+        super().__init__(1)
         self.order: list[str] = []
         self.during: Callable[[], None] = lambda: None  # called while a task is at work
-        self._tasks: list[tuple[object, Task]] = []
-
-    @property
-    def free(self) -> int:
-        return 1 - len(self._tasks)
 
     def submit(self, key: object, task: Task) -> None:
-        self._tasks.append((key, task))
+        super().submit(key, task)
         self.order.append(task.programs[""])
 
     def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
@@ -70,9 +64,6 @@ class Recorder:
         took = 9.0 if "slow" in task.programs[""] else 0.1
         won = '{"outcome":"won","ticks":7}'
         yield key, Answer(tuple((start, won, took) for start in task.starts[:1]), "w")
-
-    def close(self, *, at_once: bool = False) -> None:
-        """Nothing to end."""
 
 
 def test_students_whose_programs_take_long_come_last(tmp_path: Path) -> None:

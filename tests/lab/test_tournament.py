@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.cli.main import main
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.competing import plan_tournament
 from logical_robots_tui.lab.folder import Folder
 from tests.cli.running import Command
-from tests.lab.laboratory import exported, recorded, rows, start
-from tests.waiting import until
+from tests.lab.laboratory import ENDLESS, exported, killed, page_of, recorded, rows, write_files
 
 HILL = """
 title = "A hill"
@@ -65,11 +65,6 @@ DRIVE = """
 Robot(robot_name:, desire: {{left_engine: {speed}, right_engine: {speed}}}, memory: "") :-
   Sensor(robot_name:);
 """
-ENDLESS = """
-N(x) :- x in Range(3000);
-Robot(robot_name:, desire: {left_engine: Sum{x * y :- N(x), N(y)}, right_engine: 0}, memory: "") :-
-  Sensor(robot_name:);
-"""
 BROKEN = DRIVE.format(speed=1).replace("Sensor", "Snesor")
 
 PLAYERS = {"fast": 1, "quick": 0.8, "slow": 0.6, "still": 0}
@@ -95,12 +90,10 @@ def write_arena(
         for team in teams
         for x, y, heading in [ROBOTS[team]]
     )
-    (folder / "hill.toml").write_text(HILL.format(ticks=ticks, teams=listed))
-    (folder / "arena.toml").write_text(ARENA.format(starts=starts, more=more))
+    hill, arena = HILL.format(ticks=ticks, teams=listed), ARENA.format(starts=starts, more=more)
+    write_files(folder, {"hill.toml": hill, "arena.toml": arena})
     programs = players or {name: drives(speed) for name, speed in PLAYERS.items()}
-    for name, text in programs.items():
-        (folder / "players").mkdir(exist_ok=True)
-        (folder / "players" / f"{name}.l").write_text(text)
+    write_files(folder / "players", {f"{name}.l": text for name, text in programs.items()})
     return folder / "arena.toml", folder / "players"
 
 
@@ -111,12 +104,10 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     names = {"fast": 1, "=1+1": 0.8, "slow": 0.6, "still": 0, "<b>still": 0}
     texts = {name: drives(speed) for name, speed in names.items()}
     arena, players = write_arena(folder, texts)
-    (players / "broken").mkdir()
-    (players / "broken/hill.l").write_text(BROKEN)
-    said = io.TextIOWrapper(bytes_ := io.BytesIO(), "utf-8")
-    with redirect_stdout(said):
+    write_files(players, {"broken/hill.l": BROKEN})
+    text = io.TextIOWrapper(bytes_ := io.BytesIO(), "utf-8", write_through=True)
+    with redirect_stdout(text):
         assert main(["tournament", str(arena), str(players), "-o", str(folder / "out")]) == 0
-    said.flush()
     return folder / "out", bytes_.getvalue().decode()
 
 
@@ -146,9 +137,8 @@ def test_everybody_plays_everybody_from_both_seats_and_the_best_is_first(
 
 
 def test_the_same_program_under_two_names_is_as_good_as_itself(played: tuple[Path, str]) -> None:
-    shares = {
-        (row["player"], row["opponent"]): row["share"] for row in rows(played[0] / "pairs.csv")
-    }
+    pairs = rows(played[0] / "pairs.csv")
+    shares = {(row["player"], row["opponent"]): row["share"] for row in pairs}
     assert shares["still", "<b>still"] == "0.5"
     assert shares["still", "slow"] == shares["<b>still", "slow"]
 
@@ -160,13 +150,11 @@ def test_a_match_can_be_seen_again(
     seats = ("fast", "slow", "1")
     (row,) = (r for r in rows(out / "runs.csv") if (r["red"], r["blue"], r["start"]) == seats)
     _, play, *match = shlex.split(row["replay"])
-    assert play == "play"
+    assert (play, match[-2:]) == ("play", ["--start", "1"])
     match[:3] = [str(out / name) for name in match[:3]]
     scores = command("run", *match, "--json").data["scores"]
-    assert {team: str(sum(parts)) for team, parts in scores.items()} == {
-        team: row[f"points_{team}"] for team in ("red", "blue")
-    }
-    assert match[-2:] == ["--start", "1"]
+    points = {team: row[f"points_{team}"] for team in ("red", "blue")}
+    assert {team: str(sum(parts)) for team, parts in scores.items()} == points
     file = tmp_path / "match.replay"
     assert command("replay", "record", *match, "-o", file).status == 0
     assert command("replay", "verify", file).status == 0
@@ -181,12 +169,10 @@ def test_the_report_is_one_page_without_scripts_and_links(
 ) -> None:
     out, _ = played
     assert command("lab", "report", out).status == 0
-    page = (out / "report.html").read_text("utf-8")
-    assert "<h1>The hill</h1>" in page
-    assert "&lt;b&gt;still" in page
-    assert "logical-robots play inputs/" in page
-    for outside in ("<script", "href=", "src=", "@import", "url(", "<b>"):
-        assert outside not in page
+    page = page_of(out)
+    for text in ("<h1>The hill</h1>", "&lt;b&gt;still", "logical-robots play inputs/"):
+        assert text in page
+    assert "<b>" not in page
 
 
 @pytest.mark.slow
@@ -216,14 +202,7 @@ def test_a_tournament_that_is_killed_again_and_again_has_the_same_tables(
     assert command("tournament", arena, players, "-o", once).status == 0
     total = recorded(once)
     assert total == {"all": 21, "swiss": 5 * 3}[form] * 2
-    arguments: tuple[object, ...] = ("tournament", arena, players, "-o", often)
-    for workers in (2, 1, 2):
-        before = recorded(often)
-        running = start(*arguments, "--workers", workers)
-        until(lambda before=before: recorded(often) > before)  # type: ignore[misc] # bound at once
-        running.kill()
-        arguments = ("lab", "resume", often)
-    assert recorded(often) < total
+    assert killed(often, ("tournament", arena, players), workers=(2, 1, 2))[-1] < total
     told = command("lab", "status", often)
     assert told.status == 1
     assert "Go on with" in told.out
@@ -262,12 +241,9 @@ def test_a_program_that_thinks_too_long_has_lost_and_costs_the_other_nothing(
     runs = rows(out / "runs.csv")
     assert [(row["outcome"], row["last_tick"]) for row in runs] == [("too many steps", "10")] * 2
     assert {row["forfeit"] for row in runs} == {"red", "blue"}
-    assert [(row["player"], row["share"]) for row in rows(out / "ranking.csv")] == [
-        ("still", "1.0"),
-        ("endless", "0.0"),
-    ]
-    page = command("lab", "report", out)
-    assert page.status == 0
+    shares = [(row["player"], row["share"]) for row in rows(out / "ranking.csv")]
+    assert shares == [("still", "1.0"), ("endless", "0.0")]
+    assert command("lab", "report", out).status == 0
     assert "thinking took more than 100,000 steps" in (out / "report.html").read_text("utf-8")
 
 
@@ -300,14 +276,13 @@ def test_a_match_that_ends_every_worker_is_left_out(tmp_path: Path, command: Com
     assert told.status == 1
     assert "6 runs could not be done (infrastructure)" in told.out
     assert "  fast against still in hill, start 1: its worker process died\n" in told.out
-    told = command("lab", "export", out)
-    assert told.status == 1
+    assert command("lab", "export", out).status == 1
     ranking = rows(out / "ranking.csv")
     assert [row["player"] for row in ranking] == ["fast", "quick", "slow", "still"]
     assert [row["opponents"] for row in ranking] == ["3"] * 4, "they have met from the given start"
 
 
-def test_from_forty_players_on_it_is_swiss(tmp_path: Path) -> None:
+def test_from_forty_players_on_it_is_swiss_and_one_is_not_enough(tmp_path: Path) -> None:
     arena, players = write_arena(tmp_path, {f"p{n}": drives(1) for n in range(40)})
     manifest, _ = plan_tournament(arena, players)
     assert (len(manifest.rounds), manifest.most_rounds) == (1, 8)
@@ -317,6 +292,10 @@ def test_from_forty_players_on_it_is_swiss(tmp_path: Path) -> None:
     assert manifest.most_rounds == 1
     assert len(manifest.rounds[0]) == 39 * 38 / 2
     assert len(inputs) == 2, "the level and the program"
+    for number in range(2, 40):
+        (players / f"p{number}.l").unlink()
+    with pytest.raises(InputError, match="fewer than two players"):
+        plan_tournament(arena, players)
 
 
 @pytest.mark.slow
@@ -333,30 +312,3 @@ def test_with_four_teams_each_player_has_each_seat_once(tmp_path: Path, command:
         for team in teams:
             assert {each[team] for each in seats} == names
     assert rows(out / "ranking.csv")[0]["player"] == "fast"
-
-
-@pytest.mark.parametrize(
-    ("text", "lines"),
-    [
-        ('[tournament]\nformat = "knockout"\nstarts = -1\nseats = 2\n', [1, 2, 3, 4]),
-        ('[tournament]\nlevel = "01-first-steps"\n', [2]),
-        ('[tournament]\nstarts = 3\nlevel = "nowhere"\n', [3]),
-    ],
-)
-def test_all_that_is_wrong_is_said_with_its_line(
-    tmp_path: Path, command: Command, text: str, lines: list[int]
-) -> None:
-    wrong, players = write_arena(tmp_path)
-    wrong.write_text(text)
-    told = command("tournament", wrong, players, "-o", tmp_path / "out").refusal
-    said = [line.split(": ")[0] for line in told.splitlines()]
-    assert said == [f"{wrong}:{line}" for line in lines]
-    assert not (tmp_path / "out").exists()
-
-
-def test_one_player_is_not_enough(tmp_path: Path, command: Command) -> None:
-    arena, players = write_arena(tmp_path, {"lonely": drives(1)})
-    assert (
-        "fewer than two players"
-        in command("tournament", arena, players, "-o", tmp_path / "out").refusal
-    )
