@@ -7,7 +7,7 @@ from typing import Any
 
 from tests.tui.conftest import Opened, opened
 
-__all__ = ["pressed", "run_until", "started"]
+__all__ = ["pressed", "run_until", "sees_all", "started"]
 
 
 @asynccontextmanager
@@ -22,20 +22,26 @@ async def pressed(
     game: Opened,
     *keys: str,
     tick: int | None = None,
-    sees: str = "",
+    sees: str | tuple[str, ...] = "",
     on: type | None = None,
     until: Callable[[], object] = lambda: True,
 ) -> None:
     """Press keys, and wait for what follows: a tick, words, a screen, or something else."""
     await game.press(*keys)
+    texts = (sees,) if isinstance(sees, str) else sees
     await game.until(
         lambda: (
             (tick is None or game.tick == tick)
             and (on is None or isinstance(game.app.screen, on))
             and until()
-            and (not sees or game.shows(sees))
+            and all(map(game.shows, texts))
         )
     )
+
+
+async def sees_all(game: Opened, *texts: str) -> None:
+    """Wait until the screen shows several texts at once."""
+    await game.until(lambda: all(map(game.shows, texts)))
 
 
 async def run_until(game: Opened, tick: int) -> None:

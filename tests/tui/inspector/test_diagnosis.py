@@ -6,7 +6,7 @@ import pytest
 
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
 from tests.tui.conftest import Opened
-from tests.tui.inspector.steps import pressed, run_until, started
+from tests.tui.inspector.steps import pressed, run_until, sees_all, started
 
 LATE = """\
 Robot(robot_name:, desire: {left_engine: 0.2, right_engine: 0.2}, memory: "") :-
@@ -28,12 +28,10 @@ async def test_the_run_is_scanned_and_a_finding_leads_to_its_tick(
         await run_until(game, 4)
         game.main.action_command("diagnose")
         await game.until(lambda: page(game).view.has_focus)
-        await game.sees("Scan the run up to tick 4")
-        await game.sees("enter Scan")
+        await sees_all(game, "Scan the run up to tick 4", "enter Scan")
         await pressed(game, "enter", until=lambda: page(game).found is not None)
         assert game.inspector.inspected == "diagnosis"
-        await game.sees("warning, line 3, tick 3")
-        await game.sees("Ticks 1 to 4, not won.")
+        await sees_all(game, "warning, line 3, tick 3", "Ticks 1 to 4, not won.")
         await game.press("down")
         await game.until(lambda: game.editor.selected_text.startswith("Robot(robot_name:, des"))
         await pressed(game, "enter", tick=3)

@@ -16,7 +16,7 @@ from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, STILL, Opened, opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.inspector.steps import pressed, sees_all, started
 
 MORE = (
     PAPER
@@ -73,9 +73,7 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
 
         # Values are plain text in short form.
         await inspect(game, "Odd")
-        await game.sees("Odd · tick 0 · 1 row")
-        await game.sees("[bold]x[/bold]")
-        assert game.shows("{a: 1, b: [1, 2]}")
+        await sees_all(game, "Odd · tick 0 · 1 row", "[bold]x[/bold]", "{a: 1, b: [1, 2]}")
         assert game.shows("0.3 ")
         assert "\x1b" not in game.screen()
         await inspect(game, "Idle")
@@ -108,8 +106,7 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
 
         await inspect(game, "Names")
         await game.until(lambda: game.editor.selected_text == "Names")
-        await pressed(game, "K", sees="SQLite's plan for Names")
-        await game.sees("Milliseconds")
+        await pressed(game, "K", sees=("SQLite's plan for Names", "Milliseconds"))
         await game.press("escape")
         await game.sees_no("SQLite's plan for Names")
 
@@ -171,8 +168,7 @@ async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
         await game.press("3")
         await inspect(game, "Sensor")
         await game.sees("robot_name")
-        await pressed(game, "enter", "right", sees="sensor = {")
-        await game.sees("forward_distance:")
+        await pressed(game, "enter", "right", sees=("sensor = {", "forward_distance:"))
         await game.sees('forward_object: "none"')
         game.inspector.enter()
         await inspect(game, "Ray")

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.tui.inspector.predicate_graph import GraphView, joint
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.inspector.steps import pressed, sees_all, started
 
 TEXT = """\
 Ahead(robot_name:, d: sensor.forward_distance) :- Sensor(robot_name:, sensor:);
@@ -36,8 +36,7 @@ async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) ->
         await pressed(game, "R", sees="Users → predicate")
         view = game.app.screen.query_one(GraphView)
         assert view.middle == "Robot", "the page of robots is no predicate"
-        await game.sees("nobody     • Robot ─┬▶ • Speed")
-        await game.sees("╰▶ • Near")
+        await sees_all(game, "nobody     • Robot ─┬▶ • Speed", "╰▶ • Near")
         await game.press("right", "down", "right")
         await game.until(
             lambda: view.middle == "Near" and "─┼▶ • Near ──▶ • Ahead" in game.screen()

@@ -7,7 +7,7 @@ from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import Opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.inspector.steps import pressed, sees_all, started
 from tests.tui.inspector.test_pane import MORE, inspect
 
 WIDE = (156, 50)
@@ -28,10 +28,8 @@ async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_
         await pressed(game, "n", "3", until=lambda: pages(game) == [ROBOTS, DECISION])
         await inspect(game, "Names")
         await game.until(lambda: pages(game) == [ROWS, DECISION])
-        await game.sees("Decision of P · tick 1")
-        await game.sees("Names · tick 1 · 3 rows")
-        await pressed(game, "n", sees="Decision of P · tick 2")
-        await game.sees("Names · tick 2 · 3 rows")
+        await sees_all(game, "Decision of P · tick 1", "Names · tick 1 · 3 rows")
+        await pressed(game, "n", sees=("Decision of P · tick 2", "Names · tick 2 · 3 rows"))
 
         # Another robot is shown beside the same rows; all robots beside the page of the decision.
         await pressed(game, "1", "a", "a", sees="Decision of Q · tick 2")

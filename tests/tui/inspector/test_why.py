@@ -258,22 +258,17 @@ async def test_a_row_that_there_is_not_is_told_with_values_and_a_change(data_dir
         place = told(game).index("r.distance")
         view(game).action_move(place)
         count = len(nodes(game)[place].values)
-        (line,) = (each for each in view(game).plain.splitlines() if "r.distance = " in each)
+        (line,) = (row for row in view(game).plain.splitlines() if "r.distance = " in row)
         assert line.count(" or ") + int(line.split("(and ")[1].split()[0]) + 1 == count
         await pressed(game, "enter", on=ValueTree)
         await game.until(lambda: all(game.shows(f" {number}  ") for number in range(1, count + 1)))
 
 
-async def prompted(game: Opened, text: str) -> ValuesPrompt:
+async def prompted(game: Opened, text: str) -> Input:
     """Ask for other values on the first line that begins with a text."""
     await go_to(game, text)
     await pressed(game, "exclamation_mark", on=ValuesPrompt)
-    assert isinstance(game.app.screen, ValuesPrompt)
-    return game.app.screen
-
-
-def input_of(prompt: ValuesPrompt) -> Input:
-    return prompt.query_one(Input)
+    return game.app.screen.query_one(Input)
 
 
 async def test_other_values_show_where_rules_stop_and_nonsense_can_be_mended(
@@ -287,9 +282,9 @@ async def test_other_values_show_where_rules_stop_and_nonsense_can_be_mended(
         await game.until(lambda: PROVED in told(game))
 
         # Another argument shows where a function stops.
-        prompt = await prompted(game, "Speed(d) = 0.5")
-        assert input_of(prompt).value.startswith("Speed(")
-        input_of(prompt).value = "Speed(7)"
+        values = await prompted(game, "Speed(d) = 0.5")
+        assert values.value.startswith("Speed(")
+        values.value = "Speed(7)"
         await game.press("enter")
         await game.until(lambda: "d > 20" in told(game) and nodes(game)[0].holds is False)
         await game.sees("Speed(7)")
@@ -297,9 +292,9 @@ async def test_other_values_show_where_rules_stop_and_nonsense_can_be_mended(
         await game.until(lambda: told(game)[:1] and told(game)[0].startswith("Robot("))
 
         # The value under the cursor is selected.
-        prompt = await prompted(game, "memory")
-        assert input_of(prompt).value == 'Robot(memory: "far")'
-        assert input_of(prompt).selected_text == '"far"'
+        values = await prompted(game, "memory")
+        assert values.value == 'Robot(memory: "far")'
+        assert values.selected_text == '"far"'
         for nonsense, message in [
             ("Robot(memory: far + 1)", "This is not a value."),
             ("Robot(memory: ", "is never closed"),
@@ -307,10 +302,10 @@ async def test_other_values_show_where_rules_stop_and_nonsense_can_be_mended(
             ("Robbot(1)", "no rules for Robbot"),
             ("Speed()", "Speed is a function"),
         ]:
-            input_of(prompt).value = nonsense
+            values.value = nonsense
             await pressed(game, "enter", sees=message)
-            assert game.app.screen is prompt
-        input_of(prompt).value = "Speed(30)"
+            assert values.screen is game.app.screen
+        values.value = "Speed(30)"
         await pressed(game, "enter", until=lambda: told(game)[0].startswith("Speed(d)"))
         await game.press("backspace")
         await game.until(lambda: told(game)[:1] and told(game)[0].startswith("Robot("))

@@ -13,7 +13,7 @@ from logical_robots_tui.tui.timeline.breakpoints import BreakpointList, TickProm
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import load_level
 from tests.tui.conftest import STILL, Opened
-from tests.tui.inspector.steps import pressed, run_until, started
+from tests.tui.inspector.steps import pressed, run_until, sees_all, started
 
 TURNS = """\
 Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 12;
@@ -225,8 +225,7 @@ async def test_nothing_of_this_hurts_before_there_is_a_program(data_dir: Path, s
     async with started(data_dir, level=short, text="nonsense(") as game:
         await game.press("N", "P", "left_parenthesis", "right_parenthesis", "g", "U", "F", "C")
         await game.press("left_curly_bracket", "right_curly_bracket", "w")
-        await game.sees("There is no program yet.")
-        await game.sees("There is no program to query yet.")
+        await sees_all(game, "There is no program yet.", "There is no program to query yet.")
         assert game.tick == 0
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Near"))
         assert list(game.session.breakpoints) == [Breakpoint("rows", "Near")]
