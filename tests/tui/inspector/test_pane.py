@@ -161,9 +161,7 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
         assert not any(line.node.values == ("Q",) for line in proof.lines)
 
 
-async def test_the_table_is_walked_by_key_and_click_and_shows_values_in_full(
-    data_dir: Path,
-) -> None:
+async def test_a_table_is_walked_by_key_and_click_and_shows_whole_values(data_dir: Path) -> None:
     async with started(data_dir, text=MORE, size=(80, 24)) as game:
         await game.press("3")
         await inspect(game, "Sensor")

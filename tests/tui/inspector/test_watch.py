@@ -171,9 +171,7 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
 
 
 @pytest.mark.slow
-async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
-    data_dir: Path,
-) -> None:
+async def test_long_lists_are_folded_and_of_answers_questions_are_pinned(data_dir: Path) -> None:
     text = f"{PAPER}\nLong(l: Range(250));\n"
     async with started(data_dir, text=text) as game:
         await inspect(game, "Long", "Long · tick 0 · 1 row")

@@ -166,9 +166,7 @@ async def test_what_is_expanded_deep_down_stays_so_in_another_tick(data_dir: Pat
         await game.until(lambda: told(game) == before)
 
 
-async def test_a_proof_goes_as_deep_as_there_is_room_and_on_where_it_is_opened(
-    data_dir: Path,
-) -> None:
+async def test_a_proof_goes_as_deep_as_there_is_room_and_on_where_opened(data_dir: Path) -> None:
     text = TWO_RULES.replace("d <= 20,", "Close(d), Low(d),").replace(":- d > 20;", ":- Far(d);", 1)
     text += "Far(d) :- Further(d);\nFurther(d) :- d > 20;\n"
     text += "Close(d) :- d <= 20;\nLow(d) :- d <= 30;\n"
@@ -271,9 +269,7 @@ async def prompted(game: Opened, text: str) -> Input:
     return game.app.screen.query_one(Input)
 
 
-async def test_other_values_show_where_rules_stop_and_nonsense_can_be_mended(
-    data_dir: Path,
-) -> None:
+async def test_other_values_show_where_rules_stop_and_nonsense_is_mended(data_dir: Path) -> None:
     async with started(data_dir, text=TWO_RULES, size=TALL) as game:
         await game.press("exclamation_mark")
         await game.sees("Put the cursor on a line of a proof; w makes one.")

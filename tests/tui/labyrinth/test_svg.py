@@ -7,9 +7,7 @@ from tests.tui.conftest import STILL
 from tests.tui.inspector.steps import pressed, started
 
 
-async def test_a_screenshot_is_a_picture_and_a_text_without_the_palette_or_says_why_not(
-    data_dir: Path,
-) -> None:
+async def test_a_screenshot_is_a_picture_and_a_text_or_says_why_not(data_dir: Path) -> None:
     folder = data_dir / "screens"
     async with started(data_dir, text=STILL, size=(100, 30)) as game:
         folder.write_text("in the way")

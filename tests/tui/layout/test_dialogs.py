@@ -44,9 +44,7 @@ async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays
     assert (data_dir / "programs" / "other.l").read_text() == PAPER
 
 
-async def test_a_long_line_is_seen_at_its_end_and_late_clicks_choose_nothing(
-    data_dir: Path,
-) -> None:
+async def test_a_long_line_is_seen_at_its_end_and_late_clicks_do_nothing(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await dialog(game, "s", SaveAs)
         await fill(game, "abcdefghij" * 10)

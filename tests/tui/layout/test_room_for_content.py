@@ -48,9 +48,7 @@ async def test_the_inspector_is_as_high_as_its_list_until_a_page_needs_more(data
         await game.sees(f"x {x}   y ")
 
 
-async def test_a_page_keeps_its_room_and_a_level_has_its_own_until_the_player_chooses(
-    data_dir: Path,
-) -> None:
+async def test_a_page_keeps_its_room_and_a_level_has_its_own_unless_chosen(data_dir: Path) -> None:
     async with opened(data_dir, size=LARGE, text=MANY_ROWS) as game:
 
         async def open_next(level: str) -> None:

@@ -83,9 +83,7 @@ async def test_a_bookmark_that_cannot_be_read_is_passed_over(data_dir: Path, sho
         assert not isinstance(game.app.screen, Question)
 
 
-async def test_a_bookmark_of_an_older_version_leads_to_its_tick_with_the_programs_of_all_teams(
-    data_dir: Path,
-) -> None:
+async def test_an_older_version_s_bookmark_leads_to_its_tick_with_all_teams(data_dir: Path) -> None:
     text = OLD.read_text("utf-8").replace("{level}", str(data_dir / "match.toml"))
     both = {"red": COUNTER, "blue": COUNTER}
     place = Place.from_text(json.loads(text)["text"])
