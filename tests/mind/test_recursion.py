@@ -79,10 +79,6 @@ def test_a_recursion_that_is_cut_off_says_so_at_its_line_and_what_to_do() -> Non
         "Line 3: The recursion of A was still growing after 32 steps; later rows are missing. "
         "Add a condition that ends it, or allow more steps with @Recursive(A, N)."
     )
-
-
-def test_more_steps_than_there_may_be_are_a_warning() -> None:
-    program = Program.compile(f"@Recursive(A, 5000); {ONE} {ROBOT}m = 1;")
-    (warning,) = program.warnings
+    (warning,) = Program.compile(f"@Recursive(A, 5000); {ONE} {ROBOT}m = 1;").warnings
     assert (warning.line, warning.severity) == (1, "warning")
     assert "at most 1,000 steps" in warning.message

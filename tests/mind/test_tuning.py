@@ -1,5 +1,6 @@
 """The quick way of evaluating a program gives what the plain one gives, and is taken."""
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -87,26 +88,25 @@ def test_what_fails_only_where_nobody_asks_for_it_does_not_fail() -> None:
         assert (decision.memory, decision.notices) == (expected, ())
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda sensor: sensor.update(radar=sensor["radar"][:5]),
-        lambda sensor: sensor.update(radar=sensor["radar"] * 3),
-        lambda sensor: sensor.update(radar=[]),
-        lambda sensor: sensor["radar"][4].update(distance=[1, 2]),
-        lambda sensor: sensor["radar"][4].pop("label"),
-        lambda sensor: sensor["radar"][4].update(distance=2**70),
-        lambda sensor: sensor.pop("clock"),
-    ],
-    ids=["few", "many", "none", "odd", "incomplete", "huge", "without clock"],
-)
-def test_sensors_of_another_shape_are_thought_about_too(change: Any) -> None:
+OTHER_SHAPES: list[Callable[[Any], object]] = [
+    lambda sensor: sensor.update(radar=sensor["radar"][:5]),
+    lambda sensor: sensor.update(radar=sensor["radar"] * 3),
+    lambda sensor: sensor.update(radar=[]),
+    lambda sensor: sensor["radar"][4].update(distance=[1, 2]),
+    lambda sensor: sensor["radar"][4].pop("label"),
+    lambda sensor: sensor["radar"][4].update(distance=2**70),
+    lambda sensor: sensor.pop("clock"),
+]
+
+
+def test_sensors_of_another_shape_are_thought_about_too() -> None:
     text = f"""{ROBOT} m = {{
       clock: sensor.clock, labels: List{{ray.label :- ray in sensor.radar}},
       far: Max{{ray.distance :- ray in sensor.radar}}}};"""
-    rows = [row("Ada"), row("Bo", sees=SEEN)]
-    change(rows[1]["sensor"])
-    think(text, rows, {})
+    for change in OTHER_SHAPES:
+        rows = [row("Ada"), row("Bo", sees=SEEN)]
+        change(rows[1]["sensor"])
+        think(text, rows, {})
 
 
 @pytest.mark.parametrize(

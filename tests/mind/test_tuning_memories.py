@@ -71,20 +71,15 @@ def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
         same()
 
 
-@pytest.mark.parametrize(
-    ("memory", "turn"),
-    [
+def test_a_field_is_found_in_whatever_spells_a_record() -> None:
+    for memory, turn in (
         (OrderedDict(turn=3), 3),
         ('{"turn": 3}', 3),
         ({"turn": {"turn": 3}}, {"turn": 3}),
         ({"turn": "[1"}, "[1"),
-        ("turn", None),
-        ([1], None),
-        (True, None),
-    ],
-)
-def test_a_field_is_found_in_whatever_spells_a_record(memory: Any, turn: Any) -> None:
-    assert remembered("{turn: memory.turn}", memory) == {"turn": turn}
+        *((memory, None) for memory in ("turn", [1], True)),
+    ):
+        assert remembered("{turn: memory.turn}", memory) == {"turn": turn}
 
 
 def test_records_in_lists_are_not_passed_as_text_and_argmin_needs_no_function_of_ours() -> None:

@@ -121,15 +121,20 @@ def test_a_circle_of_predicates_is_marked_once(tmp_path: Path) -> None:
     assert [each.excerpt for each in remarks(text)] == ["A"]
 
 
+def is_refused(
+    connection: duckdb.DuckDBPyConnection, expression: str, error: type[duckdb.Error] = duckdb.Error
+) -> bool:
+    try:
+        connection.execute(f"SELECT {expression}")
+    except error:
+        return True
+    return False
+
+
 def test_the_words_of_sql_are_those_that_duckdb_refuses() -> None:
     with duckdb.connect() as connection:
         keywords = connection.execute("SELECT keyword_name FROM duckdb_keywords()").fetchall()
-        refused = set()
-        for (word,) in keywords:
-            try:
-                connection.execute(f"SELECT {{{word}: 1}}")
-            except duckdb.Error:
-                refused.add(word)
+        refused = {word for (word,) in keywords if is_refused(connection, f"{{{word}: 1}}")}
     assert refused == set(_SQL_WORDS.split())
 
 
@@ -159,11 +164,7 @@ def test_a_calculation_is_marked_if_and_only_if_it_fails_there(
     left: int, right: int, operator: str
 ) -> None:
     with duckdb.connect() as connection:
-        try:
-            connection.execute(f"SELECT ({left}) {operator} ({right})")
-        except duckdb.OutOfRangeException:
-            fails = True
-        else:
-            fails = False
+        calculation = f"({left}) {operator} ({right})"
+        fails = is_refused(connection, calculation, duckdb.OutOfRangeException)
     found = remarks(f"P(x: ({left}) {operator} ({right}));")
     assert bool(found) == fails
