@@ -57,24 +57,27 @@ class Command:
     def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
         self._capsys = capsys
 
-    def __call__(self, *arguments: object, typed: Sequence[str] | None = None) -> Told:
-        """What the command leaves behind; lines can be typed into it."""
+    def __call__(
+        self, *arguments: object, typed: Sequence[str] | None = None, status: int | None = None
+    ) -> Told:
+        """What the command leaves behind; lines can be typed into it, and a status expected."""
         with pytest.MonkeyPatch.context() as patch:
             if typed is not None:
                 patch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in typed)))
             try:
-                status = main([str(argument) for argument in arguments])
+                end_status = main([str(argument) for argument in arguments])
             except SystemExit as end:
-                status = int(end.code or 0)
+                end_status = int(end.code or 0)
         caught = self._capsys.readouterr()
-        return Told(status, caught.out, caught.err)
+        told = Told(end_status, caught.out, caught.err)
+        assert status in (None, end_status), told
+        return told
 
 
 @dataclass(frozen=True)
 class Shown:
     """What a finished command left behind on a terminal."""
 
-    status: int
     screen: pyte.Screen
 
     @property
@@ -88,8 +91,11 @@ class Shown:
         return "\n".join(self.lines).rstrip()
 
 
-def shown(*arguments: object, size: tuple[int, int] = (100, 40)) -> Shown:
-    """The command in this process, which takes its output for a terminal; it can't be typed to."""
+def shown(*arguments: object, size: tuple[int, int] = (100, 40), status: int = 0) -> Shown:
+    """What the command shows until it ends with a status; it can't be typed to.
+
+    It runs in this process and takes its output for a terminal.
+    """
     ours, theirs = os.openpty()
     screen = pyte.Screen(*size)
     reading = threading.Thread(target=_draw, args=(ours, screen))
@@ -104,10 +110,11 @@ def shown(*arguments: object, size: tuple[int, int] = (100, 40)) -> Shown:
         patch.setenv("COLORTERM", "truecolor")
         patch.setattr(sys, "stdout", terminal)
         patch.setattr(sys, "stderr", terminal)
-        status = main([str(argument) for argument in arguments])
+        end_status = main([str(argument) for argument in arguments])
     reading.join(PATIENCE)
     os.close(ours)
-    return Shown(status, screen)
+    assert end_status == status, screen.display
+    return Shown(screen)
 
 
 def _draw(terminal: int, screen: pyte.Screen) -> None:

@@ -25,23 +25,30 @@ COMMANDS = (
     *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "help"),
     *("levels", "programs", "progress", "level", "config", "doctor", "completion"),
 )
+SUBCOMMANDS = ("new", "check", "convert", "show")
 
 
 def test_the_help_names_every_command_and_an_unknown_one_is_refused(command: Command) -> None:
     assert "'fly'" in command("fly").refusal
+    assert command("--version").out == f"logical-robots {logical_robots_tui.__version__}\n"
     told = command("--help").success
     for name in COMMANDS:
         assert re.search(rf"^ {{4,}}{name}( |$)", told, re.MULTILINE), name
 
 
-@pytest.mark.parametrize("arguments", [(), *((name,) for name in COMMANDS)])
-def test_each_help_fits_a_terminal_of_80_columns(
-    arguments: tuple[str, ...], command: Command, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("words", ["", *COMMANDS, *(f"level {name}" for name in SUBCOMMANDS)])
+def test_each_help_fits_a_terminal_of_80_columns_and_has_examples_and_exit_statuses(
+    words: str, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    lines = command(*arguments, "--help").out.splitlines()
-    assert lines[0].startswith("usage: logical-robots")
-    assert max(map(len, lines)) <= 80
+    told = command(*words.split(), "--help").out
+    assert told.startswith("usage: logical-robots")
+    assert max(map(len, told.splitlines())) <= 80
+    if words in ("play", "run") or words.startswith("level "):
+        assert "examples:" in told
+        assert "exit status:" in told
+    if words == "level":
+        assert all(f"    {name} " in told for name in SUBCOMMANDS)
 
 
 def test_a_command_that_is_loaded_alone_takes_what_it_takes_among_the_others() -> None:
@@ -57,16 +64,6 @@ def test_a_command_that_is_loaded_alone_takes_what_it_takes_among_the_others() -
         listing = {"help", "levels", "programs", "config"}
         shared = (listing, {"sweep", "grade", "tournament", "lab"}, {"query", "when"})
         assert any(set(alone) <= {name, *module} for module in shared)  # these share a module
-
-
-def test_the_help_of_a_game_has_examples_and_exit_statuses_and_the_version_is_told(
-    command: Command,
-) -> None:
-    for name in ("play", "run"):
-        told = command(name, "--help").out
-        assert "examples:" in told
-        assert "exit status:" in told
-    assert command("--version").out == f"logical-robots {logical_robots_tui.__version__}\n"
 
 
 @pytest.mark.parametrize("arguments", [(), ("play",), ("play", "x", "y"), ("--data-dir", "x")])

@@ -14,14 +14,9 @@ from tests.cli.running import Command
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
-SHELLS = {
-    "bash": ["bash", "--norc", "--noprofile", "-i"],
-    "zsh": ["zsh", "-f", "-i"],
-}
-LOAD = {
-    "bash": "source {}",
-    "zsh": 'autoload -Uz compinit; compinit -u -D; eval "$(cat {})"',
-}
+PATH = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+SHELLS = {"bash": ["bash", "--norc", "--noprofile", "-i"], "zsh": ["zsh", "-f", "-i"]}
+LOAD = {"bash": "source {}", "zsh": 'autoload -Uz compinit; compinit -u -D; eval "$(cat {})"'}
 
 
 @pytest.fixture
@@ -34,16 +29,10 @@ def script(request: pytest.FixtureRequest, command: Command, tmp_path: Path) -> 
     return path
 
 
-@pytest.fixture
-def path() -> str:
-    """Where shells find the command."""
-    return f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-
-
 @pytest.mark.parametrize("script", SHELLS, indirect=True)
-def test_a_shell_completes_commands_levels_programs_and_options(script: Path, path: str) -> None:
+def test_a_shell_completes_commands_levels_programs_and_options(script: Path) -> None:
     shell = script.suffix[1:]
-    with Terminal(SHELLS[shell], env={"PATH": path, "HOME": str(script.parent)}) as shown:
+    with Terminal(SHELLS[shell], env={"PATH": PATH, "HOME": str(script.parent)}) as shown:
         # What is typed before the prompt stands there is echoed by the terminal as it is.
         shown.send(f"{LOAD[shell].format(script)}; PS1='rea''dy> '\r")
         shown.wait_for("\nready>")
@@ -52,12 +41,12 @@ def test_a_shell_completes_commands_levels_programs_and_options(script: Path, pa
 
 
 @pytest.mark.parametrize("script", ["fish"], indirect=True)
-def test_fish_completes_the_same(script: Path, path: str) -> None:
+def test_fish_completes_the_same(script: Path) -> None:
     asked = ("logical-robots run 01-f", "logical-robots run 01-first-steps first-steps-s")
     lines = "; ".join(f"complete -C '{line}'" for line in asked)
     told = subprocess.run(
         ["fish", "--no-config", "-c", f"source {script}; {lines}"],
-        env={**os.environ, "PATH": path},
+        env={**os.environ, "PATH": PATH},
         capture_output=True,
         text=True,
         check=True,

@@ -22,8 +22,7 @@ def test_findings_are_told_with_line_tick_and_what_to_look_at(
     command: Command, level: Path, ahead: Path
 ) -> None:
     ahead.write_text(BROKEN)
-    told = command("diagnose", level, ahead, "--ticks", 5)
-    assert told.status == 0
+    told = command("diagnose", level, ahead, "--ticks", 5, status=0)
     data = told.data
     assert (data["first"], data["last"], data["won_at"]) == (1, 5, None)
     finding = data["findings"][0]
@@ -32,11 +31,9 @@ def test_findings_are_told_with_line_tick_and_what_to_look_at(
     assert "The rule of Near in line 1 never had a row" in finding["message"]
     assert finding["hint"]
     seen = shown("diagnose", level, ahead, "--ticks", "5")
-    assert seen.status == 0
     assert "Ticks 1 to 5, not won." in seen.text
     assert "note, line 1, tick 1: The rule of Near" in seen.text
-    told = command("diagnose", level, ahead)
-    assert told.status == 0
+    told = command("diagnose", level, ahead, status=0)
     assert told.data["won_at"]
     severities = {finding["severity"] for finding in told.data["findings"]}
     assert severities == {"note"}, "of a robot that wins there are only notes"
@@ -50,7 +47,6 @@ def test_where_nothing_stands_out_it_says_so(
     assert told.data["won_at"]
     assert told.data["findings"] == []
     seen = shown("diagnose", level, ahead)
-    assert seen.status == 0
     assert "Nothing stands out." in seen.text
 
 
@@ -64,7 +60,6 @@ def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
     assert '"Harbour"' in lines[18]
     lines[18] = lines[18].replace('"Harbour"', '"Harbor"')
     program.write_text("\n".join(lines))
-    told = shown("diagnose", "05-lighthouse", program, size=(80, 40))
-    assert told.status == 1
+    told = shown("diagnose", "05-lighthouse", program, size=(80, 40), status=1)
     for line in example.splitlines():
         assert line in told.lines

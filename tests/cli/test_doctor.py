@@ -9,11 +9,13 @@ import pytest
 
 from logical_robots_tui.caching import FOLDER_VARIABLE
 from tests.cli.running import Command, in_terminal
+from tests.lab.laboratory import write_files
+
+CONFIGURATION = ".config/logical-robots/config.toml"
 
 
 def findings(command: Command) -> dict[str, str]:
-    told = command("doctor", "--json")
-    assert told.status == 0
+    told = command("doctor", "--json", status=0)
     return {finding["name"]: finding["value"] for finding in told.data}
 
 
@@ -37,12 +39,9 @@ def test_it_tells_terminal_versions_places_and_an_sqlite_with_a_known_hole(
 
 
 def test_what_stands_in_the_way_is_marked(command: Command, tmp_path: Path, home: Path) -> None:
-    path = home / ".config" / "logical-robots" / "config.toml"
-    path.parent.mkdir(parents=True)
-    path.write_text("frames = 0", encoding="utf-8")
+    write_files(home, {CONFIGURATION: "frames = 0"})
     (tmp_path / "file").write_text("", encoding="utf-8")
-    told = command("doctor", "--data-dir", tmp_path / "file" / "data")
-    assert told.status == 1
+    told = command("doctor", "--data-dir", tmp_path / "file" / "data", status=1)
     assert "(not writable: your work can't be saved)" in told.out
     assert "(it has errors; run logical-robots config)" in told.out
 
@@ -55,10 +54,8 @@ def test_it_knows_the_size_of_its_terminal() -> None:
 
 
 def test_config_prints_a_file_that_sets_the_same(command: Command, home: Path) -> None:
-    path = home / ".config" / "logical-robots" / "config.toml"
-    assert command("config", "--path").out == f"{path}\n"
-    path.parent.mkdir(parents=True)
-    path.write_text('theme = "nord"\n[keys]\nrun = "%"\nstep = "^B"\n', encoding="utf-8")
+    assert command("config", "--path").out == f"{home / CONFIGURATION}\n"
+    write_files(home, {CONFIGURATION: 'theme = "nord"\n[keys]\nrun = "%"\nstep = "^B"\n'})
     told = command("config")
     assert told.status == 2
     assert "config.toml:4: keys.step: ^B can't be used: tmux uses it." in told.err
@@ -73,8 +70,7 @@ def test_a_home_that_is_out_of_reach_stops_nothing(
 ) -> None:
     monkeypatch.setenv("HOME", str(tmp_path / ("x" * 300)))
     monkeypatch.delenv(FOLDER_VARIABLE, raising=False)
-    told = command("doctor")
-    assert told.status == 1
+    told = command("doctor", status=1)
     assert "(it has errors; run logical-robots config)" in told.out
     assert "The file is ignored" in command("config").err
     assert command("check", ahead).status == 0

@@ -79,11 +79,17 @@ def test_a_script_gets_a_verdict(
     assert data["verdict"].startswith(said)
 
 
-def test_only_a_few_rows_of_many_are_printed(typed: Callable[..., Told]) -> None:
+def test_only_a_few_rows_of_many_are_printed_and_lesson_and_questions_as_json(
+    typed: Callable[..., Told],
+) -> None:
     query = "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar"
     lines = typed(options=("--question", "2", "--answer", query)).out.splitlines()
     assert len(lines) == 15
     assert lines[-2:] == ["...", "At tick 0 all its 31 rows are wrong; 1 row is expected."]
+    data = typed(options=("--json",)).data
+    assert data["lesson"] == "A rule with one case."
+    question = {"ask": "How far?", "ticks": [0, 5], "program": "obstacle-avoider"}
+    assert data["questions"][1] == {**question, "answered_by": None}
 
 
 def test_mistakes_in_what_is_typed_are_told(typed: Callable[..., Told], command: Command) -> None:
@@ -97,18 +103,10 @@ def test_mistakes_in_what_is_typed_are_told(typed: Callable[..., Told], command:
     assert 'no level called "99"' in command("learn", "99").err
 
 
-def test_lesson_and_questions_are_printed_as_json(typed: Callable[..., Told]) -> None:
-    data = typed(options=("--json",)).data
-    assert data["lesson"] == "A rule with one case."
-    question = {"ask": "How far?", "ticks": [0, 5], "program": "obstacle-avoider"}
-    assert data["questions"][1] == {**question, "answered_by": None}
-
-
-def test_a_level_without_questions_has_its_lesson(command: Command, level: Path) -> None:
+def test_a_player_in_a_terminal_reads_lines_broken_between_words_and_answers(
+    command: Command, level: Path
+) -> None:
     assert command("learn", level).out == "A short way\n\nThis level has no lesson.\n"
-
-
-def test_a_player_in_a_terminal_reads_lines_broken_between_words_and_answers(level: Path) -> None:
     ask = f"Who is {'narrow ' * 30}indeed?"
     asked = f'{{ask = "{ask}", answer = "{RIGHT}", ticks = [0]}}'
     text = f'starter = "obstacle-avoider"\nlesson = """\n{ask}\n"""\nquestions = [{asked}]\n'

@@ -16,18 +16,6 @@ from logical_robots_tui.world.level import alike
 from tests.cli.running import Command, shown
 
 
-@pytest.mark.parametrize("name", ["new", "check", "convert", "show"])
-def test_each_help_fits_a_terminal_and_has_examples_and_exit_statuses(
-    name: str, command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    told = command("level", name, "--help").out
-    assert max(map(len, told.splitlines())) <= 80
-    assert "examples:" in told
-    assert "exit status:" in told
-    assert f"    {name} " in command("level", "--help").out
-
-
 def test_a_room_is_made_and_nothing_looks_wrong_with_it(command: Command, tmp_path: Path) -> None:
     path = tmp_path / "mine" / "room.toml"
     told = command("level", "new", path, "--room", "300x200", "--wall", "5", "--title", "Hall")
@@ -148,7 +136,6 @@ def test_a_level_is_drawn_in_colours_in_a_terminal_and_with_plain_characters_in_
     assert "Otter" in told
     assert len({len(line) for line in told.splitlines()}) == 1
     seen = shown("level", "show", "05-lighthouse")
-    assert seen.status == 0
     colours = {cell.bg for row in seen.screen.buffer.values() for cell in row.values()}
     assert len(colours) > 3
     assert "Otter" in seen.text

@@ -39,7 +39,7 @@ def listed(command: Command, folder: Path, *options: str) -> set[str]:
     return {program["name"] for program in told.data}
 
 
-def test_the_list_of_programs_leaves_out_solutions(
+def test_the_list_of_programs_leaves_out_solutions_and_everything_else_can_be_read(
     command: Command, progress: Progress, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert listed(command, tmp_path / "data") == LISTED
@@ -48,6 +48,8 @@ def test_the_list_of_programs_leaves_out_solutions(
     assert listed(command, tmp_path / "data", "--no-solutions") == left
     monkeypatch.setenv("LOGICAL_ROBOTS_NO_SOLUTIONS", "1")
     assert not listed(command, tmp_path) & SOLUTIONS
+    hide_solutions(progress)
+    assert all(load_program(name).shipped for name in LISTED - SOLUTIONS)
 
 
 @pytest.mark.sampled
@@ -67,12 +69,6 @@ def test_a_solution_can_be_read_when_its_level_is_won(
     progress.win(REFERENCES[name], "text")
     assert load_program(link).text == load_program(name).text == file.read_text("utf-8")
     assert (name in list_programs()) is (name in SOLUTIONS)
-
-
-def test_everything_else_can_be_read(progress: Progress) -> None:
-    hide_solutions(progress)
-    for name in LISTED - SOLUTIONS:
-        assert load_program(name).shipped
 
 
 @pytest.mark.parametrize(

@@ -30,13 +30,11 @@ def asked(level: Path, ahead: Path) -> tuple[object, ...]:
 def test_the_tick_the_line_and_what_was_read_are_told(
     command: Command, asked: tuple[object, ...]
 ) -> None:
-    told = command(*asked, "--value", "memory.at")
-    assert told.status == 0
+    told = command(*asked, "--value", "memory.at", status=0)
     (link,) = told.data["links"]
     assert (link["value"], link["tick"], link["until"], link["rule_line"]) == (3, 3, 8, 1)
     assert [(read["name"], read["value"]) for read in link["from"]] == [("sensor.clock", 3)]
     seen = shown(*asked, "--value", "memory.at")
-    assert seen.status == 0
     assert "1. Pip's memory.at = 3" in seen.text
     assert "the same since tick 3, set then by the rule in line 1" in seen.text
     assert "read from Pip's sensor.clock = 3" in seen.text

@@ -70,8 +70,7 @@ def test_exports_have_the_best_of_each_measure_and_their_programs(
     columns = ("level", "ticks", "goals")
     assert [rows[0][name] for name in columns] == [LEVEL, "1234", "never blocked"]
     assert [rows[1][name] for name in columns[1:]] == ["", ""]
-    told = command("progress", "--data-dir", folder, "--json")
-    assert told.status == 0
+    told = command("progress", "--data-dir", folder, "--json", status=0)
     first = told.data["levels"][0]
     others = {"wins": 1, "starts": 20, "goals": list(GOALS), "rules": None}
     assert first["best"] == WON[1]._asdict() | others
@@ -88,8 +87,7 @@ def test_programs_are_played_again(command: Command, tmp_path: Path) -> None:
         {"goals": ["at most 9 ticks"]},
     ]
     victories = [true, *(true | change for change in false)]
-    told = command("progress", "--check", written(tmp_path, LEVEL, *victories))
-    assert told.status == 1
+    told = command("progress", "--check", written(tmp_path, LEVEL, *victories), status=1)
     _, confirmed, ticks, size, distance, wins, goals = told.out.splitlines()
     assert confirmed.endswith("20 of 20  confirmed")
     assert f"ticks: 3 claimed, {measures.ticks:,} found" in ticks
@@ -126,8 +124,7 @@ def test_what_can_not_be_confirmed_is_told(
     level: str, program: str, problem: str, command: Command, tmp_path: Path
 ) -> None:
     victory = {"program": program, "ticks": 3, "size": 1, "distance": 5.0}
-    told = command("progress", "--check", written(tmp_path, level, victory), "--json")
-    assert told.status == 1
+    told = command("progress", "--check", written(tmp_path, level, victory), "--json", status=1)
     assert not told.data["confirmed"]
     (result,) = told.data["results"]
     assert result["problem"].startswith(problem)

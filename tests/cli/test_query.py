@@ -11,12 +11,17 @@ import pytest
 from tests.cli.running import Told, in_terminal, shown
 
 
-def test_a_question_is_answered_for_its_tick(short: Callable[..., Told]) -> None:
+def test_a_question_is_answered_for_its_tick_and_in_a_terminal_with_a_table(
+    short: Callable[..., Told], level: Path, ahead: Path
+) -> None:
     query = "Sensor(robot_name:, sensor:), clock == sensor.clock"
     told = short("query", "--tick", 7, query)
     assert (told.status, told.data["tick"], told.data["minds"]) == (0, 7, ["Pip"])
     clock = told.data["columns"].index("clock")
     assert [row[clock] for row in told.data["rows"]] == [7]
+    table = shown("query", level, ahead, "--tick", 1, "Robot(robot_name:, desire:)")
+    assert "IN THE MIND OF  robot_name  desire" in table.text
+    assert '"Pip"' in table.text
 
 
 @pytest.mark.parametrize(
@@ -49,13 +54,6 @@ def test_a_wrong_question_is_told_with_its_place_and_a_failing_one_with_the_reas
     tick: int, query: str, messages: list[str], short: Callable[..., Told]
 ) -> None:
     assert all(message in short("query", "--tick", tick, query).refusal for message in messages)
-
-
-def test_in_a_terminal_it_is_a_table(level: Path, ahead: Path) -> None:
-    told = shown("query", level, ahead, "--tick", 1, "Robot(robot_name:, desire:)")
-    assert told.status == 0
-    assert "IN THE MIND OF  robot_name  desire" in told.text
-    assert '"Pip"' in told.text
 
 
 @pytest.mark.slow

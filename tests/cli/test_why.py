@@ -42,7 +42,6 @@ def test_each_rule_says_whether_it_gave_a_row_and_what_stopped_it(
     assert (near["line"], near["rows"], near["stopped_by"]) == (4, 0, "d <= 20")
     assert near["stopped_at_line"] == 5
     in_terminal = shown("why", level, two, "--tick", 3, "--robot", "Pip")
-    assert in_terminal.status == 0
     for words in ("Robot for Pip at tick 3", "(gives this row)", "- d <= 20  (no match)"):
         assert words in in_terminal.text
     assert "--predicate 'Speed(" in in_terminal.text
@@ -96,7 +95,6 @@ def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, ahead: Path) 
     text = ahead.read_text().replace("name:);", "name:, sensor:), all = sensor.radar;")
     ahead.write_text(text)
     told = shown("why", level, ahead, "--tick", 3, "--robot", "Pip")
-    assert told.status == 0
     (line,) = (line for line in told.lines if " all = sensor.radar = [" in line)
     assert line.endswith("...")
 
@@ -114,8 +112,7 @@ def test_what_would_have_to_differ_is_told_of_a_rule_without_a_row(
     assert (only["rule"], only["line"], only["text"]) == (1, 2, "5")
     sentence = "Change `5` to `2` in line 2: `sensor.clock` is 3, 2 too little."
     assert only["said"] == sentence
-    seen = shown("why", level, two, "--tick", 3, "--robot", "Pip", "--predicate", "Near")
-    assert seen.status == 1
+    seen = shown("why", level, two, "--tick", 3, "--robot", "Pip", "--predicate", "Near", status=1)
     assert "This change would give the rule in line 1 a row:" in seen.text
     assert f"  {sentence}" in seen.text
     assert why().data["nearest"] == []

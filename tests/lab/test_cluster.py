@@ -41,10 +41,9 @@ class Cluster:
         self.workers = [self.start_worker() for _ in range(2)]
 
     def _start(self, *arguments: object) -> subprocess.Popen[bytes]:
-        log = (self._folder / f"{len(self._processes)}.log").open("wb")
-        with log:
+        with (self._folder / f"{len(self._processes)}.log").open("wb") as log:
             process = subprocess.Popen(
-                [sys.executable, "-m", "dask", *map(str, arguments)],
+                [sys.executable, "-m", "dask", *map(str, arguments), "--no-dashboard"],
                 stdout=log,
                 stderr=log,
                 env={**os.environ, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"},
@@ -53,13 +52,11 @@ class Cluster:
         return process
 
     def start_scheduler(self) -> subprocess.Popen[bytes]:
-        options = ("--host", "127.0.0.1", "--port", self._port, "--no-dashboard")
-        return self._start("scheduler", *options)
+        return self._start("scheduler", "--host", "127.0.0.1", "--port", self._port)
 
     def start_worker(self) -> subprocess.Popen[bytes]:
-        options = ("--nthreads", 1, "--no-nanny", "--no-dashboard")
-        folder = ("--local-directory", self._folder)
-        return self._start("worker", self.address, *options, *folder)
+        options = ("--nthreads", 1, "--no-nanny", "--local-directory", self._folder)
+        return self._start("worker", self.address, *options)
 
     def end(self) -> None:
         for process in self._processes:
@@ -125,8 +122,7 @@ def worked(machines: Cluster, folder: Folder, file: Path) -> Tally:
         ledger = stack.enter_context(folder.ledger())
         engine = ClusterEngine(machines.address)
         stack.callback(engine.close)
-        manifest = folder.write(*plan_sweep(file))
-        coordinator = Coordinator(folder, manifest, ledger)
+        coordinator = Coordinator(folder, folder.write(*plan_sweep(file)), ledger)
         coordinator.work(engine, lambda: False, lambda: None)
         return coordinator.tally()
 
@@ -162,18 +158,10 @@ def test_workers_of_another_version_are_refused(
     ],
 )
 def test_without_a_scheduler_or_the_extra_a_cluster_says_what_is_missing(
-    tmp_path: Path,
-    command: Command,
-    monkeypatch: pytest.MonkeyPatch,
-    said: str,
-    *,
-    is_installed: bool,
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch, said: str, is_installed: bool
 ) -> None:
     monkeypatch.setattr(cluster, "_CONNECT_SECONDS", 1.0)
     if not is_installed:
         monkeypatch.setitem(sys.modules, "distributed", None)
-    file = write_experiment(tmp_path)
-    assert (
-        said
-        in command("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9").refusal
-    )
+    words = (write_experiment(tmp_path), "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
+    assert said in command("sweep", *words).refusal

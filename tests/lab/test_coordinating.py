@@ -58,16 +58,13 @@ def result(program: str, start: int) -> str:
     return '{"outcome":"won","ticks":7}' if won else '{"outcome":"out of ticks","ticks":9}'
 
 
-def manifest_for(folder: Folder, *, given_first: bool) -> Manifest:
-    texts = ["wins a", "wins b", "loses", "broken", "broken  ", "wins c", "wins  c"]
-    cells = []
-    for text in texts:
-        run = " ".join(text.split())
-        own = "" if run == text else digest(text)
-        names = (digest("level"), digest(run), "level", text)
-        cells.append(Cell(*names, 10, student=text, own=own))
-    plan = Manifest("sweep", "t", "", 6, given_first, ("won",), (), 1, 1.0, tuple(cells))
-    return folder.write(plan, {digest(text): text for text in [*texts, "level"]})
+TEXTS = ["wins a", "wins b", "loses", "broken", "broken  ", "wins c", "wins  c"]
+RUN = {text: " ".join(text.split()) for text in TEXTS}
+LEVEL = digest("level")
+CELLS = tuple(
+    Cell(LEVEL, digest(run), "level", text, 10, student=text, own=digest(text) * (run != text))
+    for text, run in RUN.items()
+)
 
 
 @pytest.mark.parametrize("given_first", [True, False])
@@ -75,7 +72,8 @@ def manifest_for(folder: Folder, *, given_first: bool) -> Manifest:
 def test_the_ledger_ends_the_same(tmp_path: Path, seed: int, *, given_first: bool) -> None:
     folder, engine = Folder(tmp_path), Whimsical(seed)
     with folder.locked(), folder.ledger() as ledger:
-        manifest = manifest_for(folder, given_first=given_first)
+        plan = Manifest("sweep", "t", "", 6, given_first, ("won",), (), 1, 1.0, CELLS)
+        manifest = folder.write(plan, {digest(text): text for text in [*TEXTS, "level"]})
         coordinator = Coordinator(folder, manifest, ledger)
         coordinator.work(engine, lambda: False, lambda: None)
         assert coordinator.tally().is_complete

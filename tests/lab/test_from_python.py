@@ -66,17 +66,6 @@ def test_a_mapping_may_have_paths_ranges_and_arrays(tmp_path: Path) -> None:
     assert frame["won"].dtype == bool
 
 
-def test_tables_are_frames_and_arrow(tmp_path: Path) -> None:
-    results = sweep(experiment(), tmp_path / "out", workers=1, progress=False)
-    frame = results.to_pandas()
-    assert list(frame.columns[1:6]) == ["level", "program", "Near", "start", "outcome"]
-    assert results.to_arrow().to_pandas().equals(frame)
-    assert Results(tmp_path / "out").to_pandas("runs").equals(frame)
-    with pytest.raises(KeyError):
-        results.to_pandas("series")
-    assert results.report() == tmp_path / "out" / "report.html"
-
-
 def test_an_interrupted_call_goes_on_when_it_is_repeated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,11 +103,11 @@ def test_what_is_wrong_with_a_mapping_is_said_with_its_place(tmp_path: Path) -> 
         Results(tmp_path / "out")
 
 
-def test_progress_is_said_on_standard_error(
+def test_progress_is_said_on_standard_error_and_tables_are_frames_and_arrow(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("logical_robots_tui.lab._LINE_SECONDS", 0.0)
-    sweep(experiment(title="Mine"), tmp_path / "out", workers=1)
+    results = sweep(experiment(title="Mine"), tmp_path / "out", workers=1)
     out, err = capsys.readouterr()
     assert not out
     assert "Mine: 4 of 4 runs, " in err.splitlines()[-1]
@@ -128,6 +117,13 @@ def test_progress_is_said_on_standard_error(
     *earlier, last = capsys.readouterr().err.splitlines(keepends=True)
     assert "4 of 4 runs" in last
     assert {line[-1] for line in earlier} == {"\r"}
+    frame = results.to_pandas()
+    assert list(frame.columns[1:6]) == ["level", "program", "Near", "start", "outcome"]
+    assert results.to_arrow().to_pandas().equals(frame)
+    assert Results(tmp_path / "out").to_pandas("runs").equals(frame)
+    with pytest.raises(KeyError):
+        results.to_pandas("series")
+    assert results.report() == tmp_path / "out" / "report.html"
 
 
 def test_a_class_is_graded_to_a_gradebook(tmp_path: Path) -> None:

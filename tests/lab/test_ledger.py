@@ -95,17 +95,6 @@ def test_a_full_disk_gets_a_sentence_and_loses_nothing(tmp_path: Path) -> None:
         assert ledger.record([entry("b")]) == {"b": "won"}
 
 
-def test_a_folder_has_one_coordinator(tmp_path: Path) -> None:
-    with (
-        Folder(tmp_path).locked(),
-        pytest.raises(InputError, match="Another process is at work"),
-        Folder(tmp_path).locked(),
-    ):
-        pass
-    with Folder(tmp_path).locked():
-        pass
-
-
 def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
     folder = Folder(tmp_path / "out")
     with pytest.raises(InputError, match="There is no manifest"):
@@ -162,16 +151,14 @@ def test_a_forged_manifest_is_refused(swept: Folder, tmp_path: Path, how: str) -
         Folder(tmp_path).manifest()
 
 
-def test_an_export_says_which_input_is_damaged(swept: Folder, tmp_path: Path) -> None:
-    copy = shutil.copytree(swept.path, tmp_path / "copy")
-    folder = Folder(copy)
+def test_an_export_says_which_input_is_damaged_and_a_ledger_whose_damage_is_no_text(
+    swept: Folder, tmp_path: Path
+) -> None:
+    folder = Folder(shutil.copytree(swept.path, tmp_path / "copy"))
     manifest = folder.manifest()
-    (copy / "inputs" / manifest.files[manifest.cells[0].level]).write_text("another")
+    (folder.path / "inputs" / manifest.files[manifest.cells[0].level]).write_text("another")
     with folder.ledger() as ledger, pytest.raises(InputError, match="This input is damaged"):
         export_runs(folder, manifest, ledger)
-
-
-def test_of_a_ledger_whose_damage_is_no_text_that_is_said(swept: Folder, tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with closing(sqlite3.connect(swept.path / "ledger.db")) as whole:
         whole.execute("PRAGMA wal_checkpoint(TRUNCATE)")

@@ -67,9 +67,7 @@ def test_strengths_are_those_that_the_shares_were_made_with() -> None:
     assert np.isfinite(clear).all()
     assert (np.diff(clear) < -100).all()
     assert strengths(np.zeros((2, 2))) == pytest.approx([0, 0])
-
-
-def test_a_strength_of_nothing_has_no_sign_of_minus() -> None:
+    # A strength of nothing has no sign of minus.
     standing = Standing("ada", 1, 1, 0.5, 0.5, 0.5, -0.04, 1)
     players = (Player("ada"),)
     manifest = Manifest("tournament", "", "", 1, False, (), (), 1, 1.0, (), players=players)

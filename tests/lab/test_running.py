@@ -124,12 +124,11 @@ def test_an_answer_is_one_number_of_each_tick_that_is_asked() -> None:
     assert numbers["truth"] == {tick: int((numbers["value"][tick] or 0) > 10) for tick in ticks}
     assert numbers["text"] == dict.fromkeys(ticks)
 
-
-def test_the_last_tick_is_asked_once() -> None:
-    asked = (Asked("often", "1", 10),)
-    result = only(execute(task(STANDING, asked=asked, ticks=20)))
+    # The last tick is asked once.
+    often = (Asked("often", "1", 10),)
+    result = only(execute(task(STANDING, asked=often, ticks=20)))
     assert result.series["often"].numbers == ((1, 1), (10, 1), (20, 1))
-    result = only(execute(task(FIRST_STEPS, asked=asked)))
+    result = only(execute(task(FIRST_STEPS, asked=often)))
     assert result.series["often"].numbers[-1] == (result.ticks, 1)
 
 

@@ -80,22 +80,32 @@ def test_a_coordinator_killed_at_any_moment_loses_nothing(
     counts = killed(often, ("sweep", file), workers=kills)
     assert sorted(set(counts)) == counts, "each time some more was recorded"
     assert counts[-1] < 48
-    told = command("lab", "status", often)
-    assert told.status == 1
+    told = command("lab", "status", often, status=1)
     assert f"{48 - counts[-1]} runs are left" in told.out
     assert command("lab", "resume", often).status == 0
     assert exported(often) == exported(once)
     assert len(exported(once)["runs.csv"].splitlines()) == 49
 
 
-def test_what_was_computed_is_not_computed_again(copied: Path, command: Command) -> None:
-    ledger = (copied / "ledger.db").read_bytes()
+def test_what_was_computed_is_not_computed_again_and_results_that_differ_are_told(
+    copied: Path, command: Command
+) -> None:
+    before = (copied / "ledger.db").read_bytes()
     file = write_experiment(copied.parent)
     assert command("sweep", file, "-o", copied).status == 0
-    assert (copied / "ledger.db").read_bytes() == ledger
+    assert (copied / "ledger.db").read_bytes() == before
     more = write_experiment(copied.parent, values=(20, 40, 60))
     assert command("sweep", more, "-o", copied).status == 0
     assert recorded(copied) == 6
+    # Two results of a run that differ are said loudly.
+    folder = Folder(copied)
+    with folder.ledger() as ledger:
+        (run, *_), manifest = done_runs(folder.manifest(), ledger), folder.manifest()
+        result = '{"outcome":"won","ticks":1}'
+        ledger.record([Entry(run.job, manifest.run(run.job), result, 0.1, "elsewhere/1")])
+    told = command("lab", "status", copied, status=1)
+    assert "DEFECT" in told.out
+    assert manifest.run(run.job) in told.out
 
 
 def test_a_worker_that_dies_is_told_of_and_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -214,18 +224,6 @@ def test_results_of_another_version_count_only_if_asked(copied: Path, command: C
     assert command("lab", "resume", copied, "--mixed").status == 0
     assert recorded(copied) == 4
     assert (copied / "runs.csv").read_text("utf-8").count(",another,") == 4
-
-
-def test_two_results_of_a_run_that_differ_are_said_loudly(copied: Path, command: Command) -> None:
-    folder = Folder(copied)
-    with folder.ledger() as ledger:
-        (run, *_), manifest = done_runs(folder.manifest(), ledger), folder.manifest()
-        result = '{"outcome":"won","ticks":1}'
-        ledger.record([Entry(run.job, manifest.run(run.job), result, 0.1, "elsewhere/1")])
-    told = command("lab", "status", copied)
-    assert told.status == 1
-    assert "DEFECT" in told.out
-    assert manifest.run(run.job) in told.out
 
 
 @pytest.mark.slow

@@ -13,7 +13,16 @@ from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Manifest, Student, digest
 from logical_robots_tui.lab.running import Answer, Task, execute
 from tests.cli.running import Command
-from tests.lab.laboratory import FIRST_STEPS, SENSOR, STILL, InlineEngine, endless, lane, rows
+from tests.lab.laboratory import (
+    FIRST_STEPS,
+    SENSOR,
+    STILL,
+    InlineEngine,
+    endless,
+    lane,
+    rows,
+    write_files,
+)
 from tests.lab.test_running import only, task
 from tests.waiting import PATIENCE
 
@@ -98,21 +107,24 @@ def test_students_whose_programs_take_long_come_last(tmp_path: Path) -> None:
 @pytest.fixture
 def graded(tmp_path: Path) -> Path:
     """An assignment with a student whose program for one level has no end."""
-    (tmp_path / "a.toml").write_text(ASSIGNMENT + "[limits]\nseconds = 3\n")
-    (tmp_path / "01-first-steps.toml").write_text(lane("First steps"))
-    (tmp_path / "roster.csv").write_text("id,name,submission\n1,Ada,ada\n2,Ben,ben\n")
-    for student, mark in (("ada", ""), ("ben", "# endless\n# deadly from 0;\n")):
-        for level, more in (("first-steps", mark), ("open-space", "")):
-            file = tmp_path / f"all/{student}/{level}.l"
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(FIRST_STEPS.replace("= 40", f"= 4{len(more)}") + more)
-    return tmp_path
+    names = [
+        f"all/{name}/{level}.l"
+        for name in ("ada", "ben")
+        for level in ("first-steps", "open-space")
+    ]
+    files = {
+        "a.toml": ASSIGNMENT + "[limits]\nseconds = 3\n",
+        "01-first-steps.toml": lane("First steps"),
+        "roster.csv": "id,name,submission\n1,Ada,ada\n2,Ben,ben\n",
+        **dict.fromkeys(names, FIRST_STEPS),
+        names[2]: FIRST_STEPS.replace("= 40", "= 50") + "# endless\n# deadly from 0;\n",
+    }
+    return write_files(tmp_path, files)
 
 
 def test_grading_ends_with_a_gradebook_of_what_there_is(graded: Path, command: Command) -> None:
     out = graded / "out"
-    told = command("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1)
-    assert told.status == 1
+    told = command("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1, status=1)
     assert "1 run could not be done (infrastructure).\nUngraded:\n" in told.out
     assert "\n  Ben (2): 01-first-steps: its worker" in told.out
     ada, ben = rows(out / "gradebook.csv")
@@ -144,8 +156,7 @@ def test_a_worker_that_computes_for_ever_is_killed_and_only_its_program_blamed(
     monkeypatch.setattr(engines, "execute", endless)
     monkeypatch.setattr(engines, "_GRACE", 0.0)
     out = graded / "out"
-    told = command("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1)
-    assert told.status == 1
+    told = command("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1, status=1)
     assert "  Ben (2): 01-first-steps: it took more than 3 seconds and could" in told.out
     assert "1 run could not be done" in told.out
     with Folder(out).ledger() as ledger:
