@@ -31,7 +31,7 @@ from logical_robots_tui.mind.sqlite import registry
 from tests.e2e.test_supervisor import playing, type_hello
 from tests.memory_use import memory_use
 from tests.terminal import Terminal
-from tests.tui.terminal.test_storms import ONE_FRAME, send
+from tests.tui.terminal.test_storms import ONE_FRAME
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
@@ -150,14 +150,14 @@ def _storms(folder: Path) -> Iterator[Measurement]:
                 terminal.wait_for("RUNNING")
                 for _ in range(int(what.split()[0])):
                     if "sizes" in what:
-                        send(terminal, (found.randint(1, 240), found.randint(1, 80)))
+                        terminal.resize(found.randint(1, 240), found.randint(1, 80))
                     else:
                         # Pressed outside of the screen only, so that no dialog takes the key.
                         button = found.choice((0, 32, 35, 64))
                         place = found.randint(101 if button == 0 else 1, 400)
-                        send(terminal, f"\x1b[<{button};{place};{found.randint(0, 400)}M")
+                        terminal.send(f"\x1b[<{button};{place};{found.randint(0, 400)}M")
                     terminal.read_for(ONE_FRAME)
-                send(terminal, (100, 30))
+                terminal.resize(100, 30)
                 began = perf_counter()
                 terminal.send("?")
                 came = terminal.arrival_of(lambda: "letters filter" in terminal.text)

@@ -6,8 +6,6 @@ lead to it. What the screen's tests open reaches every module, so that being rea
 the number of imports and the rooms in common order them.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

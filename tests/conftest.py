@@ -1,7 +1,5 @@
 """What many tests need: built files, an installed copy, the option to draw snapshots anew."""
 
-from __future__ import annotations
-
 import fcntl
 import logging
 import shutil

@@ -4,8 +4,6 @@ Processor time is told and not asserted; what is bounded is how often a quick ru
 expensive, which is the same on every machine.
 """
 
-from __future__ import annotations
-
 import os
 import resource
 import subprocess

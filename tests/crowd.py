@@ -1,7 +1,5 @@
 """Many players at once, each at a terminal of their own."""
 
-from __future__ import annotations
-
 import select
 from collections.abc import Callable, Sequence
 from time import monotonic

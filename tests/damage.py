@@ -1,7 +1,5 @@
 """Files that were valid before somebody changed them."""
 
-from __future__ import annotations
-
 from typing import TypeAlias
 
 from hypothesis import strategies as st

@@ -4,8 +4,6 @@ Imports inside functions and those for type checkers count as well: who reads a 
 what it names.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterable, Iterator
 from pathlib import Path

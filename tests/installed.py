@@ -1,7 +1,5 @@
 """An installed copy of the game that can't see the checkout."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -9,14 +7,7 @@ import sysconfig
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = [
-    "CHECKOUT",
-    "Installed",
-    "build",
-    "clean_environment",
-    "install",
-    "install_from_lock",
-]
+__all__ = ["CHECKOUT", "Installed", "build", "clean_environment", "install", "install_from_lock"]
 
 CHECKOUT = Path(__file__).parents[1]
 

@@ -1,7 +1,5 @@
 """How much memory a process has, as Linux tells it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Literal

@@ -1,7 +1,5 @@
 """The Pythons of this machine that can run the game; as a command, prints all but this one."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

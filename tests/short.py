@@ -1,7 +1,5 @@
 """A level that is won by going straight on, and the program that does."""
 
-from __future__ import annotations
-
 __all__ = ["AHEAD", "LEVEL"]
 
 LEVEL = """\

@@ -1,7 +1,5 @@
 """A real sshd on a free port of this machine, with keys of its own, and a line to it."""
 
-from __future__ import annotations
-
 import getpass
 import os
 import shutil

@@ -1,7 +1,5 @@
 """A process in a pseudo-terminal of its own, and what it has drawn there."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal
@@ -58,12 +56,7 @@ class Terminal:
         self._answered = 0
         self._command = [str(word) for word in command]
         inherited = {k: v for k, v in os.environ.items() if k not in {"COLUMNS", "LINES"}}
-        self._env = {
-            **inherited,
-            "TERM": "xterm-256color",
-            "COLORTERM": "truecolor",
-            **(env or {}),
-        }
+        self._env = {**inherited, "TERM": "xterm-256color", "COLORTERM": "truecolor", **(env or {})}
 
     def __enter__(self) -> Self:
         self._ours, theirs = os.openpty()

@@ -1,7 +1,5 @@
 """A level and a program in step, as scripts use them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Values as programs write them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -7,8 +7,6 @@ threads is waited for first, so that robots are never further than a test has le
 works: how far robots get, which think in a thread, would still be a matter of chance.
 """
 
-from __future__ import annotations
-
 import asyncio
 import selectors
 import threading

@@ -1,7 +1,5 @@
 """Waiting for something to become true, never for a time to pass."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from time import monotonic

@@ -1,7 +1,5 @@
 """Small levels and programs to run, and the command in and without a terminal."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Running the command: in this process, and in a pseudo-terminal of its own."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -1,7 +1,5 @@
 """Whatever is wrong gets one message that names the place, and status 2."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """``logical-robots check``: errors and warnings in programs, printed like a compiler's."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The command as a whole: help, lists, refusals, and what happens when we are wrong."""
 
-from __future__ import annotations
-
 import argparse
 import logging
 import re

@@ -1,7 +1,5 @@
 """Shell completion, typed into the real shells."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

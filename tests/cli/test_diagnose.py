@@ -1,7 +1,5 @@
 """``logical-robots diagnose``: what stands out in a run, for people and for scripts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What the game finds: ``doctor``, and the settings: ``config``."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

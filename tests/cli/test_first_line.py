@@ -1,7 +1,5 @@
 """A program is a program, whatever its first line says."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """``logical-robots help``: the functions of the language."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.language.reference import REFERENCE

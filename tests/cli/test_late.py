@@ -1,7 +1,5 @@
 """What a clock has ended is told by every command that counts what happened in a run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A lesson in lines, and its questions, which are answered with queries."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

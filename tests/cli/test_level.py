@@ -1,7 +1,5 @@
 """``logical-robots level``: create, check, convert and show levels."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from html import escape

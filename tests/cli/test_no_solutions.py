@@ -1,7 +1,5 @@
 """A class without solutions: each stays hidden until the player has won its level."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """``logical-robots origin``: in which tick and by which rule a value was made."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

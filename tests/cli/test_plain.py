@@ -1,7 +1,5 @@
 """The game in lines of text."""
 
-from __future__ import annotations
-
 import re
 import signal
 from collections.abc import Callable

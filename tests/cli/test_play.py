@@ -1,7 +1,5 @@
 """``logical-robots play``: opening the game, or saying why not."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

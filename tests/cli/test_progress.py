@@ -1,7 +1,5 @@
 """Listing and exporting progress, and playing an export again."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

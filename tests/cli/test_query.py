@@ -1,7 +1,5 @@
 """``logical-robots query``: any question about one tick."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable
 from pathlib import Path

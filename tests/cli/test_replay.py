@@ -1,7 +1,5 @@
 """``logical-robots replay``: record, verify and show."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree as ET

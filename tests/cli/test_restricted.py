@@ -1,7 +1,5 @@
 """Restricted mode: whoever plays has a folder and the game, and nothing else of the machine."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """``logical-robots run``: won, not won, in words and as JSON."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Bonus goals without a screen."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

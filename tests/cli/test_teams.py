@@ -1,7 +1,5 @@
 """Commands for levels with teams: a program for each."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Text for a terminal can hold anything and do nothing."""
 
-from __future__ import annotations
-
 import json
 
 from hypothesis import given

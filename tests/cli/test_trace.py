@@ -1,7 +1,5 @@
 """``logical-robots trace``: one JSON line per tick."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

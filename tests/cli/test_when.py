@@ -1,7 +1,5 @@
 """``logical-robots when``: in which ticks of a run something holds."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

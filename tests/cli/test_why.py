@@ -1,7 +1,5 @@
 """``logical-robots why``: which rule gave a decision, and what stopped the others."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

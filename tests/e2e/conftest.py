@@ -1,7 +1,5 @@
 """The installed game in a real tmux."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager

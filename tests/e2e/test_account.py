@@ -1,7 +1,5 @@
 """What docs/ssh.md says of the account for a class, and of its bounds, is so."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

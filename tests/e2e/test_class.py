@@ -1,7 +1,5 @@
 """The recipe of docs/ssh.md for a class, word for word, against a real sshd."""
 
-from __future__ import annotations
-
 import getpass
 import json
 import os

@@ -1,7 +1,5 @@
 """The walk through a mistake, as the page tells it: Diagnosis, Why, a search, Watch, Ask."""
 
-from __future__ import annotations
-
 import shutil
 
 import pytest

@@ -1,7 +1,5 @@
 """Two games on one folder, killed at random moments: nothing that was acknowledged is lost."""
 
-from __future__ import annotations
-
 import random
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The installed game, played, edited and interrupted in a real terminal."""
 
-from __future__ import annotations
-
 import os
 import signal
 

@@ -1,7 +1,5 @@
 """The tour, the first minute, the level screen, hints and versions; and what outlives a kill."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re

@@ -1,7 +1,5 @@
 """The installed game over a real sshd, a real ssh client and lines of all kinds."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,7 +1,5 @@
 """A game that is stuck, faults or is killed gives the terminal back and says what happened."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

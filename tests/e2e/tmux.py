@@ -1,7 +1,5 @@
 """A private tmux with a shell in it, driven as a player would."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import shutil

@@ -1,7 +1,5 @@
 """Levels and edits for tests."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """What looks wrong with a level is found, with its place."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Undoing and redoing without limit."""
 
-from __future__ import annotations
-
 import tracemalloc
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Saving levels: nothing is lost, what didn't change keeps its bytes, and what can't be saved."""
 
-from __future__ import annotations
-
 import difflib
 import json
 import math

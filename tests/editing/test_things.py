@@ -1,7 +1,5 @@
 """Placing, changing and removing robots, beacons and areas, and the level as a whole."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

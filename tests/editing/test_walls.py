@@ -1,7 +1,5 @@
 """Painting walls, and which parts of a map hang together, beside a plain search."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Asking why, for tests."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from typing import Any
 

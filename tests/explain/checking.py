@@ -4,8 +4,6 @@ What is told of a row is put into its rule: all variables and expressions that a
 the values that are shown, and the program itself is asked whether its rule holds so.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Programs made by lot, to ask why of: everything that a rule can be made of, in small."""
 
-from __future__ import annotations
-
 from random import Random
 
 from tests.explain.asking import REST

@@ -1,7 +1,5 @@
 """Rules as text, taken apart by what is written, without the code that explanations are made by."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ Keys are texts and records, some values are null. Robots remember a phase, a num
 record, and read each other's. Each program comes with some ticks of its own run.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import closing

@@ -1,7 +1,5 @@
 """Beginners' mistakes: each is marked by `check`, or explained by the first question why."""
 
-from __future__ import annotations
-
 import re
 from contextlib import closing
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The calls of a function in a robot's reasoning."""
 
-from __future__ import annotations
-
 from contextlib import closing
 
 import pytest

@@ -1,7 +1,5 @@
 """Which element decides an aggregate: what is shown has the value that the engine's result has."""
 
-from __future__ import annotations
-
 from contextlib import closing
 
 import pytest

@@ -1,7 +1,5 @@
 """The nearest miss: each change that is suggested is true, and gives the rule a row."""
 
-from __future__ import annotations
-
 from contextlib import closing
 
 import pytest

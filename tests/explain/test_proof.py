@@ -1,7 +1,5 @@
 """A whole proof: from a row down to rays, fields of sensors and memories."""
 
-from __future__ import annotations
-
 from tests.explain.asking import below, find, proof
 
 

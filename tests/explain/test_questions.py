@@ -1,7 +1,5 @@
 """Questions of a player's own: a predicate with values, as Logica writes it."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

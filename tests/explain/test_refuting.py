@@ -1,7 +1,5 @@
 """Refutations: what fails is named where it fails, and what holds is not said to fail."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Of elements from other robots it is said whose memory or sensor they are from."""
 
-from __future__ import annotations
-
 from logical_robots_tui.values import Value
 from tests.explain.asking import below, the_rule
 from tests.mind.rows import row

@@ -1,7 +1,5 @@
 """For each rule: the row that it gives and from what; if none, the first part to fail."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from typing import Any
 
@@ -217,8 +215,7 @@ def test_values_are_those_of_the_row_and_not_of_the_first_way() -> None:
 
 def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at() -> None:
     text = FRONT.replace(
-        "d < 40;",
-        'speed = (if d < 40 then 0 else if robot_name == "Ada" then 1 else 2);',
+        "d < 40;", 'speed = (if d < 40 then 0 else if robot_name == "Ada" then 1 else 2);'
     )
     low, named, taken, *_ = find(the_rule(text).node, "speed").children
     assert (low.text, low.holds) == ("d < 40", False)

@@ -1,7 +1,5 @@
 """Games to play with."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Helpers that no game has: one attempts what it must not, one never returns."""
 
-from __future__ import annotations
-
 import json
 import os
 import resource

@@ -1,7 +1,5 @@
 """A small level to play on."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Protocol
 

@@ -1,7 +1,5 @@
 """Origins in any state machine: the tick of the last change, and nothing that is not true."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Going back and taking another way: branches that are kept, left and switched to."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.game import Game, NoSuchTickError

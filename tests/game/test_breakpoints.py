@@ -1,7 +1,5 @@
 """Breakpoints: where a run stops, and what it says about that."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.game import Breakpoint, Breakpoints, Game, Hit

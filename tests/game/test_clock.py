@@ -1,7 +1,5 @@
 """No clock decides what robots do: a run on a busy machine is the run on an idle one."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys

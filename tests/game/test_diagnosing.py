@@ -1,7 +1,5 @@
 """Diagnosis of a run: what is told is true, and each sort of mistake is told with its line."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Iterator
 
@@ -251,10 +249,7 @@ async def test_what_never_held_is_told_with_the_number_of_cases_in_which_it_was_
             "  Sensor(robot_name:),\n  ~Nearer(robot_name:);",
             [("no rows", 3), ("no rows", 1), ("never false", 6)],
         ),
-        (
-            f"{PLAIN[:-2]}, sensor:),\n  !(sensor.clock > 9000);",
-            [("never true", 2)],
-        ),
+        (f"{PLAIN[:-2]}, sensor:),\n  !(sensor.clock > 9000);", [("never true", 2)]),
     ],
     ids=["causes come before what follows", "a condition and its negation are one"],
 )

@@ -1,7 +1,5 @@
 """Diagnosis of robots that make no progress: what they did, and which lines made them."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.game import Game

@@ -1,7 +1,5 @@
 """Diagnosis of a run with two processes: nothing else is found than with one."""
 
-from __future__ import annotations
-
 import asyncio
 
 import pytest

@@ -104,11 +104,7 @@ def _before(finding: Finding, text: str) -> list[str] | None:
 
 @pytest.mark.parametrize(
     "findings",
-    [
-        2,
-        pytest.param(20, marks=pytest.mark.slow),
-        pytest.param(200, marks=pytest.mark.proof),
-    ],
+    [2, pytest.param(20, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.proof)],
 )
 def test_what_is_said_never_to_hold_never_does(level: Level, findings: int) -> None:
     def ask(seed: int) -> int:

@@ -1,7 +1,5 @@
 """Diagnosis of shipped programs: nothing is held against them, up to their victory."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.game import load_program

@@ -1,7 +1,5 @@
 """The game: ticks, time travel, and work that is dropped when the player moves on."""
 
-from __future__ import annotations
-
 import asyncio
 from itertools import pairwise
 

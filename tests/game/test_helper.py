@@ -1,7 +1,5 @@
 """Helpers can do nothing but compute, and end with the game whatever they do."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

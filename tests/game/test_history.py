@@ -1,7 +1,5 @@
 """History: every tick comes back exactly as it was, whatever way was taken to it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import pytest

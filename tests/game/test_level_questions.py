@@ -1,7 +1,5 @@
 """Answers to the questions of a level are right by their rows, and wrong ones are told apart."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from dataclasses import replace
 from random import Random

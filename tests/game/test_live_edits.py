@@ -1,7 +1,5 @@
 """Changing the level under way: past ticks stay as they were, and all come back exactly."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """In which ticks of a run a question holds: asked once, kept, and never trusted unseen."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from pathlib import Path

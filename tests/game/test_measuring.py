@@ -1,7 +1,5 @@
 """Ticks, size, distance and robustness: what is measured of a program that wins."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from dataclasses import replace

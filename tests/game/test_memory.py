@@ -1,7 +1,5 @@
 """What a game holds is bounded, as the process holds it, whatever the program remembers."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What a value comes from: ticks, rules and readings, told of memories and of any other value."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.explain.why.explanation import Ask, Source, Subject, part_of

@@ -1,7 +1,5 @@
 """A question about a path has an answer, whatever the path is."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 from urllib.parse import quote

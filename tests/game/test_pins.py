@@ -1,7 +1,5 @@
 """A pin finds its value again at any tick, or says why there is none."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """The first difference of two proofs: a rule, a step or a value, before what follows from it."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.explain import Explainer

@@ -1,7 +1,5 @@
 """Recordings of runs on disk: what is damaged or false is dropped, and never believed."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import zlib

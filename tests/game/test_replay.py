@@ -1,7 +1,5 @@
 """Replays: what a history holds comes back from its file, and nothing else is taken for one."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import json

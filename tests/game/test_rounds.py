@@ -3,8 +3,6 @@
 `tests/levels/test_proof.py` follows all reference programs on their way to victory: none does.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

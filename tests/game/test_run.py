@@ -1,7 +1,5 @@
 """Runs: any tick, computed once, found again by the next process, and never trusted unseen."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Seeking: the nearest known tick in which a question holds."""
 
-from __future__ import annotations
-
 import asyncio
 from contextlib import suppress
 

@@ -1,7 +1,5 @@
 """Bonus goals: checked alike in a game and in a process that measures."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

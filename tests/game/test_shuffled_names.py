@@ -1,7 +1,5 @@
 """Names that varied starts exchange."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

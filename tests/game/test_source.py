@@ -1,7 +1,5 @@
 """Program texts: found by name or path, refused in plain words, written whole."""
 
-from __future__ import annotations
-
 import os
 import threading
 from pathlib import Path
@@ -42,11 +40,7 @@ def test_what_is_not_a_program_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "words"),
-    [
-        (".", "is a folder"),
-        ("none.l", "There is no such program"),
-        ("x" * 300, "can't be read"),
-    ],
+    [(".", "is a folder"), ("none.l", "There is no such program"), ("x" * 300, "can't be read")],
     ids=["a folder", "missing", "out of reach"],
 )
 def test_a_path_that_leads_to_no_file_is_refused(tmp_path: Path, name: str, words: str) -> None:

@@ -1,7 +1,5 @@
 """What teams have achieved is part of the world: travelling, recordings and replays keep it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import msgspec

@@ -1,7 +1,5 @@
 """Several minds in one world: each team thinks with its own program, and only about itself."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A file is always either the old or the new one."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import threading

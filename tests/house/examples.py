@@ -1,7 +1,5 @@
 """The examples that a reader finds: command lines and code in the help, the README and the docs."""
 
-from __future__ import annotations
-
 import argparse
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The runner of the benchmarks, with tiny benchmarks."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

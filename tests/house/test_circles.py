@@ -1,7 +1,5 @@
 """No two files of the package import each other, at first or second hand."""
 
-from __future__ import annotations
-
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 The lines of one text are run one after the other in one folder, as a reader would type them.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import re
@@ -176,14 +174,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize(
-    "text",
-    [pytest.param(text, marks=[pytest.mark.slow] * is_long(text)) for text in EXAMPLES],
+    "text", [pytest.param(text, marks=[pytest.mark.slow] * is_long(text)) for text in EXAMPLES]
 )
 def test_the_examples_of_a_text_do_what_they_say(
-    text: str,
-    folder: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    text: str, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if text in BEFORE:
         BEFORE[text](folder)

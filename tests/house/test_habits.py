@@ -1,7 +1,5 @@
 """Habits of the house that no linter knows."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Callable, Iterable, Iterator

@@ -1,7 +1,5 @@
 """Each part loads only what it may know, seen from a fresh interpreter."""
 
-from __future__ import annotations
-
 import ast
 import json
 import subprocess

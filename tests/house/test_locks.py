@@ -1,7 +1,5 @@
 """The locked dependencies are complete, exact, and say nothing of where they were made."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 

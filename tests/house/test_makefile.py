@@ -1,7 +1,5 @@
 """One command plays, and says clearly what is missing if it can't."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -4,8 +4,6 @@ Other tables are made from the code: of fields, settings and typed commands by `
 of keys in ``test_readme``; `tests/lab/test_specification.py` compares the keys of an experiment.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from typing import get_args

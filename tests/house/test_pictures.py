@@ -1,7 +1,5 @@
 """The pictures of the README show the game as it is."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

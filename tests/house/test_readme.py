@@ -1,7 +1,5 @@
 """The README is short and true, and so are the pages for players."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

@@ -1,7 +1,5 @@
 """What docs/security.md promises is held by tests that are there."""
 
-from __future__ import annotations
-
 import re
 
 from logical_robots_tui.cli.play import LIMITS

@@ -1,7 +1,5 @@
 """The suite looks after itself: what a run costs, what a change touches, edits meanwhile."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

@@ -3,8 +3,6 @@
 `make dist` runs all of it on the files that it has built.
 """
 
-from __future__ import annotations
-
 import email
 import json
 import re

@@ -1,7 +1,5 @@
 """One word for one thing: what the game and its pages say, in the words of the glossary."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator, Mapping

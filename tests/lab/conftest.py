@@ -1,7 +1,5 @@
 """Runs of the laboratory in this process, and the command."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

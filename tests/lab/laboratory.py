@@ -1,7 +1,5 @@
 """A small laboratory for tests: experiments, classes, and what their folders hold."""
 
-from __future__ import annotations
-
 import csv
 import os
 import signal

@@ -1,7 +1,5 @@
 """Hostile archives: whatever they hold, reading ends soon, within bounds, and writes nothing."""
 
-from __future__ import annotations
-
 import gzip
 import io
 import stat

@@ -1,7 +1,5 @@
 """A class at a glance: what went wrong with whom, similar programs, and playing one of them."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The cluster: a real scheduler and real workers, which are killed, stopped and replaced."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

@@ -1,7 +1,5 @@
 """The coordinator: whatever fails and in whatever order answers come, the ledger ends the same."""
 
-from __future__ import annotations
-
 import random
 from collections import Counter
 from collections.abc import Iterator

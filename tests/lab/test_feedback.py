@@ -1,7 +1,5 @@
 """What a teacher adds to grades, and what a student reads before and after."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """The laboratory from Python: from a file or a mapping to tables, as the commands do it."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

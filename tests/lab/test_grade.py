@@ -1,7 +1,5 @@
 """Grades: right, wrong, not compiling, endless and hostile submissions, late ones and copies."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Hand-ins as they come: exports, archives, names, and a roster that is matched before it runs."""
 
-from __future__ import annotations
-
 import io
 import tarfile
 import zipfile

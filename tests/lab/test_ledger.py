@@ -1,7 +1,5 @@
 """The ledger and its folder: recorded once, compared, locked; damage gets a sentence."""
 
-from __future__ import annotations
-
 import re
 import resource
 import shutil

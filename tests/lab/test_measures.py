@@ -1,7 +1,5 @@
 """What an experiment varies and measures, and how it stands in its tables."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import fmean

@@ -1,7 +1,5 @@
 """Rankings from shares alone: who is how good, and how sure that is."""
 
-from __future__ import annotations
-
 import random
 from itertools import combinations
 

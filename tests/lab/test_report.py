@@ -1,7 +1,5 @@
 """The report of a sweep: each measure against what was varied, over time, and every case."""
 
-from __future__ import annotations
-
 import re
 from html import unescape
 from pathlib import Path

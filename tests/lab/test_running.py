@@ -1,7 +1,5 @@
 """One run: its result depends on nothing but what is run, and ends where nothing can change."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import msgspec

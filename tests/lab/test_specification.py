@@ -1,7 +1,5 @@
 """Specifications: what is wrong with one is said at once, each with its line."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

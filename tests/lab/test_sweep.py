@@ -1,7 +1,5 @@
 """Sweeps: whatever is killed and however many work, the exported files are the same."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import re

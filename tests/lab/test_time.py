@@ -1,7 +1,5 @@
 """Time: counted in steps and processor seconds; what takes too much of it holds nobody up."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path

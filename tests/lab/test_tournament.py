@@ -1,7 +1,5 @@
 """Tournaments: matches on a real engine, killed and resumed, with players good, bad and broken."""
 
-from __future__ import annotations
-
 import io
 import shlex
 from collections.abc import Mapping

@@ -4,8 +4,6 @@
 last hint of a level mostly results in its solution.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from math import dist

@@ -1,7 +1,5 @@
 """Levels and programs for the tests of this folder."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from functools import cache
@@ -66,9 +64,7 @@ def reference_cases() -> list[Any]:
     """Each level with each of its reference programs, for `parametrize`."""
     return [
         pytest.param(
-            level,
-            program,
-            marks=slow(len(load_level(level).robots) * measures.ticks > LONG),
+            level, program, marks=slow(len(load_level(level).robots) * measures.ticks > LONG)
         )
         for level, programs in reference_table().items()
         for program, measures in programs.items()

@@ -1,7 +1,5 @@
 """Our arenas are fair, and each is won by an idea and not by luck."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """What "Try first" leads to. The first three levels are won by it; see test_levels."""
 
-from __future__ import annotations
-
 from math import dist
 
 import pytest

@@ -9,8 +9,6 @@ Among the ordinary tests are the first varied starts, but for levels with many t
 quick run only for those with few; ``make proof`` tries all 20 everywhere.
 """
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from itertools import islice

@@ -1,7 +1,5 @@
 """The course tells what the game tells."""
 
-from __future__ import annotations
-
 import re
 
 from docs.learn import FOLDER, PICTURES, files

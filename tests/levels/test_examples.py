@@ -1,7 +1,5 @@
 """The free examples run, and do what they say."""
 
-from __future__ import annotations
-
 import math
 from itertools import combinations
 

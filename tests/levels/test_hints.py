@@ -1,7 +1,5 @@
 """Hints, followed literally, lead to where they say."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from math import dist

@@ -4,8 +4,6 @@ Engines that sense nothing need no mind and no radar, only the rules of driving,
 fast enough to try hundreds.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Our own levels are as the game and the course need them, and their briefings are true."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

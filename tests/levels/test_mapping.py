@@ -1,7 +1,5 @@
 """The leader of level 10 really computes distances: its map agrees with Dijkstra."""
 
-from __future__ import annotations
-
 import heapq
 from functools import cache
 from itertools import combinations, pairwise

@@ -1,7 +1,5 @@
 """Nothing of the language is used before a lesson has told of it."""
 
-from __future__ import annotations
-
 import re
 
 from logical_robots_tui.language.reference import REFERENCE

@@ -1,7 +1,5 @@
 """The page about levels is true: its example is a level, and it names every key."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

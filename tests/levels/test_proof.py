@@ -5,8 +5,6 @@ are the given start and up to three varied ones, and losers are watched for a wh
 tries 20 starts and watches losers to the end.
 """
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import pytest

@@ -1,7 +1,5 @@
 """The questions of each lesson: each has an answer that has to be computed."""
 
-from __future__ import annotations
-
 import pytest
 
 from logical_robots_tui.game.level_questions import Examiner, difference

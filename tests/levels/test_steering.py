@@ -1,7 +1,5 @@
 """Levels from the fifth on begin with rules for steering, which are the same everywhere."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from pathlib import Path

@@ -8,8 +8,6 @@ every `WINDOW` ticks, the beginning of a digest of the values in them; or the va
 ``=``, if it never changes. Of more than `MOST_ROBOTS` robots the others share their rows.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What was played is not played again, as long as nothing has changed that plays a part in it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -92,11 +90,7 @@ def test_the_clock_may_change_what_follows_a_state(level: Level, played: list[in
 
 @pytest.mark.parametrize(
     "damage",
-    [
-        lambda content: content[:-1],
-        lambda content: content.replace(b"[30", b"[31"),
-        lambda _: b"",
-    ],
+    [lambda content: content[:-1], lambda content: content.replace(b"[30", b"[31"), lambda _: b""],
     ids=["cut off", "changed", "empty"],
 )
 def test_a_damaged_verdict_is_played_again(

@@ -5,8 +5,6 @@ name it. Verdicts lie in the folder of compiled programs, where a quick run find
 before; ``--all`` empties that folder first, and so plays everything.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from pathlib import Path

@@ -6,8 +6,6 @@ and with ``--all`` everything. What later commits have changed again stays as it
 hour, and is no part of CI.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -1,7 +1,5 @@
 """The mutants, and how a run of one is diagnosed."""
 
-from __future__ import annotations
-
 import asyncio
 import tomllib
 from contextlib import closing

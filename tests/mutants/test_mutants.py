@@ -1,7 +1,5 @@
 """The diagnosis names the lines of planted bugs, without knowing where they are."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import pytest

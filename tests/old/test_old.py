@@ -1,7 +1,5 @@
 """What older versions wrote: programs of teams in one text, which is read and never written."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import sqlite3

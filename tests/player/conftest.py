@@ -1,7 +1,5 @@
 """A player without a screen, in time that passes only while nothing else happens."""
 
-from __future__ import annotations
-
 from tests.tui.conftest import _no_trials
 from tests.virtual_time import VirtualLoop
 

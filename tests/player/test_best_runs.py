@@ -1,7 +1,5 @@
 """The best run of each level, kept as a replay."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """Offering the labyrinth of a day, and the level to begin with."""
 
-from __future__ import annotations
-
 from datetime import date, timedelta
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Drafts survive everything and belong to one session at a time."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

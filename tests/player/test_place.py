@@ -1,7 +1,5 @@
 """Where a game stands, as another session reads it."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """The session and those who listen to it, from opening a level to leaving, without a screen."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, closing

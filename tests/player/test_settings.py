@@ -1,7 +1,5 @@
 """The configuration file: what it sets, and what is said about what it can't."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from pathlib import Path

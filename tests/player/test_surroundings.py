@@ -1,7 +1,5 @@
 """What is around a robot, in words."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

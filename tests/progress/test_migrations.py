@@ -1,7 +1,5 @@
 """Files of earlier versions are brought up to date, wholly or not at all."""
 
-from __future__ import annotations
-
 import contextlib
 import sqlite3
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What is kept of a player's work, and what comes back."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The file of progress: shared, killed, damaged, old, new, and on disks that are of no use."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import sqlite3

@@ -1,7 +1,5 @@
 """Opening the real game on a screen in memory, and waiting for what it shows."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager

@@ -1,7 +1,5 @@
 """What tests do with the dialogs of a game."""
 
-from __future__ import annotations
-
 from textual.widgets import Input, Static
 
 from tests.tui.conftest import Opened

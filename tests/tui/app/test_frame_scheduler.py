@@ -1,7 +1,5 @@
 """Pictures give way where others want the processors, and a key never waits for that."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

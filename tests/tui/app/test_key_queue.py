@@ -1,7 +1,5 @@
 """Keys that come all at once, as they do over a slow line."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Where there is no memory, a restricted game says so and goes on, or ends with all of it saved."""
 
-from __future__ import annotations
-
 import re
 import resource
 import sys

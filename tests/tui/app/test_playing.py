@@ -1,7 +1,5 @@
 """Running, pausing, stepping, and what the status line says about it."""
 
-from __future__ import annotations
-
 import json
 from functools import partial
 from pathlib import Path
@@ -106,8 +104,7 @@ async def test_victory_is_celebrated_once_takes_no_key_from_who_types_and_leads_
         await game.press("space", sees="Everyone made it")
         await game.press("escape", sees_no="Everyone made it")
 
-        await game.press("r", "space", "2", "r")
-        await game.until(lambda: game.session.won_at is not None)
+        await game.press("r", "space", "2", "r", until=lambda: game.session.won_at is not None)
         await game.press("greater_than_sign", "space")
         await game.until(lambda: game.editor.text.startswith("r> "))
         assert not game.shows("Everyone made it")

@@ -1,7 +1,5 @@
 """The game does as the configuration file sets it, and names the keys that it sets."""
 
-from __future__ import annotations
-
 from asyncio import Event, gather
 from pathlib import Path
 from typing import get_args

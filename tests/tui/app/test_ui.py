@@ -1,7 +1,5 @@
 """Work in the background of a dialog that is closed meanwhile."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 

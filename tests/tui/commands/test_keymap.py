@@ -1,7 +1,5 @@
 """The keys that a configuration file gives, and what is said about those it can't."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

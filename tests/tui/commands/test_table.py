@@ -1,7 +1,5 @@
 """Commands: declared once, reachable by key, bar, palette and help."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections import Counter
@@ -94,8 +92,7 @@ def test_the_palette_finds_by_words_the_best_first_and_nothing_by_scattered_lett
 
 
 async def test_the_bar_fits_in_80_columns_and_a_click_on_it_is_the_command(data_dir: Path) -> None:
-    async with opened(data_dir, size=(80, 24)) as game:
-        await game.ready()
+    async with opened(data_dir, size=(80, 24), ready=True) as game:
         bar = game.main.query_one(CommandBar)
         line = bar.render()
         assert line.cell_length <= 80
@@ -104,15 +101,11 @@ async def test_the_bar_fits_in_80_columns_and_a_click_on_it_is_the_command(data_
         await game.click(CommandBar, offset=(line.plain.index("Step"), 0))
         await game.until(lambda: game.tick == 1)
         view = game.main.query_one(LabyrinthView)
-        await game.press("y", "d")
-        await game.until(lambda: not view.rays and view.drawing is Drawing.HALVES)
+        await game.press("y", "d", until=lambda: not view.rays and view.drawing is Drawing.HALVES)
         for key, drawing in [("d", Drawing.SEXTANTS), ("d", Drawing.ASCII)]:
-            await game.press(key)
-            await game.until(partial(lambda drawing: view.drawing is drawing, drawing))
-        await game.press("y", "d")
-        await game.until(lambda: view.rays and view.drawing is Drawing.QUADRANTS)
-        await game.press("2")
-        await game.until(lambda: "Leave" in bar.render().plain)
+            await game.press(key, until=partial(lambda drawing: view.drawing is drawing, drawing))
+        await game.press("y", "d", until=lambda: view.rays and view.drawing is Drawing.QUADRANTS)
+        await game.press("2", until=lambda: "Leave" in bar.render().plain)
         assert all(words in bar.render().plain for words in ("^R Apply", "F5 Run", "^S Save"))
         assert "Quit" not in bar.render().plain
 
@@ -123,10 +116,8 @@ async def test_the_bar_fits_in_80_columns_and_a_click_on_it_is_the_command(data_
 async def test_the_palette_shows_keys_in_their_colour_and_finds_commands(
     data_dir: Path, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, size=size) as game:
-        await game.ready()
-        await game.press("2", "ctrl+p")
-        await game.sees("Find a command")
+    async with opened(data_dir, size=size, ready=True) as game:
+        await game.press("2", "ctrl+p", sees="Find a command")
         both = ("space · F5", "n · . · F8")
         await game.until(lambda: all(game.shows(keys) for keys in both))
         # To the right of the palette the game may shine through.
@@ -150,8 +141,7 @@ async def test_the_palette_shows_keys_in_their_colour_and_finds_commands(
         await game.press(*"half", "enter")
         await game.until(lambda: game.main.labyrinth.view.drawing is Drawing.HALVES)
         assert game.main.is_active
-        await game.press("ctrl+p")
-        await game.until(lambda: isinstance(game.app.screen, Palette))
+        await game.press("ctrl+p", until=lambda: isinstance(game.app.screen, Palette))
         palette = game.app.screen
         # A click where the window has been is none on the palette.
         palette.post_message(Click(palette, 500, 200, 0, 0, 1, False, False, False, 500, 200))
@@ -162,20 +152,17 @@ async def test_the_palette_shows_keys_in_their_colour_and_finds_commands(
 
 @pytest.mark.slow
 async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         editor = game.editor
 
         def state() -> tuple[object, ...]:
             return editor.text, editor.selection, editor.completion.display, game.app.clipboard
 
         async def leave() -> None:
-            await game.press("escape")
-            await game.until(lambda: not editor.has_focus)
+            await game.press("escape", until=lambda: not editor.has_focus)
 
         async def begin(entry: Command) -> tuple[object, ...]:
-            await game.press("2")
-            await game.until(lambda: editor.has_focus)
+            await game.press("2", until=lambda: editor.has_focus)
             editor.load_text("  one\n")
             editor.put("  one,Sq\nthree\n")
             if entry.id == "redo_edit":
@@ -188,8 +175,7 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
 
         for entry in WRITING:
             before = await begin(entry)
-            await game.press(*entry.keys)
-            await game.until(partial(lambda before: state() != before, before))
+            await game.press(*entry.keys, until=partial(lambda before: state() != before, before))
             by_key = state()
             await game.press("escape")
             await leave()
@@ -210,8 +196,7 @@ async def test_the_help_lists_every_command_and_begins_with_what_the_player_work
     async with opened(data_dir) as game:
 
         async def help_about(about: str, key: str = "f1") -> LinesView:
-            await game.press(key)
-            await game.sees(f"Help · {about}")
+            await game.press(key, sees=f"Help · {about}")
             shown = game.app.screen.query_one("#help", LinesView)
             await game.until(lambda: "Restart" in shown.plain)
             return shown
@@ -220,8 +205,7 @@ async def test_the_help_lists_every_command_and_begins_with_what_the_player_work
             return heading in [line for line in shown.plain.splitlines() if line[:1].isalpha()][:5]
 
         async def leave_dialog() -> None:
-            await game.press("escape")
-            await game.until(lambda: game.app.screen is game.main)
+            await game.press("escape", until=lambda: game.app.screen is game.main)
 
         shown = await help_about("map", "question_mark")
         for entry in COMMANDS:
@@ -230,8 +214,7 @@ async def test_the_help_lists_every_command_and_begins_with_what_the_player_work
         assert begins_with(shown, "Running")
         await game.press(*"watch pin")
         await game.until(lambda: "Restart" not in shown.plain and "Watch" in shown.plain)
-        await game.press(*"qqq")
-        await game.sees("No matches.")
+        await game.press(*"qqq", sees="No matches.")
         await leave_dialog()
         for keys, about, heading in [
             ("2", "editor", "In the program"),
@@ -258,8 +241,6 @@ async def test_a_robot_is_chosen_by_click_and_q_leaves_and_a_second_ctrl_c_but_n
         await game.sees('R remembers ""')
         await game.click("#robots", offset=(3, 2))
         await game.until(lambda: view.selected == "Q")
-        await game.press("ctrl+q", "ctrl+c")
-        await game.sees("^C again to quit, or q")
+        await game.press("ctrl+q", "ctrl+c", sees="^C again to quit, or q")
         assert game.app.is_running
-        await game.press("ctrl+c")
-        await game.until(lambda: not game.app.is_running)
+        await game.press("ctrl+c", until=lambda: not game.app.is_running)

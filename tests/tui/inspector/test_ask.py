@@ -79,8 +79,7 @@ async def test_the_line_helps_and_says_what_is_wrong_with_a_query(
 
         # Names are completed.
         await game.until(lambda: "Lighthouse" in line(game)._completion.words)
-        await game.press(*"1 < 2, Lig")
-        await game.until(lambda: line(game)._suggestion == "1 < 2, Lighthouse")
+        await game.press(*"1 < 2, Lig", until=lambda: line(game)._suggestion == "1 < 2, Lighthouse")
         await pressed(game, "right", until=lambda: line(game).value == "1 < 2, Lighthouse")
 
         # A mistake is shown at its place and changes nothing.

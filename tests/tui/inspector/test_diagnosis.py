@@ -48,5 +48,4 @@ async def test_the_run_is_scanned_and_a_finding_leads_to_its_tick(
         await pressed(game, "n", tick=4)
         game.session.apply(LATE)
         await game.sees("This is about an earlier run. Ticks 1 to 4, not won.")
-        await game.press("home", "enter")
-        await game.sees_no("This is about")
+        await game.press("home", "enter", sees_no="This is about")

@@ -101,8 +101,7 @@ async def test_a_field_is_followed_to_the_ticks_that_made_it_and_one_comes_back(
         ]
         assert f"    from {robot}'s memory.seen = 1 (2.)" in plain
         assert f"2. {robot}'s memory.seen = 1" in plain
-        await game.sees(f"{robot}'s memory.seen after tick 9 comes from")
-        await game.sees("the same since tick 6")
+        await game.sees(f"{robot}'s memory.seen after tick 9 comes from", "the same since tick 6")
 
         # The cursor shows the expression in the program, and enter goes to its tick.
         await pressed(game, "down", until=lambda: pointed(game).tick == 2)
@@ -185,8 +184,7 @@ async def test_any_value_of_a_table_and_of_a_proof_is_traced_to_its_rays(data_di
         await at_tick(game, 2)
         robot = game.inspector.robot
         await in_table(game, "Near")
-        await game.press("less_than_sign")
-        await game.until(lambda: links(game).plain and links(game).pointed)
+        await game.press("less_than_sign", until=lambda: links(game).plain and links(game).pointed)
         await game.sees("Near.ray in tick 2 comes from")
         assert "read from" in links(game).plain
         assert " wall, distance " in links(game).plain

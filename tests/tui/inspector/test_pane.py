@@ -107,8 +107,7 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
         await inspect(game, "Names")
         await game.until(lambda: game.editor.selected_text == "Names")
         await pressed(game, "K", sees=("SQLite's plan for Names", "Milliseconds"))
-        await game.press("escape")
-        await game.sees_no("SQLite's plan for Names")
+        await game.press("escape", sees_no="SQLite's plan for Names")
 
         # It follows a run without holding it up.
         await inspect(game, "Ray")
@@ -202,8 +201,7 @@ async def test_a_slow_predicate_holds_up_nothing_and_a_long_one_says_that_it_goe
         table = game.main.query_one("#rows", ValueTable)
         assert "these first 1,000; / asks" in table.missing
         table.focus()
-        await game.press("J")
-        await game.until(lambda: "950 more rows side by side; J shows" in table.missing)
+        await game.press("J", until=lambda: "950 more rows side by side; J shows" in table.missing)
         await pressed(game, "c", sees="side by side")
 
 

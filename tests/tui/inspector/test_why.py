@@ -221,8 +221,7 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         assert labyrinth._cells.plain() == plain
 
         # A value is opened as a tree, by two keys.
-        await game.press("w")
-        await game.until(lambda: any(node.kind == "contributor" for node in nodes(game)))
+        await game.press("w", until=lambda: any(node.kind == "contributor" for node in nodes(game)))
         view(game).action_move([node.kind for node in nodes(game)].index("contributor"))
         await pressed(game, "enter", on=ValueTree, sees="distance")
         await pressed(game, "escape", "X", on=ValueTree)
@@ -231,8 +230,7 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         # A ray is not brought out in another tick, even if the proof is hidden by then.
         await game.pilot.resize_terminal(80, 40)
         await game.until(lambda: labyrinth.highlighted is not None)
-        await game.press("1", "n")
-        await game.until(lambda: game.tick == 2 and labyrinth.highlighted is None)
+        await game.press("1", "n", until=lambda: game.tick == 2 and labyrinth.highlighted is None)
 
 
 async def test_a_row_that_there_is_not_is_told_with_values_and_a_change(data_dir: Path) -> None:

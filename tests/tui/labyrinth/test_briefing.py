@@ -34,16 +34,14 @@ async def test_the_briefing_is_there_at_the_start_and_when_it_is_asked_for(
         await pressed(game, "r", sees=TASK)
         await pressed(game, "n", until=lambda: game.tick > 0 and not game.shows(TASK))
         await pressed(game, "p", until=lambda: game.tick == 0 and game.shows(TASK))
-        await game.press("right_parenthesis")
-        await game.until(lambda: game.tick > 0 and not game.shows(TASK))
+        await game.press("right_parenthesis", until=lambda: game.tick > 0 and not game.shows(TASK))
         await pressed(game, "b", sees=TASK)
         await pressed(game, "b", until=lambda: not game.shows(TASK))
         await pressed(game, "M", until=lambda: game.main.editing.is_on)
         game.session.go_to(0)
         await game.until(lambda: game.tick == 0)
         await game.sees_no(TASK)
-        await game.press("escape")
-        await game.until(lambda: not game.main.editing.is_on and game.shows(TASK))
+        await game.press("escape", until=lambda: not game.main.editing.is_on and game.shows(TASK))
         assert game.main.briefing.over.display
         await pressed(game, "3", until=lambda: not game.main.briefing.over.display)
 
@@ -77,8 +75,7 @@ async def test_the_briefing_finds_its_place_at_any_size(
         await game.press("b")
         await game.until(lambda: not game.main.briefing.is_open and not game.shows("t lesson"))
         for key in "bkk":
-            await game.press(key)
-            await game.until(partial(shows_beside_the_map, game))
+            await game.press(key, until=partial(shows_beside_the_map, game))
 
 
 def test_each_shipped_briefing_fits_in_its_smallest_place() -> None:

@@ -146,8 +146,7 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int])
         await game.click(view, offset=(cell[1] + inset.x, cell[0] + inset.y))
         for words in ("battery needs none", "I am a robot", "engines +"):
             await game.sees(words)
-        await game.press("escape")
-        await game.sees_no("battery")
+        await game.press("escape", sees_no="battery")
 
         # Arrows and dragging move the view, and select nothing.
         await game.press("right", "down")

@@ -178,8 +178,7 @@ async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
         won = game.tick
         await game.app.run_action("screen.command('save_replay')")
         await game.sees("bytes).")
-        await game.write(SLOWER)
-        await game.until(lambda: game.session.state.applied == SLOWER)
+        await game.apply(SLOWER)
         await pressed(game, "escape", "r", "G", sees=f"ghost: {won} ticks")
         assert not ghosts(game)  # the robot stands there
         (halfway,) = await ghosts_at(game, won // 2)

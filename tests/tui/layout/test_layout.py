@@ -151,8 +151,7 @@ async def test_panes_are_hidden_resized_and_pulled(data_dir: Path) -> None:
     async with started(data_dir) as game:
         labyrinth, program, inspector = game.main.arrangement.panes
         before = labyrinth.region.size
-        await game.press("L", "underscore")
-        await game.until(lambda: labyrinth.region.size - (4, 2) == before)
+        await game.press("L", "underscore", until=lambda: labyrinth.region.size - (4, 2) == before)
         await pressed(game, "D", "I", until=lambda: labyrinth.region.size == before)
 
         for keys, panes in (

@@ -70,8 +70,7 @@ async def test_a_page_keeps_its_room_and_a_level_has_its_own_unless_chosen(data_
         before = heights(game)[2]
         assert game.main.labyrinth.view.size.width == LARGE[0] - 70 - BORDER
 
-        await game.write(MANY_ROWS)
-        await game.until(lambda: game.session.state.applied == MANY_ROWS)
+        await game.apply(MANY_ROWS)
         await pressed(game, "escape", "I", until=lambda: heights(game)[2] > before)
         chosen = await settled(game)
         await pressed(game, "3", sees="Many :3")

@@ -1,7 +1,5 @@
 """Hints, the lesson, the reference program, results, and earlier versions."""
 
-from __future__ import annotations
-
 import asyncio
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The first win, as a new player comes to it: by the tour, the README and the briefing."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

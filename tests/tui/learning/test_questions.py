@@ -1,7 +1,5 @@
 """The questions of a lesson, answered in the game."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The guided tour: once, past every part of the screen, and never in the way."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A room to edit, with a screen to point at or without."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -143,8 +141,7 @@ async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studi
     """Open a level and begin to edit it."""
     async with opened(data_dir, level=file, text=AHEAD, **more) as game:
         await game.ready()
-        await game.press("M")
-        await game.until(lambda: game.main.editing.is_on)
+        await game.press("M", until=lambda: game.main.editing.is_on)
         yield Studio(game, file)
 
 

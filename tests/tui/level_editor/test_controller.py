@@ -1,7 +1,5 @@
 """Editing without a screen, also while robots run, and what becomes of it."""
 
-from __future__ import annotations
-
 import math
 import tempfile
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The forms of the level editor: an object, the level, a new level."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -140,10 +138,8 @@ async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
 
 
 async def test_a_new_level_is_an_empty_room_or_a_labyrinth_drawn_by_lot(data_dir: Path) -> None:
-    async with opened(data_dir, size=(80, 24)) as game:
-        await game.ready()
-        await game.press("H")
-        await game.until(lambda: game.shows("Create") and game.shows("Cancel"))
+    async with opened(data_dir, size=(80, 24), ready=True) as game:
+        await game.press("H", until=lambda: game.shows("Create") and game.shows("Cancel"))
         new = game.app.screen
         await is_in(game, "kind")
         for field in ("title", "width", "height", "wall"):  # enter leads through the form
@@ -151,29 +147,21 @@ async def test_a_new_level_is_an_empty_room_or_a_labyrinth_drawn_by_lot(data_dir
             await is_in(game, field)
         assert not new.query_one("#kind", Select).expanded
         fill(new, width="wide")
-        await game.press("enter")
-        await game.sees("The width must be a number")
+        await game.press("enter", sees="The width must be a number")
         fill(new, width="300")
-        await game.press("enter")
-        await game.until(lambda: game.main.editing.is_on)
+        await game.press("enter", until=lambda: game.main.editing.is_on)
         assert game.session.level.width == 300
-        await game.press("H")
-        await game.sees("New level")
+        await game.press("H", sees="New level")
         new = game.app.screen
         await game.until(lambda: new.query("#kind"))
         fill(new, kind="labyrinth", columns="0")
-        await game.press("f2")
-        await game.sees("A labyrinth needs at least 2 cells")
+        await game.press("f2", sees="A labyrinth needs at least 2 cells")
         fill(new, columns="3", rows="2", seed="7", title="Short cut")
-        await game.press("f2")
-        await game.until(lambda: game.session.level.title == "Short cut")
+        await game.press("f2", until=lambda: game.session.level.title == "Short cut")
         await game.until(lambda: game.main.editing.is_on)
         assert (game.session.level.width, game.session.level.height) == (220, 150)
         await game.sees("not saved")
-        await game.press("s")
-        await game.sees("Save the level as")
-        await game.press("enter")
-        await game.sees("Saved as short-cut")
+        await game.press("s", sees="Save the level as")
+        await game.press("enter", sees="Saved as short-cut")
         assert (data_dir / "levels" / "short-cut.toml").exists()
-        await game.press("escape")
-        await game.until(lambda: not game.main.editing.is_on)
+        await game.press("escape", until=lambda: not game.main.editing.is_on)

@@ -1,7 +1,5 @@
 """Editing a level: each tool, by mouse and by keys, and what becomes of it."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -176,10 +174,8 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
 
 async def test_what_marks_a_thing_covers_no_name(data_dir: Path) -> None:
     level = shipped_folder("levels") / "10-distributed-mapping.toml"
-    async with opened(data_dir, level=level, size=(80, 24)) as game:
-        await game.ready()
-        await game.press("M", "tab")
-        await game.sees("Robot Atlas at 110, 150")
+    async with opened(data_dir, level=level, size=(80, 24), ready=True) as game:
+        await game.press("M", "tab", sees="Robot Atlas at 110, 150")
         assert all(game.shows(f"B{number:02}") for number in (5, 15, 21, 22))
         assert game.shows("┌")
 
@@ -278,14 +274,11 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
         await s.game.settled()
     assert said(room_file) == ROOM
     async with opened(data_dir) as game:
-        await game.sees("Continue editing the level “A room”")
-        await game.sees("Yes, continue")
+        await game.sees("Continue editing the level “A room”", "Yes, continue")
         await game.press("y")
         await game.until(lambda: game.main.editing.is_on and game.session.level.width == 280)
         await game.until(lambda: game.session.level.walls[40, 100])
-        await game.press("u")
-        await game.until(lambda: not game.session.level.walls[40, 100])
-    async with opened(data_dir) as game:
-        await game.ready()
+        await game.press("u", until=lambda: not game.session.level.walls[40, 100])
+    async with opened(data_dir, ready=True) as game:
         await game.until(lambda: game.main.recorder.record)
         await game.sees_no("Continue editing")

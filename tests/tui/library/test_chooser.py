@@ -1,7 +1,5 @@
 """Choosing levels and programs, saving, and what happens to unsaved text meanwhile."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from datetime import UTC, datetime

@@ -1,7 +1,5 @@
 """The labyrinth of the day on the screen, and a result to share."""
 
-from __future__ import annotations
-
 from datetime import date
 from pathlib import Path
 

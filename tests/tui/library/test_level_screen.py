@@ -1,7 +1,5 @@
 """The level screen: a card for each level, and what was achieved there."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The program pane alone on a screen, for what concerns neither robots nor other panes."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Nothing typed is lost: drafts on the screen, files that change, and the end of the process."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import signal
@@ -59,8 +57,7 @@ def leave_behind(data_dir: Path, **typed: str) -> None:
 
 
 async def asked(game: Opened, name: str = "mine") -> Question:
-    await game.sees(f"Continue with your unsaved text of “{name}”")
-    await game.sees("Yes, continue")
+    await game.sees(f"Continue with your unsaved text of “{name}”", "Yes, continue")
     question = game.app.screen
     assert isinstance(question, Question)
     return question
@@ -72,17 +69,13 @@ async def at_the_game(game: Opened) -> None:
 
 async def test_typed_text_is_on_disk_soon_and_offered_at_the_next_start(data_dir: Path) -> None:
     async with opened(data_dir) as game:
-        await game.press("2", "x")
-        await game.until(lambda: list((data_dir / "drafts").glob("*.json")))
-        await game.press("backspace")
-        await game.until(lambda: not list((data_dir / "drafts").glob("*.json")))
+        await game.press("2", "x", until=lambda: list((data_dir / "drafts").glob("*.json")))
+        await game.press("backspace", until=lambda: not list((data_dir / "drafts").glob("*.json")))
         await game.press(*"hello")
     async with opened(data_dir) as game:
         await asked(game)
-        await game.press("s")
-        await game.sees("helloFreedomMotion")
-        await game.press("y")
-        await game.until(lambda: game.editor.text == "hello" + PAPER)
+        await game.press("s", sees="helloFreedomMotion")
+        await game.press("y", until=lambda: game.editor.text == "hello" + PAPER)
         assert game.app.screen is game.main
     assert texts(data_dir) == ["hello" + PAPER]
 
@@ -95,8 +88,7 @@ async def test_a_key_that_was_meant_for_the_game_is_no_answer_and_without_one_th
     async with opened(data_dir) as game:
         await game.sees("Continue with your unsaved text")
         await game.sees_no("set it aside")
-        await game.press(*keys)
-        await game.sees_no("set it aside")
+        await game.press(*keys, sees_no="set it aside")
         question = await asked(game)
         for key in keys:
             late = events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
@@ -109,8 +101,7 @@ async def test_a_key_that_was_meant_for_the_game_is_no_answer_and_without_one_th
         await game.sees_no("hello")
         await game.press("escape")
         await at_the_game(game)
-        await game.press("2", "x", "backspace")
-        await game.until(lambda: game.editor.text == PAPER)
+        await game.press("2", "x", "backspace", until=lambda: game.editor.text == PAPER)
     assert texts(data_dir) == ["hello" + PAPER]
 
 
@@ -119,14 +110,12 @@ async def test_text_that_is_unwanted_or_saved_is_not_offered_again(data_dir: Pat
     (data_dir / "programs" / "saved.l").write_text("saved" + PAPER)
     async with opened(data_dir) as game:
         await asked(game)
-        await game.press("n")
-        await game.until(lambda: list((data_dir / "drafts" / "old").glob("*")))
+        await game.press("n", until=lambda: list((data_dir / "drafts" / "old").glob("*")))
         assert game.app.screen is game.main
         assert game.editor.text == PAPER
     async with opened(data_dir, name="third") as game:
         await asked(game, "other")
-        await game.press("y")
-        await game.until(lambda: game.editor.text == "other" + PAPER)
+        await game.press("y", until=lambda: game.editor.text == "other" + PAPER)
         assert game.session.source.name == "other"
     assert texts(data_dir) == ["other" + PAPER]
 
@@ -147,8 +136,7 @@ async def test_a_question_waits_for_the_dialog_over_the_game_and_may_be_settled_
     async with opened(data_dir, name="third") as game:
         try:
             await game.until(lambda: hold.has_begun)
-            await game.press("s")
-            await game.until(lambda: isinstance(game.app.screen, SaveAs))
+            await game.press("s", until=lambda: isinstance(game.app.screen, SaveAs))
             game.main.library.open_program(load_program(data_dir / "programs" / "mine.l"))
         finally:
             hold.release()
@@ -165,43 +153,33 @@ async def test_a_question_waits_for_the_dialog_over_the_game_and_may_be_settled_
 
 
 async def test_nobody_leaves_unasked_what_cannot_be_kept(data_dir: Path, tmp_path: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         (data_dir / "drafts").write_text("in the way")
-        await game.press("2", "x")
-        await game.sees("can't be kept on disk")
-        await game.press("y", "backspace", "escape", "n")
-        await game.until(lambda: game.tick == 1)
+        await game.press("2", "x", sees="can't be kept on disk")
+        await game.press("y", "backspace", "escape", "n", until=lambda: game.tick == 1)
         for answer in ("s", "escape"):
-            await game.press("q")
-            await game.sees("Your changes to “mine” are not saved and")
+            await game.press("q", sees="Your changes to “mine” are not saved and")
             await game.press(answer)
             await at_the_game(game)
-        await game.press("s")
-        await game.until(lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("s", until=lambda: isinstance(game.app.screen, SaveAs))
         game.app.screen.query_one(Input).value = str(tmp_path / "elsewhere.l")
         await game.press("enter")
         await at_the_game(game)
-        await game.press("q")
-        await game.until(lambda: not game.app.is_running)
+        await game.press("q", until=lambda: not game.app.is_running)
     assert (tmp_path / "elsewhere.l").read_text() == "x" + PAPER
 
 
 async def test_who_does_not_want_what_cannot_be_kept_leaves(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         (data_dir / "drafts").write_text("in the way")
-        await game.press("M")
-        await game.until(lambda: game.main.editing.is_on)
-        await game.press("b", "enter")
-        await game.sees("The edited level can't be kept on disk")
+        await game.press("M", until=lambda: game.main.editing.is_on)
+        await game.press("b", "enter", sees="The edited level can't be kept on disk")
         game.main.action_command("quit")
         await game.sees("are not saved and can't be kept")
         await game.press("s")
         await at_the_game(game)
-        await game.press("ctrl+c", "ctrl+c")
-        await game.until(lambda: isinstance(game.app.screen, Question))
-        await game.press("l")
-        await game.until(lambda: not game.app.is_running)
+        await game.press("ctrl+c", "ctrl+c", until=lambda: isinstance(game.app.screen, Question))
+        await game.press("l", until=lambda: not game.app.is_running)
 
 
 async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
@@ -209,12 +187,10 @@ async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
 ) -> None:
     with pytest.raises(BugReport) as caught:  # noqa: PT012 - it is raised at the end
         async with opened(data_dir) as game:
-            await game.press("2", *"hello")
-            await game.until(lambda: game.editor.text.startswith("hello"))
+            await game.press("2", *"hello", until=lambda: game.editor.text.startswith("hello"))
             monkeypatch.setattr(LabyrinthView, "look_at_next", lambda self: 1 / 0)
             game.main.action_command("map")
-            await game.press("f")
-            await game.until(lambda: not game.app.is_running)
+            await game.press("f", until=lambda: not game.app.is_running)
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
     assert isinstance(game.app.mistake, ZeroDivisionError)
     assert "division" not in str(caught.value.__rich__())
@@ -306,8 +282,7 @@ def test_a_change_before_the_first_look_is_noticed_once(tmp_path: Path) -> None:
 async def test_a_file_that_changes_on_disk_is_applied_unless_something_else_was_typed(
     data_dir: Path,
 ) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         path = game.session.source.path
         path.write_text(STILL)
         await game.until(lambda: game.editor.text == game.session.state.applied == STILL)
@@ -316,8 +291,7 @@ async def test_a_file_that_changes_on_disk_is_applied_unless_something_else_was_
         await game.until(lambda: game.session.source.text == "x" + STILL)
         await game.handled()
         await game.sees_no("has changed on disk")
-        await game.press("y")
-        await game.until(lambda: game.editor.text == "xy" + STILL)
+        await game.press("y", until=lambda: game.editor.text == "xy" + STILL)
         path.write_text(PAPER)
         await game.sees("has changed on disk")
         assert game.editor.text == "xy" + STILL
@@ -339,14 +313,12 @@ async def test_the_disk_is_not_waited_for_and_what_comes_late_changes_nothing(
         return source
 
     monkeypatch.setattr("logical_robots_tui.tui.program.controller.load_program", slowly)
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         path = game.session.source.path
         path.write_text(STILL)
         try:
             await game.until(lambda: first.has_begun)
-            await game.press("n")
-            await game.until(lambda: game.tick == 1)
+            await game.press("n", until=lambda: game.tick == 1)
             assert game.editor.text == PAPER
         finally:
             first.release()

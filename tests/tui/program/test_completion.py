@@ -1,7 +1,5 @@
 """Help while a program is written: words that fit, and what is said of them."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Keys of the editor, as hands know them from elsewhere, and what they do to a text."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from contextlib import nullcontext
@@ -165,27 +163,21 @@ async def test_a_text_is_found_replaced_and_renamed_as_one_edit(data_dir: Path) 
             await game.sees(shown)
             await game.press(*keys)
 
-        await game.press("2", "f3")
-        await game.sees("Find in the program")
+        await game.press("2", "f3", sees="Find in the program")
         for keys in ([*"speed", "enter"], ["f3"]):
             editor.move_cursor((row, 2))  # the first place may be right at the cursor
-            await game.press(*keys)
-            await game.until(lambda: editor.selected_text == "speed")
+            await game.press(*keys, until=lambda: editor.selected_text == "speed")
             assert editor.cursor_location == (row, 2)
-        await game.press("f3")
-        await game.until(lambda: editor.cursor_location > (row, 2))
+        await game.press("f3", until=lambda: editor.cursor_location > (row, 2))
         assert editor.selected_text == "speed"
-        await game.press("ctrl+o")
-        await game.sees("Find in the program")
+        await game.press("ctrl+o", sees="Find in the program")
         await game.press("tab", *"pace", "enter")
         await game.until(lambda: editor.text == PAPER.replace("speed", "pace"))
         await game.sees("Replaced in 3 places")
-        await game.press("ctrl+z")
-        await game.until(lambda: editor.text == PAPER)
+        await game.press("ctrl+z", until=lambda: editor.text == PAPER)
         await ask("find", "Find in the program", "ctrl+u", *"freedommotion", "tab")
         await game.until(lambda: game.app.focused and game.app.focused.id == "instead")
-        await game.press("enter")
-        await game.sees("Nothing was replaced")
+        await game.press("enter", sees="Nothing was replaced")
         editor.move_cursor((0, 0))
         await ask("rename", "Rename the predicate", "ctrl+u", *"Free", "enter")
         await game.until(lambda: editor.text == PAPER.replace("FreedomMotion", "Free"))
@@ -194,13 +186,10 @@ async def test_a_text_is_found_replaced_and_renamed_as_one_edit(data_dir: Path) 
         editor.move_cursor(editor.document.end)
         await ask("rename", "Put the cursor on a predicate of this program")
         editor.move_cursor((5, 15))
-        await game.press("f12")
-        await game.until(lambda: editor.cursor_location == (0, 0))
+        await game.press("f12", until=lambda: editor.cursor_location == (0, 0))
         editor.move_cursor((0, 24))
-        await game.press("f12")
-        await game.sees("WeightedAverage is not defined in this program")
-        await game.press("S")
-        await game.until(lambda: "S" in editor.word)
+        await game.press("f12", sees="WeightedAverage is not defined in this program")
+        await game.press("S", until=lambda: "S" in editor.word)
         assert not editor.completion.display  # as it was set
 
 

@@ -1,7 +1,5 @@
 """Editing, checking and applying; mistakes and oddities are shown in place, also while typing."""
 
-from __future__ import annotations
-
 import asyncio
 from contextlib import nullcontext
 from functools import partial
@@ -35,22 +33,18 @@ NAMED = f"""\
 async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked_for(
     data_dir: Path,
 ) -> None:
-    async with opened(data_dir, text=STILL) as game:
-        await game.ready()
+    async with opened(data_dir, text=STILL, ready=True) as game:
         await game.press("2", "f7")
         game.app.post_message(events.Paste(PAPER.replace("\n", "\r\n")))
         await game.until(lambda: game.editor.text == PAPER and "not applied · " in title(game))
-        await game.press("ctrl+r")
-        await game.until(lambda: title(game).startswith("Program · applied"))
+        await game.press("ctrl+r", until=lambda: title(game).startswith("Program · applied"))
         assert game.session.state.applied == PAPER
         await game.press("f8")
         await game.until(lambda: game.session.frame.memories == {"Solo": "I am a robot"})
-        await game.press("x")
-        await game.until(lambda: game.editor.text == PAPER + "x")
+        await game.press("x", until=lambda: game.editor.text == PAPER + "x")
         game.main.action_command("revert")
         await game.until(lambda: game.editor.text == STILL)
-        await game.press("ctrl+z")
-        await game.until(lambda: game.editor.text == PAPER + "x")
+        await game.press("ctrl+z", until=lambda: game.editor.text == PAPER + "x")
 
 
 @pytest.mark.parametrize(
@@ -68,39 +62,33 @@ async def test_letters_right_behind_the_key_for_the_editor_are_typed(
         await game.until(lambda: game.editor.text == "squid\n  qrnlo +?")
         assert game.app.screen is game.main
         assert game.tick == 0
-        await game.press("ctrl+c")
-        await game.sees("Press ^C again to quit")
+        await game.press("ctrl+c", sees="Press ^C again to quit")
 
 
 async def test_a_mistake_is_marked_where_it_is_and_the_last_good_program_runs_on(
     data_dir: Path,
 ) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         await game.press("2")
         await game.write(WRONG)
         await game.until(lambda: game.session.state.phase == "mistake")
         mistake = game.session.state.mistakes[0]
         assert mistake.line == 3
-        await game.sees("✗ line 3")
-        await game.sees("3✗")
+        await game.sees("✗ line 3", "3✗")
         assert title(game) == "Program · 1 error, the old version is still running · mine*"
         assert mistake.hint
         await game.sees(mistake.hint.split(".")[0][:30])
-        await game.press("ctrl+home", *"# so", "enter")
-        await game.sees("4✗")
+        await game.press("ctrl+home", *"# so", "enter", sees="4✗")
         await game.sees("✗ line 4")
         assert game.screen().count(mistake.message[:20]) == 1
-        await game.press("ctrl+g", "a")
-        await game.until(lambda: not game.shows("✗"))
+        await game.press("ctrl+g", "a", until=lambda: not game.shows("✗"))
         assert game.editor.document.get_line(3) == WRONG.splitlines()[2].replace("{", "a{", 1)
         await game.press("backspace")  # told again when its line is as it was
         await game.until(lambda: game.screen().count(mistake.message[:20]) == 1)
         game.editor.action_delete_line()
         game.editor.put(WRONG)
         await game.sees("3✗")
-        await game.press("escape", "space")
-        await game.until(lambda: game.tick > 3)
+        await game.press("escape", "space", until=lambda: game.tick > 3)
         assert game.session.state.applied == PAPER
         assert game.session.frame.memories == {"Solo": "I am a robot"}
         game.editor.text = PAPER  # as undoing all of it does
@@ -110,11 +98,9 @@ async def test_a_mistake_is_marked_where_it_is_and_the_last_good_program_runs_on
 
 
 async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir: Path) -> None:
-    async with opened(data_dir, text=WRONG, size=(80, 24)) as game:
-        await game.ready()
+    async with opened(data_dir, text=WRONG, size=(80, 24), ready=True) as game:
         await game.until(lambda: title(game) == "Program · 1 error · mine")
-        await game.press("ctrl+g")
-        await game.until(lambda: game.editor.cursor_location[0] == 2)
+        await game.press("ctrl+g", until=lambda: game.editor.cursor_location[0] == 2)
         assert game.main.focused is game.editor
         await game.sees("✗ line 3")
         await game.press("escape", "2", "ctrl+home", "up", "up")
@@ -122,8 +108,7 @@ async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir:
         await game.click("MistakeStrip")
         await game.until(lambda: game.editor.cursor_location[0] == 2)
         await game.sees("3✗")
-        await game.write(STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
+        await game.apply(STILL)
         await game.until(lambda: not game.shows("✗"))
         await game.write(STILL + "A(x) :- Nowhere(x);\n")
         await game.until(lambda: game.session.state.phase == "mistake" and game.shows("✗ line 3"))
@@ -143,16 +128,12 @@ async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir:
 
 @pytest.mark.slow
 async def test_a_program_of_a_megabyte_is_refused_and_the_game_goes_on(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         await game.press("2", "f7")
         game.app.post_message(events.Paste("x = 1 + Foo(bar: 3), # note\n" * 36_000))
         await game.until(lambda: len(game.editor.text) > 1_000_000)
-        await game.press("f4")
-        await game.until(lambda: game.session.state.phase == "mistake")
-        await game.sees("✗ line 1")
-        await game.press("escape", "n")
-        await game.until(lambda: game.tick == 1)
+        await game.press("f4", until=lambda: game.session.state.phase == "mistake", sees="✗ line 1")
+        await game.press("escape", "n", until=lambda: game.tick == 1)
 
 
 async def test_what_is_applied_last_overtakes_what_is_still_compiled(
@@ -168,13 +149,10 @@ async def test_what_is_applied_last_overtakes_what_is_still_compiled(
         finally:
             over.set()
 
-    async with opened(data_dir) as game:
-        await game.ready()
+    async with opened(data_dir, ready=True) as game:
         await game.write(PAPER.replace("robot", "fish"))
-        await game.write(STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
-        await game.press("f8")
-        await game.until(lambda: game.session.frame.memories == {"Solo": 1})
+        await game.apply(STILL)
+        await game.press("f8", until=lambda: game.session.frame.memories == {"Solo": 1})
         monkeypatch.setattr("logical_robots_tui.game.compile_program", compile_slowly)
         await game.write(PAPER)
         await game.until(begun.is_set)
@@ -182,8 +160,7 @@ async def test_what_is_applied_last_overtakes_what_is_still_compiled(
         await game.until(lambda: game.session.state.phase == "applied")
         go_on.set()
         await game.until(lambda: over.is_set() and title(game).startswith("Program · applied · "))
-        await game.press("f8")
-        await game.until(lambda: game.tick == 2)
+        await game.press("f8", until=lambda: game.tick == 2)
         assert game.session.frame.memories == {"Solo": 1}
 
 
@@ -193,20 +170,15 @@ async def test_what_is_copied_or_cut_is_in_a_file_too_and_another_editor_may_edi
     monkeypatch.setenv("VISUAL", """sh -c 'sed -i "s/memory: 1/memory: 2/" $0'""")
     monkeypatch.setattr(LogicalRobotsApp, "suspend", lambda _: nullcontext())
     copied = data_dir / "copied.txt"
-    async with opened(data_dir, text=STILL) as game:
-        await game.ready()
+    async with opened(data_dir, text=STILL, ready=True) as game:
         game.main.permissions = Permissions(clipboard=False)
-        await game.press("2", "f6", "ctrl+c")
-        await game.until(copied.exists)
-        await game.sees("Kept in")
+        await game.press("2", "f6", "ctrl+c", until=copied.exists, sees="Kept in")
         first = STILL.splitlines()[0]
         assert game.app.clipboard == copied.read_text("utf-8").strip() == first
         game.main.action_command("select_all")
-        await game.press("ctrl+x")
-        await game.until(lambda: copied.read_text("utf-8") == STILL)
+        await game.press("ctrl+x", until=lambda: copied.read_text("utf-8") == STILL)
         assert game.editor.text == ""
-        await game.press("ctrl+v")
-        await game.until(lambda: game.editor.text == STILL)
+        await game.press("ctrl+v", until=lambda: game.editor.text == STILL)
         await game.press("escape", "space", "E")
         edited = STILL.replace("memory: 1", "memory: 2")
         await game.until(lambda: game.session.state.applied == game.editor.text == edited)
@@ -215,8 +187,7 @@ async def test_what_is_copied_or_cut_is_in_a_file_too_and_another_editor_may_edi
 
 async def test_long_lines_are_wrapped_unless_the_player_wants_them_cut(data_dir: Path) -> None:
     long = f"# {'several words ' * 20}last\n"
-    async with opened(data_dir, text=long + STILL, size=(80, 24)) as game:
-        await game.ready()
+    async with opened(data_dir, text=long + STILL, size=(80, 24), ready=True) as game:
         assert not game.editor.content_size.area
         game.editor.move_cursor((0, 0))
         game.editor.insert("nonsense(")
@@ -247,8 +218,7 @@ def is_at(game: Opened, row: int) -> bool:
 async def test_mistakes_are_marked_and_counted_when_the_keys_rest_and_each_can_be_reached(
     data_dir: Path,
 ) -> None:
-    async with opened(data_dir, text=STILL) as game:
-        await game.ready()
+    async with opened(data_dir, text=STILL, ready=True) as game:
         await game.press("2")
         game.editor.move_cursor((1, len("  Sens")))
         await game.press("delete")
@@ -256,8 +226,7 @@ async def test_mistakes_are_marked_and_counted_when_the_keys_rest_and_each_can_b
         assert underlined(game, 1) == ["Sensr"]
         await game.sees("✗ line 2, column 3")
         assert game.session.state.applied == STILL
-        await game.press("o")
-        await game.until(lambda: title(game).startswith("Program · applied · "))
+        await game.press("o", until=lambda: title(game).startswith("Program · applied · "))
         assert not game.shows("✗")
         game.editor.put(WRONG)  # what was checked is applied at once
         await game.sees("✗ line 3")
@@ -279,19 +248,16 @@ async def test_mistakes_are_marked_and_counted_when_the_keys_rest_and_each_can_b
             check(text)
 
         game.session.check = counted  # type: ignore[method-assign] # to see when it is called
-        await game.press("ctrl+end", *"Bad(x) :- Nothing(x);")
-        await game.sees("✗ line 3")
+        await game.press("ctrl+end", *"Bad(x) :- Nothing(x);", sees="✗ line 3")
         assert checked == [game.editor.text]
         game.editor.put(f"{STILL}A(x) :- Nothing(x);\nB(x) :- Nowhere(x);\n")
-        await game.sees("2 errors")
-        await game.sees("✗ line 4")
+        await game.sees("2 errors", "✗ line 4")
         lines = game.screen().splitlines()
         row = next(row for row, line in enumerate(lines) if "✗ line 4" in line)
         await game.click(offset=(lines[row].index("✗ line 4") + 3, row))
         await game.until(partial(is_at, game, 3))
         for line in (2, 3, 2):
-            await game.press("ctrl+g")
-            await game.until(partial(is_at, game, line))
+            await game.press("ctrl+g", until=partial(is_at, game, line))
 
 
 async def sees_warning(game: Opened, text: str, warning: str) -> None:

@@ -1,7 +1,5 @@
 """Where several teams play: a tab for each program, and the mind of the robot looked at."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -46,8 +44,7 @@ async def test_choosing_a_robot_shows_what_it_thinks_with_until_the_match_is_ove
     data_dir: Path,
 ) -> None:
     async with match(data_dir, text="match = {ticks = 3}\n" + MATCH + SCORE) as game:
-        await game.sees(" red   blue ")
-        await game.sees("applied · red: redly")
+        await game.sees(" red   blue ", "applied · red: redly")
         assert game.editor.text == RED
         await game.press("n", "n")
         await game.settled()
@@ -61,22 +58,15 @@ async def test_choosing_a_robot_shows_what_it_thinks_with_until_the_match_is_ove
             game.main.select(robot)
             assert game.editor.text == program
         game.main.inspector.open("decision")
-        await game.sees("Decision of Bo · tick 2")
-        await game.sees('"bluely"')
+        await game.sees("Decision of Bo · tick 2", '"bluely"')
         await game.until(lambda: game.shows("Backward") and not game.shows("Ahead"))
         assert game.tick == 2
-        await game.press("w")
-        await game.sees("Backward(x)")
-        await game.press("escape", "space")
-        await game.sees("MATCH OVER")
+        await game.press("w", sees="Backward(x)")
+        await game.press("escape", "space", sees="MATCH OVER")
         assert game.tick == 3
-        await game.sees("The match is over: red ")
-        await game.sees("red 8.3, blue 7.1.")
-        await game.press("n")
-        await game.until(lambda: game.tick == 4)
-        await game.sees("PAUSED")
-        await game.press("p")
-        await game.sees("MATCH OVER")
+        await game.sees("The match is over: red ", "red 8.3, blue 7.1.")
+        await game.press("n", until=lambda: game.tick == 4, sees="PAUSED")
+        await game.press("p", sees="MATCH OVER")
 
 
 async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Path) -> None:
@@ -90,11 +80,9 @@ async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Pat
         assert game.editor.text == RED + "# mine\n"
         game.main.select("Bo")
         assert game.editor.text == BLUE + "Wrong(x :- \n"
-        await game.press("f4")
-        await game.sees("1 error")
+        await game.press("f4", sees="1 error")
         game.main.select("Ada")
-        await game.press("f4")
-        await game.until(lambda: game.main.session.state.phase == "applied")
+        await game.press("f4", until=lambda: game.main.session.state.phase == "applied")
         game.main.select("Bo")
         await game.write(changed)
         await game.until(lambda: game.main.session.state.phase == "applied")
@@ -102,8 +90,7 @@ async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Pat
         assert program is not None
         assert program.texts == {"red": RED + "# mine\n", "blue": changed}
         assert await game.main.recorder.newest(game.main.session.level) == RED + "# mine\n"
-        await game.press("escape", "n")
-        await game.until(lambda: game.tick == 1)
+        await game.press("escape", "n", until=lambda: game.tick == 1)
         ada, bo, _ = game.session.frame.after.robots
         assert (ada.x, bo.x) == (41, 40)
         blue, _ = game.main.session.sources.of("blue")
@@ -121,11 +108,9 @@ async def test_in_a_small_terminal_the_tabs_fit_and_the_others_can_be_hidden(
     data_dir: Path,
 ) -> None:
     async with match(data_dir, size=(80, 24)) as game:
-        await game.press("2")
-        await game.sees(" red   blue ")
+        await game.press("2", sees=" red   blue ")
         game.main.action_command("next_team")
-        await game.sees("Backward(x) :- x == -1;")
-        await game.sees("blue: bluely")
+        await game.sees("Backward(x) :- x == -1;", "blue: bluely")
         game.main.action_command("next_team")
         game.main.action_command("hide_teams")
         await game.sees("What the other teams think is hidden.")

@@ -20,8 +20,7 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
 ) -> None:
     async with started(data_dir, level=short, text=AHEAD) as game:
         await run_until(game, 3)
-        await game.write(STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
+        await game.apply(STILL)
         await run_until(game, 5)
         there = game.session.frame
         game.session.pace.speed = 160.0

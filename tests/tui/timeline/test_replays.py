@@ -47,16 +47,14 @@ async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
         assert not (data_dir / "replays").exists()
         await pressed(game, "n", "n", "n", tick=3)
         game.session.put("Pip", (30.0, 12.0, 0.5))
-        await game.write(STILL)
-        await game.until(lambda: game.session.state.applied == STILL)
+        await game.apply(STILL)
         await pressed(game, "escape", "n", "n", tick=5)
         assert game.session.game is not None
         there = [game.session.game.frame_at(tick) for tick in range(6)]
         await game.press("p")
         replay = await saved(game)
 
-        await game.write(AHEAD)
-        await game.until(lambda: game.session.state.applied == AHEAD)
+        await game.apply(AHEAD)
         await game.press("escape", "r")
         game.main.action_command("open_replay")
         await game.until(lambda: isinstance(game.app.screen, Chooser) and game.shows("5 ticks"))

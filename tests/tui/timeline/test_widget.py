@@ -127,8 +127,7 @@ async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) ->
     async with playing(data_dir, short, text=STILL) as game:
         await asked(game, "U", "5000")
         await game.until(lambda: game.tick > 5 and "RUNNING" in game.status)
-        await game.press("space")
-        await game.until(lambda: not game.session.busy and "PAUSED" in game.status)
+        await game.press("space", until=lambda: not game.session.busy and "PAUSED" in game.status)
 
         # The timeline is drawn once for ticks that change nothing in it.
         await game.later(1)
@@ -170,8 +169,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
         await game.until(lambda: game.shows("What Pip decides differs first in Robot("))
         await game.sees("here   line 2  memory: sensor.clock > 15")
         await game.sees("there  line 2  memory: sensor.clock > 5")
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main and game.tick == 11)
+        await game.press("escape", until=lambda: game.app.screen is game.main and game.tick == 11)
         await pressed(game, "F", sees="This is the other branch.")
         assert game.session.frame.memories == {"Pip": True}
         assert game.session.program is not None
