@@ -18,15 +18,13 @@ from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.files import is_made_here, rewritten, save_level
 from logical_robots_tui.editing.level_text import lost_in_web, record_of, write_native, write_web
 from logical_robots_tui.editing.strokes import paint, paint_rectangle
-from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, resize, set_words
+from logical_robots_tui.editing.things import Ref, add, change, remove, resize, set_words
 from logical_robots_tui.world import (
     Area,
     Beacon,
     Level,
     LevelError,
     Robot,
-    Score,
-    Team,
     Visibility,
     load_level,
 )
@@ -35,7 +33,6 @@ from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
 from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room
 from tests.world.making import levels
-from tests.world.test_scoring import matches
 
 BY_HAND = """\
 # A level made by hand.
@@ -328,94 +325,6 @@ def test_what_the_web_platform_can_not_say_is_named() -> None:
     assert lost_in_web(level) == [*words.split(), "second_goals", "visibility"]
 
 
-TEAMS = """\
-title = "Match"
-cell = 10
-walls = '''
-####
-#..#
-####
-'''
-
-divided_charge = true  # fair
-match = {ticks = 50}
-
-# who plays
-[[teams]]
-name = "red"  # the first
-program = "herd"
-
-[[teams]]
-name = "blue"
-
-[[scores]]
-kind = "hold"
-area = "hill"  # the middle
-
-[[scores]]
-kind = "charged"
-points = 0.5
-
-[[areas]]
-name = "hill"
-x = 20
-y = 15
-radius = 5
-
-[[robots]]
-name = "Ann"
-x = 15
-y = 15
-team = "red"
-
-[[robots]]
-name = "Bob"
-x = 25
-y = 15
-team = "blue"
-"""
-
-
-MATCH = read(TEAMS)
-
-
-def test_teams_are_written_and_keep_their_comments() -> None:
-    assert alike(read(write_native(MATCH)), MATCH)
-    moved = change(MATCH, BOB, x=24)
-    assert rewritten(TEAMS, moved) == TEAMS.replace("x = 25", "x = 24")
-    joined, ref = add(moved, Robot("Cid", 16, 16))
-    assert joined.robots[2].team == "red"
-    for level in (
-        change(joined, ref, team="blue"),
-        set_words(MATCH, teams=(Team("red"), Team("blue", "swarm"))),
-        set_words(MATCH, match_ticks=60, scores=(Score("near", "hill", 2),)),
-    ):
-        after(TEAMS, level)
-
-
-def test_a_score_follows_an_area_that_is_called_otherwise() -> None:
-    renamed = change(MATCH, HOME, name="top")
-    assert renamed.scores == (Score("hold", "top"), Score("charged", points=0.5))
-    twice, ref = duplicate(MATCH, HOME, 2, 0)
-    assert change(twice, ref, name="top").scores == MATCH.scores
-
-
-@settings(deadline=None)
-@given(matches())
-def test_any_match_is_read_as_it_was_written(level: Level) -> None:
-    level = replace(level, areas=(*level.areas, Area("home", 10, 10, 5)))
-    assert alike(read(write_native(level)), level)
-
-
-def test_teams_are_lost_in_the_web_format() -> None:
-    level = replace(MATCH, solid_robots=True, all_goals=True, shuffled_names=("*",))
-    lost = ["teams", "match_ticks", "scores"]
-    lost += ["divided_charge", "solid_robots", "all_goals", "shuffled_names", "visibility"]
-    assert lost_in_web(level)[-8:] == lost
-    robots = tuple(replace(robot, team="") for robot in level.robots)
-    assert read_web(write_web(level), "match", "").robots == robots
-
-
 @pytest.mark.parametrize("ending", [".toml", ".json"])
 def test_a_new_file_is_made_with_its_folders(ending: str, tmp_path: Path) -> None:
     path = tmp_path / "mine" / f"maze{ending}"
@@ -453,7 +362,6 @@ def test_a_file_of_the_web_platform_that_says_the_same_is_not_touched_and_else_i
         ("level.toml", {"robots": ()}, "The level has no robots."),
         ("level.toml", {"robots": (Robot("A", 1, 1),) * 2}, 'robots are called "A"'),
         ("level.json", {"beacons": (Beacon("n" * 61, 1, 1),)}, "longer than 60"),
-        ("level.toml", vars(MATCH) | {"robots": MATCH.robots[:1]}, 'Team "blue" has no robots'),
     ],
 )
 def test_what_could_not_be_loaded_is_not_saved(
@@ -478,50 +386,3 @@ def test_a_file_that_can_not_be_written_or_is_ours_says_so(
     for path, message in [(SHIPPED[0], "changed"), *((path, "written") for path in files)]:
         with pytest.raises(LevelError, match=f"can't be {message}"):
             save_level(room(), path)
-
-
-DIGITS, FLAGS, NAMES = st.integers(0, 9), st.booleans(), st.sampled_from(["", "a"])
-PLACED = {"name": st.text(st.sampled_from("abc"), min_size=1), "x": DIGITS, "y": DIGITS}
-COLORED = {**PLACED, "color": st.just("red")}
-WEB_LEVELS = st.fixed_dictionaries(
-    {
-        "width": st.just(3),
-        "height": st.just(2),
-        "walls": st.text("01", min_size=6, max_size=6),
-        "robots": st.lists(
-            st.fixed_dictionaries(
-                COLORED,
-                optional={
-                    "angle": st.floats(-9, 9),
-                    "has_battery": FLAGS,
-                    "can_charge": FLAGS,
-                    "battery_capacity": DIGITS,
-                    "battery_consumption_rate": st.floats(0, 9),
-                },
-            ),
-            min_size=1,
-            unique_by=lambda robot: robot["name"],
-        ),
-        "beacons": st.lists(st.fixed_dictionaries(PLACED, optional={"charging_station": FLAGS})),
-        "areas": st.lists(
-            st.fixed_dictionaries(
-                {**COLORED, "radius": DIGITS, "victory_robots": st.just(["a"])},
-                optional={
-                    "on_beacon": NAMES,
-                    "off_beacon": NAMES,
-                    "sticky_switch": FLAGS,
-                    "impenetrable": FLAGS,
-                },
-            )
-        ),
-    }
-)
-
-
-@settings(deadline=None)
-@given(WEB_LEVELS)
-def test_nothing_is_added_to_a_level_of_the_platform_on_its_way_there_and_back(
-    written: dict[str, Any],
-) -> None:
-    level = read_web(json.dumps(written), "level", "")
-    says_no_more(read(write_native(level)), written)
