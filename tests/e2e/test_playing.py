@@ -185,6 +185,7 @@ def test_the_text_is_offered_when_the_process_was_killed_and_when_the_terminal_w
         until(lambda: not player.tmux.is_running)
         player.tmux.mend()
         player.is_offered_the_idea()
+        player.type_an_idea()  # what was continued with is applied, and so kept as a version
         player.tmux.close()
         until(lambda: not player.tmux.is_running, lambda: "the process ends")
     with seat() as player:

@@ -193,6 +193,7 @@ def word_around(line: str, column: int) -> str:
 
 _MOST = 60
 _WIDEST, _MARGIN = 90, 6  # columns of the list, and those left beside it
+_NARROWEST = 8  # columns that a word needs; where there are fewer, none is offered
 _LONGEST = 40  # characters of a shape before what is said of it stands below
 
 
@@ -212,11 +213,12 @@ class Completion(Listing, can_focus=False):
         self._words: list[Word] = []
 
     def offer(self, words: list[Word], at: Offset) -> None:
-        self._words = words[:_MOST]
-        self.display = bool(words)
-        if not words:
+        width = min(self.screen.size.width - _MARGIN, _WIDEST)
+        self._words = words[:_MOST] if width >= _NARROWEST else []
+        self.display = bool(self._words)
+        if not self._words:
             return
-        lines = list(lines_of(self._words, min(self.screen.size.width - _MARGIN, _WIDEST)))
+        lines = list(lines_of(self._words, width))
         self.styles.width = max(line.get_optimal_width({}, 0) for line in lines) + 4
         self.clear_options()
         self.add_options([Option(line) for line in lines])
