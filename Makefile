@@ -36,10 +36,10 @@ endif
 # What touches Textual's private parts, and what a terminal shows.
 LOWEST = tests/tui/terminal tests/tui/app/test_key_queue.py tests/snapshots
 
-lowest: $(VENV)/.dev ## Run the tests that depend on Textual's version with the lowest one
-	@$(PIP) install --quiet --no-deps --upgrade --target $(VENV)/lowest \
+lowest: $(VENV)/.dev ## Run the tests that depend on Textual's version with the lowest one, in VENV; it stays there
+	@$(PIP) install --quiet --no-deps \
 		textual==$$(sed -n 's/.*"textual>=\([0-9.]*\),.*/\1/p' pyproject.toml)
-	PYTHONPATH=$(abspath $(VENV))/lowest $(PYTEST) $(LOWEST) $(ARGS)
+	$(PYTEST) $(LOWEST) $(ARGS)
 
 lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
 	$(BIN)/python -m ruff format --check .
