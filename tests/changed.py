@@ -18,7 +18,8 @@ from tests.import_graph import module_of, modules_imported
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "logical_robots_tui"
-COSTS = Path(".pytest_cache/v/logical-robots/costs")
+CACHE_KEY = "logical-robots/costs"
+"""Where pytest's cache has the processor seconds of each test."""
 
 PROCESSOR_SECONDS = 60.0
 """What the chosen tests may cost together; on two cores they take little more than half of it."""
@@ -51,21 +52,26 @@ FOLDERS_OF_DATA = {
 """Which tests look at files that are not modules; those at the root are the house's."""
 
 
-def changed_paths(base: str, root: Path = ROOT) -> list[str]:
+def git(*arguments: str) -> str:
+    """Return what git prints in this checkout.
+
+    Raises:
+        SystemExit: It refuses.
+    """
+    done = subprocess.run(
+        ["git", *arguments], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+    )
+    if done.returncode:
+        sys.exit(f"git {' '.join(arguments)}: {done.stderr.strip()}")
+    return done.stdout
+
+
+def changed_paths(base: str) -> list[str]:
     """Return what differs from where this branch left another one, committed or not.
 
     Raises:
         SystemExit: There is no such branch.
     """
-
-    def git(*arguments: str) -> str:
-        done = subprocess.run(
-            ["git", *arguments], cwd=root, capture_output=True, text=True, timeout=60, check=False
-        )
-        if done.returncode:
-            sys.exit(f"git {' '.join(arguments)}: {done.stderr.strip()}")
-        return done.stdout
-
     begin = git("merge-base", base, "HEAD").strip()
     untracked = git("ls-files", "--others", "--exclude-standard")
     return [*git("diff", "--name-only", begin).split(), *untracked.split()]
@@ -156,10 +162,11 @@ def nearest(
     return chosen
 
 
-def measured_costs(root: Path = ROOT) -> dict[str, float]:
+def measured_costs() -> dict[str, float]:
     """Return the processor seconds of each test in earlier runs of this checkout."""
     try:
-        costs: dict[str, float] = json.loads((root / COSTS).read_text(encoding="utf-8"))
+        text = (ROOT / ".pytest_cache" / "v" / CACHE_KEY).read_text(encoding="utf-8")
+        costs: dict[str, float] = json.loads(text)
     except (OSError, ValueError):
         return {}
     return costs

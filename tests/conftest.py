@@ -74,7 +74,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
         forget_earlier_runs(config)
         config.pluginmanager.register(_Sources(config))
-    costs.register(config)
+    costs.register(config, is_quick=not (_is_whole(config) or _named_files(config)))
 
 
 def forget_earlier_runs(config: pytest.Config) -> None:
@@ -96,9 +96,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     A test is run whole if its file is named, or if tests are chosen by their names.
     """
-    if config.option.all or (config.option.keyword and not config.option.quick):
+    if _is_whole(config):
         return
-    whole_files = set() if config.option.quick else _named_files(config)
+    whole_files = _named_files(config)
     chances = [item for item in items if item.path not in whole_files]
     left_out = {item for item in chances if item.get_closest_marker("slow")}
     sampled = [
@@ -117,12 +117,19 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = [item for item in items if item not in left_out]
 
 
+def _is_whole(config: pytest.Config) -> bool:
+    """Return whether every test that is selected is run with all its cases."""
+    return config.option.all or (bool(config.option.keyword) and not config.option.quick)
+
+
 def _test_of(item: pytest.Item) -> str:
     return item.nodeid.split("[")[0]
 
 
 def _named_files(config: pytest.Config) -> set[Path]:
-    """Return the files that the command names, with or without one of their tests."""
+    """Return the files to be run whole: those that the command names, or names tests of."""
+    if config.option.quick:
+        return set()
     paths = (config.invocation_params.dir / name.split("::")[0] for name in config.args)
     return {path.resolve() for path in paths if path.suffix == ".py"}
 

@@ -7,7 +7,7 @@ expensive, which is the same on every machine.
 import os
 import resource
 import subprocess
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,14 +18,12 @@ from _pytest.terminal import TerminalReporter
 
 from logical_robots_tui.mind.compilation import _Compiler
 from logical_robots_tui.world import World
+from tests.changed import CACHE_KEY
 
 __all__ = ["BOUNDS", "Bound", "Costs", "folder_of", "register"]
 
 SLOWEST = 6
 """Folders named at the end of a run."""
-
-CACHE_KEY = "logical-robots/costs"
-"""Where pytest's cache has the processor seconds of each test."""
 
 _TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
 
@@ -53,10 +51,10 @@ def folder_of(test: str) -> str:
     return "/".join(parts[: 2 if parts[:1] == ["tui"] else 1]) or "."
 
 
-def register(config: pytest.Config) -> None:
+def register(config: pytest.Config, *, is_quick: bool) -> None:
     """Measure each test in the process that runs it, and sum up in the one that reports."""
     if not hasattr(config, "workerinput"):
-        config.pluginmanager.register(Costs(config), "costs")
+        config.pluginmanager.register(Costs(config, is_quick=is_quick), "costs")
     if hasattr(config, "workerinput") or not config.option.numprocesses:
         config.pluginmanager.register(_Meter(), "meter")
 
@@ -144,8 +142,9 @@ def _of_process(pid: str) -> float:
 class Costs:
     """Sums up what the tests of a run have cost, and fails a quick run that does too much."""
 
-    def __init__(self, config: pytest.Config) -> None:
+    def __init__(self, config: pytest.Config, *, is_quick: bool) -> None:
         self._config = config
+        self._is_quick = is_quick
         self.by_test: dict[str, float] = {}
         self.counts: dict[str, Counter[str]] = {name: Counter() for name in BOUNDS}
 
@@ -160,8 +159,10 @@ class Costs:
 
     @property
     def excesses(self) -> list[str]:
-        """Return what the run did more often than a quick run may, and where most."""
-        excesses = []
+        """Return what a quick run did more often than it may, and where most."""
+        excesses: list[str] = []
+        if not self._is_quick:
+            return excesses
         for name, bound in BOUNDS.items():
             files = self.counts[name]
             if files.total() > bound.most:
@@ -175,21 +176,20 @@ class Costs:
         cache: pytest.Cache | None = getattr(self._config, "cache", None)
         if cache is not None and self.by_test:
             cache.set(CACHE_KEY, {**cache.get(CACHE_KEY, {}), **_rounded(self.by_test)})
-        is_green = session.exitstatus == pytest.ExitCode.OK
-        if is_green and not self._config.option.all and self.excesses:
+        if session.exitstatus == pytest.ExitCode.OK and self.excesses:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     def pytest_terminal_summary(self, terminalreporter: TerminalReporter) -> None:
-        by_folder: Counter[str] = Counter()
+        by_folder: dict[str, float] = defaultdict(float)
         for test, seconds in self.by_test.items():
-            by_folder[folder_of(test)] += seconds  # type: ignore[assignment]  # of numbers alike
-        slowest = ", ".join(f"{name} {s:.0f}" for name, s in by_folder.most_common(SLOWEST))
+            by_folder[folder_of(test)] += seconds
+        folders = sorted(by_folder, key=by_folder.__getitem__, reverse=True)[:SLOWEST]
+        slowest = ", ".join(f"{folder} {by_folder[folder]:.0f}" for folder in folders)
         terminalreporter.write_line(
             f"processor seconds: {sum(by_folder.values()):.0f}; slowest folders: {slowest}"
         )
-        if not self._config.option.all:
-            for excess in self.excesses:
-                terminalreporter.write_line(f"A quick run does too much: {excess}", red=True)
+        for excess in self.excesses:
+            terminalreporter.write_line(f"A quick run does too much: {excess}", red=True)
 
 
 def _rounded(costs: dict[str, float]) -> dict[str, float]:

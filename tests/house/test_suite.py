@@ -17,7 +17,7 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     config.option.numprocesses = 0
-    costs.register(config)
+    costs.register(config, is_quick=not config.option.all)
     config.pluginmanager.register(conftest._Sources(config))
 """
 PLAYS_A_TICK = """

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.changed import PACKAGE, PROCESSOR_SECONDS, ROOT, Nearness, measured_costs, nearest
+from tests.changed import PACKAGE, PROCESSOR_SECONDS, ROOT, Nearness, git, measured_costs, nearest
 
 LIST = Path(__file__).with_name("corrections.txt")
 LONGEST = 3_600  # seconds of one run of tests
@@ -51,12 +51,17 @@ def corrections(commits: Sequence[str] = ()) -> Iterator[Correction]:
 
 
 def _undone(commit: str) -> dict[str, str]:
-    names = _git("diff-tree", "--no-commit-id", "--name-only", "-r", commit, "--", PACKAGE)
+    names = git(
+        *("diff-tree", "--no-commit-id", "--name-only", "--diff-filter=M", "-r"),
+        commit,
+        "--",
+        PACKAGE,
+    )
     texts = {}
     for name in names.split():
         if not name.endswith(".py") or not (ROOT / name).exists():
             continue
-        before, after = (_git("show", f"{at}:{name}") for at in (f"{commit}^", commit))
+        before, after = (git("show", f"{at}:{name}") for at in (f"{commit}^", commit))
         today = (ROOT / name).read_text(encoding="utf-8")
         merged = _merged(today, after, before)
         if merged != today:
@@ -70,16 +75,7 @@ def _merged(today: str, after: str, before: str) -> str:
         paths = [Path(folder) / name for name in ("today", "after", "before")]
         for path, text in zip(paths, (today, after, before), strict=True):
             path.write_text(text, encoding="utf-8")
-        return _git("merge-file", "-p", "--ours", *map(str, paths))
-
-
-def _git(*arguments: str) -> str:
-    done = subprocess.run(
-        ["git", *arguments], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
-    )
-    if done.returncode < 0 or done.returncode > 127:
-        sys.exit(f"git {' '.join(arguments)}: {done.stderr.strip()}")
-    return done.stdout
+        return git("merge-file", "-p", "--ours", *map(str, paths))
 
 
 class Copy:
@@ -88,7 +84,7 @@ class Copy:
     def __init__(self, folder: Path, workers: int) -> None:
         self._folder = folder
         self._workers = workers
-        names = _git("ls-files", "--cached", "--others", "--exclude-standard").splitlines()
+        names = git("ls-files", "--cached", "--others", "--exclude-standard").splitlines()
         for name in names:
             if (ROOT / name).is_file():
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
