@@ -50,9 +50,14 @@ def last_tick(name: str) -> int:
 
 
 QUICK = "steering"
-PROGRAMS = [
-    pytest.param(name, marks=[pytest.mark.slow] * (name != QUICK)) for name in list_programs()
-]
+
+
+def marks(name: str) -> list[pytest.MarkDecorator]:
+    """A starter has much of what its solution has, so only a long proof tries it."""
+    return [pytest.mark.slow] * (name != QUICK) + [pytest.mark.proof] * name.endswith("-starter")
+
+
+PROGRAMS = [pytest.param(name, marks=marks(name)) for name in list_programs()]
 
 
 @pytest.mark.parametrize("name", PROGRAMS)

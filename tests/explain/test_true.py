@@ -48,8 +48,8 @@ def find_nothing_false(
     [
         (one_robot, 20, 14),
         (a_team, 10, 6),
-        pytest.param(one_robot, 200, 0, marks=pytest.mark.slow),
-        pytest.param(a_team, 120, 0, marks=pytest.mark.slow),
+        pytest.param(one_robot, 60, 0, marks=pytest.mark.slow),
+        pytest.param(a_team, 40, 0, marks=pytest.mark.slow),
         *(pytest.param(made, 2_500, 0, marks=pytest.mark.proof) for made in (one_robot, a_team)),
     ],
 )
@@ -62,8 +62,8 @@ def test_nothing_false_is_said(made: Maker, questions: int, first: int) -> None:
     [
         (one_robot, 3, 14),
         (a_team, 1, 6),
-        pytest.param(one_robot, 20, 0, marks=pytest.mark.slow),
-        pytest.param(a_team, 12, 0, marks=pytest.mark.slow),
+        pytest.param(one_robot, 8, 0, marks=pytest.mark.slow),
+        pytest.param(a_team, 5, 0, marks=pytest.mark.slow),
         *(pytest.param(made, 300, 0, marks=pytest.mark.proof) for made in (one_robot, a_team)),
     ],
 )

@@ -91,7 +91,6 @@ MANY_ROWS = {
         'i in Range(800), m = "[" ++ i ++ Replace(Format("%03000d", 0), "0", ",{}") ++ "]"'
     ),
 }
-KEPT_BY_NOBODY = ("empty records", "empty lists", "many numbers", *MANY_ROWS)  # of a hundred robots
 DENSE = (
     "a = List{NaturalHash(ToString(sensor.clock * i)) :- i in Range(19000)}, "
     "b = List{NaturalHash(ToString(7 * sensor.clock + i)) :- i in Range(19000)}, m = {a:, b:}"
@@ -135,7 +134,7 @@ def test_one_robot_fills_the_history_and_the_oldest_ticks_are_dropped() -> None:
     ],
 )
 def test_the_memories_of_a_hundred_stay_within_bounds(what: str) -> None:
-    ticks = 10 if what in KEPT_BY_NOBODY else 25
+    ticks = 25 if what == "what can't be packed" else 10
     most, kinds = played("13-swarm", ROBOT + (HUNGRY | MANY_ROWS)[what] + ";", ticks)
     assert most < MOST - SCREEN
     assert kinds <= {"no_memory", "failed", "several_rows", "dropped"}

@@ -18,13 +18,14 @@ from tests.levels.verdicts import verdict
 load_level = cache(logical_robots_tui.load_level)
 LEVELS = list_levels()
 LONG = 2_000  # thoughts, that is robots times ticks; only a full run waits for more
+LONGEST = 12_000  # and only a long proof for more than these
 
 SMALL = 1_050  # characters of a program that is soon compiled
 
 
-def slow(is_slow: bool) -> list[pytest.MarkDecorator]:
-    """The marks of a case that only a full run waits for, if it is one."""
-    return [pytest.mark.slow] * is_slow
+def slow(is_slow: bool, is_proof: bool = False) -> list[pytest.MarkDecorator]:
+    """The marks of a case that only a full run waits for, or only a long proof."""
+    return [pytest.mark.slow] * is_slow + [pytest.mark.proof] * is_proof
 
 
 @cache
@@ -63,11 +64,10 @@ def references_of(name: str) -> list[str]:
 def reference_cases() -> list[Any]:
     """Each level with each of its reference programs, for `parametrize`."""
     return [
-        pytest.param(
-            level, program, marks=slow(len(load_level(level).robots) * measures.ticks > LONG)
-        )
+        pytest.param(level, program, marks=slow(thoughts > LONG, thoughts > LONGEST))
         for level, programs in reference_table().items()
         for program, measures in programs.items()
+        for thoughts in [len(load_level(level).robots) * measures.ticks]
     ]
 
 

@@ -10,6 +10,7 @@ import pytest
 from tests.levels.moments import Moment, at, step
 from tests.levels.playing import (
     LEVELS,
+    LONGEST,
     load_level,
     measured,
     program_text,
@@ -40,7 +41,14 @@ def test_the_code_of_the_last_hint_is_in_the_program_that_results() -> None:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("name", [pytest.param(name, marks=slow(name > "03")) for name in LEVELS])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=slow(name > "03", measured(name).ticks * robots > LONGEST))
+        for name in LEVELS
+        for robots in [len(load_level(name).robots)]
+    ],
+)
 def test_the_program_that_results_from_the_last_hint_wins(name: str) -> None:
     ticks = 2 * measured(name).ticks
     assert ticks_to_win(load_level(name), step(name, "hint"), ticks)

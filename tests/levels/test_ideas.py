@@ -72,7 +72,7 @@ THOUGHTS = 450  # of all robots together, which are enough for a look
 THOUGHTS_OF_A_PROOF = 18_000
 
 OTHERS = [
-    pytest.param(level.name, program, marks=slow(not is_small(program)))
+    pytest.param(level.name, program, marks=slow(False, not is_small(program)))
     for level in map(load_level, LEVELS)
     for program in shipped_names("programs", ".l")
     if program not in (level.solution, level.starter)

@@ -25,6 +25,7 @@ from tests.levels.playing import LEVELS, is_small, load_level, shipped_program, 
 
 FILE = Path(__file__).with_name("ticks.txt")
 TICKS = 300
+THOUGHTS = 9_000  # of a swarm, for which that is fewer ticks
 WINDOW = 5
 PLACES = 6  # decimals; the last ones are those of the processor's mathematics
 MOST_ROBOTS, LONGEST = 8, 30
@@ -43,6 +44,7 @@ SEVERAL = LEVELS[3]  # from this level on there are several robots
 def states(level_name: str, program_name: str, ticks: int = TICKS) -> Iterator[dict[str, Any]]:
     """The values of each field after each tick, until the victory at most."""
     level = load_level(level_name)
+    ticks = min(ticks, THOUGHTS // len(level.robots))
     world = World(level)
     mind = Mind.for_level(shipped_program(program_name), level)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
