@@ -300,9 +300,7 @@ def words_of(name: str) -> list[str]:
 
 
 @pytest.mark.parametrize("has_systemd", [True, False])
-def test_a_session_runs_in_a_scope_of_systemd_where_there_is_one(
-    has_systemd: bool, wall: Path, tmp_path: Path
-) -> None:
+def test_a_session_runs_in_systemd_s_scope(has_systemd: bool, wall: Path, tmp_path: Path) -> None:
     """Something in the place of systemd-run notes how it is called, or fails as that does."""
     notes = tmp_path / "notes"
     stand_in = tmp_path / "bin" / "systemd-run"

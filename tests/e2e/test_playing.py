@@ -174,9 +174,7 @@ def test_a_level_is_edited_with_the_mouse_saved_and_survives_a_hangup(player: Pl
 
 
 @pytest.mark.slow
-def test_the_text_is_offered_when_the_process_was_killed_and_when_the_terminal_was_gone(
-    seat: Seat,
-) -> None:
+def test_the_text_is_offered_after_a_kill_and_when_the_terminal_was_gone(seat: Seat) -> None:
     with seat() as player:
         player.play_short_way()
         player.type_an_idea()

@@ -48,9 +48,7 @@ def skip_the_tour(player: Player) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
-def test_the_first_level_is_ready_and_the_tour_shown_at_the_first_start_and_never_again(
-    seat: Seat, size: tuple[int, int]
-) -> None:
+def test_the_first_start_shows_the_tour_and_a_level(seat: Seat, size: tuple[int, int]) -> None:
     with seat(*size) as player:
         player.play()
         screen = player.tmux.wait_for(FIRST.title, "PAUSED", "tick 0", "· applied")

@@ -98,9 +98,7 @@ def wait_for_frames(terminal: Terminal, number: int) -> None:
         pytest.param(830, (SIX_ROBOTS, (120, 40), "-C"), marks=pytest.mark.proof),
     ],
 )
-def test_a_running_game_sends_little_and_a_paused_one_nothing(
-    host: Host, tmp_path: Path, allowed: int, how: Any
-) -> None:
+def test_a_game_sends_little_or_nothing(host: Host, tmp_path: Path, allowed: int, how: Any) -> None:
     """Bytes a frame."""
     with playing(host, tmp_path, *how) as (line, terminal):
         run(terminal)
@@ -114,9 +112,7 @@ def test_a_running_game_sends_little_and_a_paused_one_nothing(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [20_000, pytest.param(64_000, marks=pytest.mark.proof)])
-def test_a_slow_line_carries_little_before_a_key_shows(
-    host: Host, tmp_path: Path, rate: int
-) -> None:
+def test_slow_lines_carry_little_before_a_key_shows(host: Host, tmp_path: Path, rate: int) -> None:
     with playing(host, tmp_path, SIX_ROBOTS, (120, 40), rate=rate) as (line, terminal):
         run(terminal)
         terminal.send("2")

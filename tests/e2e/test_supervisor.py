@@ -231,9 +231,7 @@ def test_a_game_without_a_processor_keeps_the_text(tmp_path: Path) -> None:
     ],
     ids=["fault", "kill", "fault of the whole game"],
 )
-def test_what_ended_it_is_said(
-    tmp_path: Path, game: str, number: signal.Signals, said: str
-) -> None:
+def test_the_end_is_told(tmp_path: Path, game: str, number: signal.Signals, said: str) -> None:
     with playing(tmp_path, ["-c", "pass"]) as shell:
         before = settings(shell)
     with watched(game, tmp_path) as terminal:

@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, TypeAlias
 
 import pytest
 from textual import _time, events
@@ -36,6 +36,7 @@ _PICTURE = 0.05  # seconds in which what has changed is laid out and drawn
 
 CHARACTERS = {_character_to_key(sign): sign for sign in " .,+->?[](){}/"}
 CHARACTERS |= {"enter": "\r", "tab": "\t"}
+Size: TypeAlias = tuple[int, int]  # columns and lines
 LEVELS = Path(__file__).parents[1] / "conformance" / "levels"
 
 PAPER = """\
@@ -146,11 +147,16 @@ class Opened:
     async def press(
         self,
         *keys: str,
-        until: Callable[[], object] | None = None,
-        sees: str | None = None,
+        tick: int | None = None,
+        sees: str | tuple[str, ...] = (),
         sees_no: str | None = None,
+        on: type | None = None,
+        until: Callable[[], object] | None = None,
     ) -> None:
-        """Press keys as a terminal reports them, each after the last was answered, and wait."""
+        """Press keys as a terminal reports them, and wait until all that is to follow is so.
+
+        Each key is pressed after the last was answered.
+        """
         for key in keys:
             self.app.post_message(
                 events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
@@ -159,12 +165,17 @@ class Opened:
             if self.app.backlog:
                 with self.impatient():
                     await self.until(lambda: not self.app.backlog)
-        if until is not None:
-            await self.until(until)
-        if sees is not None:
-            await self.sees(sees)
-        if sees_no is not None:
-            await self.sees_no(sees_no)
+        texts = (sees,) if isinstance(sees, str) else sees
+        if texts or any(wanted is not None for wanted in (tick, sees_no, on, until)):
+            await self.until(
+                lambda: (
+                    (tick is None or self.tick == tick)
+                    and (on is None or isinstance(self.app.screen, on))
+                    and (until is None or until())
+                    and all(map(self.shows, texts))
+                    and (sees_no is None or not self.shows(sees_no))
+                )
+            )
 
     async def handled(self) -> None:
         """Wait until what was sent to the game is handled, but for what threads work on."""
@@ -196,6 +207,11 @@ class Opened:
         """Let time pass."""
         await virtual_loop().settled()
         await later(seconds)
+
+    async def run_until(self, tick: int) -> None:
+        """Let the robots run to a tick, without a look at the ticks before."""
+        self.session.run_until(tick)
+        await self.until(lambda: self.tick == tick and not self.session.busy)
 
     async def ticks(self, count: int) -> None:
         """Let the robots run on for some ticks."""
@@ -374,7 +390,7 @@ async def opened(
     *,
     level: str | Path = "open_room",
     text: str = PAPER,
-    size: tuple[int, int] = (120, 40),
+    size: Size = (120, 40),
     name: str = "mine",
     welcome: bool = False,
     settings: Settings | None = None,

@@ -9,8 +9,7 @@ __all__ = ["complaint", "dialog", "fill"]
 
 async def dialog(game: Opened, key: str, kind: type) -> None:
     """Open a dialog."""
-    await game.press(key)
-    await game.until(lambda: isinstance(game.app.screen, kind))
+    await game.press(key, on=kind)
 
 
 async def fill(game: Opened, text: str) -> None:

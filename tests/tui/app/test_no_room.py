@@ -34,9 +34,7 @@ def leave_room(terminal: Terminal, room: int) -> None:
     ("work", "room"),
     [("draw", 4), ("draw", 30), ("think", 1), ("think", 12), ("compile", 1), ("compile", 12)],
 )
-def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
-    work: str, room: int, tmp_path: Path
-) -> None:
+def test_restricted_games_out_of_memory_lose_nothing(work: str, room: int, tmp_path: Path) -> None:
     play = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "--restricted"]
     with Terminal([*play, "--data-dir", tmp_path]) as terminal:
         terminal.wait_for("· applied")
@@ -90,9 +88,7 @@ def played_on_screen(level: str | Path, what: str, ticks: int, folder: Path) -> 
         *(("13-swarm", what, 8) for what in SLOW_FOR_MANY),
     ],
 )
-def test_a_hungry_program_on_the_screen_takes_no_more_than_600_mb(
-    level: str, what: str, ticks: int, tmp_path: Path
-) -> None:
+def test_hungry_programs_stay_in_600_mb(level: str, what: str, ticks: int, tmp_path: Path) -> None:
     assert played_on_screen(level, what, ticks, tmp_path) <= 600
 
 

@@ -43,19 +43,17 @@ async def test_the_robots_run_faster_and_slower_pause_restart_and_step(data_dir:
         await game.press("r", until=lambda: game.tick == 0 and not game.session.running)
         assert game.session.frame.decisions == ()
 
-        await game.press("n", until=lambda: game.tick == 1)
-        await game.press("n", "n", until=lambda: game.tick == 3)
+        await game.press("n", tick=1)
+        await game.press("n", "n", tick=3)
         third = game.session.frame
-        await game.press("p", until=lambda: game.tick == 2)
-        await game.press("full_stop", until=lambda: game.tick == 3)
+        await game.press("p", tick=2)
+        await game.press("full_stop", tick=3)
         assert game.session.frame.after == third.after
-        await game.press("comma", "comma", "comma", "comma", until=lambda: game.tick == 0)
+        await game.press("comma", "comma", "comma", "comma", tick=0)
 
 
 @pytest.mark.slow
-async def test_a_slow_thought_leaves_the_keys_alone_and_can_be_stopped(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_slow_thoughts_block_no_keys(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     patient = Limits(think_steps=10**12, think_seconds=10 * PATIENCE)
     monkeypatch.setattr("logical_robots_tui.game.game.Limits", lambda: patient)
     async with opened(data_dir, text=ENDLESS, ready=True) as game:
@@ -81,12 +79,10 @@ async def test_a_slow_step_can_be_stopped_too(data_dir: Path) -> None:
             await game.press("space")
         await game.until(lambda: not game.session.busy)
         await game.apply(STILL)
-        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("n", tick=1)
 
 
-async def test_victory_is_celebrated_once_takes_no_key_from_who_types_and_leads_on(
-    data_dir: Path,
-) -> None:
+async def test_victory_is_celebrated_once_takes_no_typed_key_and_leads_on(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", ready=True) as game:
         assert "needs all: R · P · Q ·" in game.status
         await game.press(*["plus"] * 6, "space", until=lambda: game.session.won_at is not None)
@@ -100,7 +96,7 @@ async def test_victory_is_celebrated_once_takes_no_key_from_who_types_and_leads_
         await game.sees_no("Everyone made it")
         await game.press("p", "n", until=lambda: game.session.won_at is not None)
         await game.sees_no("Everyone made it")
-        await game.press("r", until=lambda: game.tick == 0)
+        await game.press("r", tick=0)
         await game.press("space", sees="Everyone made it")
         await game.press("escape", sees_no="Everyone made it")
 
@@ -113,7 +109,7 @@ async def test_victory_is_celebrated_once_takes_no_key_from_who_types_and_leads_
         await game.sees("Again")
         assert game.session.won_at is not None
         assert game.editor.text.startswith("r> Free")
-        await game.press("r", until=lambda: game.tick == 0)
+        await game.press("r", tick=0)
         assert game.app.screen is game.main
 
         await game.press("f5", sees="Next level")
@@ -161,7 +157,7 @@ async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_pa
     (tmp_path / "[link].json").write_text(json.dumps(wicked))
     text = STILL.replace("memory: 1", 'memory: "\x1b[2J[red]"')
     async with opened(data_dir, level=str(tmp_path / "[link]"), text=text, ready=True) as game:
-        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("n", tick=1)
         assert "\x1b" not in game.screen()
         assert "[/]C: [b]A[/b] ·" in game.status
         await game.sees("[link]", r"[b]A[/b] remembers '\u001b[2J[red]'")
@@ -189,7 +185,7 @@ async def test_messages_stand_apart_and_a_click_on_a_past_one_is_nothing(data_di
         for kind in (events.MouseDown, events.MouseMove, events.MouseUp):
             await game.app.on_event(kind(None, x, y, 0, 0, 1, False, False, False, x, y))
         toast._parent = holder
-        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("n", tick=1)
 
 
 async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir: Path) -> None:
@@ -198,4 +194,4 @@ async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir:
         assert not game.session.busy
         await game.write(PAPER)
         await game.until(lambda: game.session.game is not None)
-        await game.press("1", "n", until=lambda: game.tick == 1)
+        await game.press("1", "n", tick=1)

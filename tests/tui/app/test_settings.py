@@ -25,7 +25,7 @@ from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.theme.themes import NIGHT
-from tests.tui.conftest import STILL, Opened, opened
+from tests.tui.conftest import STILL, Opened, Size, opened
 
 
 def test_the_choices_are_what_the_screen_can_do() -> None:
@@ -60,8 +60,8 @@ async def test_the_game_and_the_level_editor_do_as_they_are_set(data_dir: Path) 
         assert game.app.theme == "textual-light"
         assert not game.main.labyrinth.view.rays
         assert "% Step" in game.main.query_one(CommandBar).render().plain
-        await game.press("percent_sign", until=lambda: game.tick == 1)
-        await game.press("n", "r", "percent_sign", until=lambda: game.tick == 2)
+        await game.press("percent_sign", tick=1)
+        await game.press("n", "r", "percent_sign", tick=2)
         await game.press("question_mark", until=lambda: len(game.app.screen_stack) == 2)
         shown = game.app.screen.query_one("#help", LinesView)
         await game.until(lambda: "%            Step" in shown.plain)
@@ -108,9 +108,7 @@ async def change(game: Opened, name: str, *keys: str) -> None:
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
-async def test_a_theme_is_previewed_and_a_setting_followed_at_once_and_both_are_kept(
-    data_dir: Path, settings_file: Path, size: tuple[int, int]
-) -> None:
+async def test_theme_and_setting_are_kept(data_dir: Path, settings_file: Path, size: Size) -> None:
     async with opened(data_dir, text=STILL, size=size, ready=True) as game:
         before, screen = game.app.theme, game.main
         command("theme").run(screen, screen.spawn)

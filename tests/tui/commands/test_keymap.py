@@ -73,9 +73,7 @@ def test_editing_has_keys_of_its_own(tmp_path: Path) -> None:
     assert "keys.undo: r is the key of rectangle." in complaint
 
 
-def test_one_wrong_key_leaves_the_others_and_one_given_away_does_not_come_back(
-    tmp_path: Path,
-) -> None:
+def test_a_wrong_key_leaves_the_others_and_one_given_away_stays_away(tmp_path: Path) -> None:
     wrong = keys(tmp_path, 'run = ["^B", "%"]\nrestart = "^Q"')
     assert wrong.keys == {"run": ("percent_sign",), "restart": ("r",)}
     given_away = keys(tmp_path, 'run = "n"\nstep = "^B"')

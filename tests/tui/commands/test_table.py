@@ -24,7 +24,7 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.theme.themes import INK
-from tests.tui.conftest import opened
+from tests.tui.conftest import Size, opened
 from tests.waiting import PATIENCE
 
 SCREEN = [entry for entry in COMMANDS if entry.scope == "screen"]
@@ -113,9 +113,7 @@ async def test_the_bar_fits_in_80_columns_and_a_click_on_it_is_the_command(data_
 @pytest.mark.parametrize(
     "size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)], ids=["80x24", "120x40"]
 )
-async def test_the_palette_shows_keys_in_their_colour_and_finds_commands(
-    data_dir: Path, size: tuple[int, int]
-) -> None:
+async def test_the_palette_colours_keys_and_finds_commands(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, size=size, ready=True) as game:
         await game.press("2", "ctrl+p", sees="Find a command")
         both = ("space · F5", "n · . · F8")
@@ -141,7 +139,7 @@ async def test_the_palette_shows_keys_in_their_colour_and_finds_commands(
         await game.press(*"half", "enter")
         await game.until(lambda: game.main.labyrinth.view.drawing is Drawing.HALVES)
         assert game.main.is_active
-        await game.press("ctrl+p", until=lambda: isinstance(game.app.screen, Palette))
+        await game.press("ctrl+p", on=Palette)
         palette = game.app.screen
         # A click where the window has been is none on the palette.
         palette.post_message(Click(palette, 500, 200, 0, 0, 1, False, False, False, 500, 200))
@@ -190,9 +188,7 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
         await game.sees("Select something to copy first.")
 
 
-async def test_the_help_lists_every_command_and_begins_with_what_the_player_works_in(
-    data_dir: Path,
-) -> None:
+async def test_the_help_lists_every_command_and_begins_with_what_is_in_use(data_dir: Path) -> None:
     async with opened(data_dir) as game:
 
         async def help_about(about: str, key: str = "f1") -> LinesView:
@@ -228,9 +224,7 @@ async def test_the_help_lists_every_command_and_begins_with_what_the_player_work
             await leave_dialog()
 
 
-async def test_a_robot_is_chosen_by_click_and_q_leaves_and_a_second_ctrl_c_but_not_ctrl_q(
-    data_dir: Path,
-) -> None:
+async def test_a_click_chooses_a_robot_and_q_or_two_ctrl_c_leave_the_game(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         view = game.main.query_one(LabyrinthView)
         await game.sees("robot  ")

@@ -12,8 +12,7 @@ from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.short import AHEAD
-from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed, sees_all, started
+from tests.tui.conftest import Opened, Size, opened
 
 
 def line(game: Opened) -> QueryLine:
@@ -22,7 +21,7 @@ def line(game: Opened) -> QueryLine:
 
 async def ask(game: Opened, query: str) -> None:
     if not line(game).has_focus:
-        await pressed(game, "slash", until=lambda: line(game).has_focus)
+        await game.press("slash", until=lambda: line(game).has_focus)
     line(game).value = query
     await game.press("enter")
 
@@ -36,16 +35,16 @@ def answered(game: Opened) -> str:
 async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         # It can be typed before the page for it is loaded.
-        await pressed(game, "slash", *"Robot", "enter", sees="Ask · tick 0 · 1 row")
+        await game.press("slash", *"Robot", "enter", sees="Ask · tick 0 · 1 row")
         await ask(game, "Sensor(sensor:), clock == 100 + sensor.clock")
         await game.sees(" 100 ")
-        await pressed(game, "escape", "n", sees=("Ask · tick 1 · 1 row", " 101 "))
+        await game.press("escape", "n", sees=("Ask · tick 1 · 1 row", " 101 "))
 
         # An answer stands with its own question while another one is typed.
         await ask(game, "1000 + 1")
         await game.sees("1001")
         line(game).value = "1000 + 5"
-        await sees_all(game, "1000 + 5", "1001")
+        await game.sees("1000 + 5", "1001")
         assert answered(game) == "1000 + 1"
         await ask(game, "2 + 2")
         await game.sees("       4")
@@ -53,7 +52,7 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
             await game.press(key)
             await game.settled()
             assert line(game).value == earlier
-        await pressed(game, "down", "down", until=lambda: line(game).value == "")
+        await game.press("down", "down", until=lambda: line(game).value == "")
 
         await ask(game, "x in Range(1001)")
         await game.sees("first 1,000 rows, there are more: / narrows down")
@@ -68,11 +67,9 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
 @pytest.mark.parametrize(
     "size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)], ids=["80x24", "120x40"]
 )
-async def test_the_line_helps_and_says_what_is_wrong_with_a_query(
-    data_dir: Path, size: tuple[int, int]
-) -> None:
-    async with started(data_dir, text="Lighthouse(1);\n" + AHEAD, size=size) as game:
-        await pressed(game, "slash", sees="sensor.forward_distance < 60")
+async def test_the_line_helps_and_says_what_is_wrong_in_a_query(data_dir: Path, size: Size) -> None:
+    async with opened(data_dir, text="Lighthouse(1);\n" + AHEAD, size=size, ready=True) as game:
+        await game.press("slash", sees="sensor.forward_distance < 60")
         bar = game.main.query_one(CommandBar)
         await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
         assert "F5 Run" in bar.render().plain
@@ -80,11 +77,11 @@ async def test_the_line_helps_and_says_what_is_wrong_with_a_query(
         # Names are completed.
         await game.until(lambda: "Lighthouse" in line(game)._completion.words)
         await game.press(*"1 < 2, Lig", until=lambda: line(game)._suggestion == "1 < 2, Lighthouse")
-        await pressed(game, "right", until=lambda: line(game).value == "1 < 2, Lighthouse")
+        await game.press("right", until=lambda: line(game).value == "1 < 2, Lighthouse")
 
         # A mistake is shown at its place and changes nothing.
         await ask(game, "Sensor(robot_nam:)")
-        await sees_all(game, "Sensor has no column robot_nam.", "       ^^^^^^^^^")
+        await game.sees("Sensor has no column robot_nam.", "       ^^^^^^^^^")
         await game.sees("Did you mean robot_name?")
         assert game.tick == 0
         assert line(game).value == "Sensor(robot_nam:)"
@@ -111,9 +108,7 @@ SLOW = (
 LATE = "0 < 0"
 
 
-async def test_a_question_under_way_says_so_and_can_be_stopped(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_question_can_be_stopped(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     answer = Inquiry.ask
 
     async def late(inquiry: Inquiry, program: Program, query: str, frame: Frame) -> Table:
@@ -122,7 +117,7 @@ async def test_a_question_under_way_says_so_and_can_be_stopped(
         return await answer(inquiry, program, query, frame)
 
     monkeypatch.setattr(Inquiry, "ask", late)
-    async with started(data_dir, text=AHEAD) as game:
+    async with opened(data_dir, text=AHEAD, ready=True) as game:
         await ask(game, "1000 + 1")
         await game.sees("1001")
         await ask(game, LATE)
@@ -132,7 +127,7 @@ async def test_a_question_under_way_says_so_and_can_be_stopped(
         assert "1001" not in screen, "an old answer stands under a new question"
         assert answered(game) == LATE
         await game.until(lambda: game.screen() != screen)  # the time goes on
-        await pressed(game, "escape", sees="Stopped after ")
+        await game.press("escape", sees="Stopped after ")
         assert line(game).has_focus
         assert line(game).value == LATE
         await ask(game, "1000 + 2")
@@ -143,13 +138,13 @@ async def test_a_question_under_way_says_so_and_can_be_stopped(
             await ask(game, SLOW)
             await game.sees("esc here stops it")
         game.inspector.enter()
-        await pressed(game, "escape", sees="Stopped after ")
+        await game.press("escape", sees="Stopped after ")
         assert game.inspector.has_focus_within
-        await pressed(game, "escape", until=lambda: game.main.labyrinth.has_focus)
+        await game.press("escape", until=lambda: game.main.labyrinth.has_focus)
 
         # Another question does not wait for the answer.
         await ask(game, LATE)
         await game.sees("esc here stops it")
         await ask(game, "t == 700 + Max{sensor.clock :- Sensor(sensor:)}")
         await game.sees("Ask · tick 0 · 1 row")
-        await pressed(game, "escape", "n", sees=("701", "Ask · tick 1 · 1 row"))
+        await game.press("escape", "n", sees=("701", "Ask · tick 1 · 1 row"))

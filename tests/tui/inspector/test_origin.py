@@ -15,8 +15,7 @@ from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from logical_robots_tui.values import Value
-from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed, run_until
+from tests.tui.conftest import Opened, Size, opened
 from tests.virtual_time import Hold
 
 PHASES = """\
@@ -41,12 +40,12 @@ def pointed(game: Opened) -> Link:
 
 async def at_tick(game: Opened, tick: int) -> None:
     await game.ready()
-    await run_until(game, tick)
+    await game.run_until(tick)
 
 
 async def followed(game: Opened, *keys: str) -> None:
     """Open the tree of what the decision came from, and follow the part that the keys go to."""
-    await pressed(game, "X", on=ValueTree)
+    await game.press("X", on=ValueTree)
     await game.press(*keys, "less_than_sign")
     await game.until(
         lambda: game.app.screen is game.main and links(game).plain and links(game).pointed
@@ -57,7 +56,7 @@ async def in_table(game: Opened, name: str) -> None:
     """Put the cursor on the second value of the first row of a predicate."""
     game.inspector.open(name)
     await game.sees(f"{name} · tick {game.tick}")
-    await pressed(game, "enter", until=lambda: game.main.query_one("#rows").has_focus)
+    await game.press("enter", until=lambda: game.main.query_one("#rows").has_focus)
     await game.press("right")
 
 
@@ -79,15 +78,13 @@ TO_SEEN = ("end",)
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
-async def test_a_field_is_followed_to_the_ticks_that_made_it_and_one_comes_back(
-    data_dir: Path, size: tuple[int, int]
-) -> None:
+async def test_a_field_is_followed_to_where_it_was_set_and_back(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text=PHASES, size=size) as game:
         await at_tick(game, 9)
         await game.press("3")
         robot = game.inspector.robot
         game.inspector.open("Sensor")
-        await pressed(game, "less_than_sign", sees="Put the cursor on a value")
+        await game.press("less_than_sign", sees="Put the cursor on a value")
 
         game.inspector.open("decision")
         await followed(game, *TO_SEEN)
@@ -104,22 +101,22 @@ async def test_a_field_is_followed_to_the_ticks_that_made_it_and_one_comes_back(
         await game.sees(f"{robot}'s memory.seen after tick 9 comes from", "the same since tick 6")
 
         # The cursor shows the expression in the program, and enter goes to its tick.
-        await pressed(game, "down", until=lambda: pointed(game).tick == 2)
+        await game.press("down", until=lambda: pointed(game).tick == 2)
         await game.until(lambda: game.editor.selected_text == "Coalesce(memory.seen, 0) + 1")
         await game.sees("the same since tick 2")
         await game.press("enter")
         await game.until(lambda: game.tick == 2 and game.inspector.inspected == "why")
         await game.sees("Why · tick 2")
-        await pressed(game, "less_than_sign", until=lambda: game.inspector.inspected == "origin")
+        await game.press("less_than_sign", until=lambda: game.inspector.inspected == "origin")
         assert links(game).has_focus
 
         # Escape and backspace return to the page and the tick of the question.
         await game.press("escape")
         await game.until(lambda: game.inspector.inspected == "decision" and game.tick == 9)
         await in_table(game, "Memory")
-        await pressed(game, "less_than_sign", until=lambda: links(game).pointed)
+        await game.press("less_than_sign", until=lambda: links(game).pointed)
         await game.sees("memory after tick 8 comes from")
-        await pressed(game, "p", tick=8)
+        await game.press("p", tick=8)
         links(game).show(Origin((pointed(game),), complete=False))
         await game.sees("This is incomplete")
         assert game.inspector.inspected == "origin"
@@ -127,21 +124,19 @@ async def test_a_field_is_followed_to_the_ticks_that_made_it_and_one_comes_back(
         await game.until(lambda: game.inspector.inspected == "Memory" and game.tick == 9)
 
 
-async def test_a_pin_and_what_a_proof_read_are_followed_until_their_branch_is_left(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_pins_and_reads_are_followed(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     async with opened(data_dir, text=PHASES, size=(100, 54)) as game:
         await at_tick(game, 5)
         robot = game.inspector.robot
         pin = Pin("Robot", "memory", (("robot_name", robot),), ("plan", "phase"))
         game.inspector.go_to("watch")
         game.main.query_one(WatchView).toggle(pin)
-        await pressed(game, "less_than_sign", until=lambda: links(game).pointed)
+        await game.press("less_than_sign", until=lambda: links(game).pointed)
         await game.sees("the same since tick 4")
         assert pointed(game).value == "fetch"
         await game.press("w")
         await pointed_at(game, "memory.plan", "read")
-        await pressed(game, "less_than_sign", sees="memory.plan after tick 4 comes from")
+        await game.press("less_than_sign", sees="memory.plan after tick 4 comes from")
 
         # It says how far back it is, and can be stopped.
         source, hold = Explainer.source, Hold()
@@ -161,7 +156,7 @@ async def test_a_pin_and_what_a_proof_read_are_followed_until_their_branch_is_le
         await game.until(lambda: links(game).pointed)
         assert (pointed(game).tick, pointed(game).until) == (2, 4)
 
-        await pressed(game, "r", tick=0)
+        await game.press("r", tick=0)
         assert links(game).pointed is not None
         assert game.session.game is not None
         game.session.game.forget_future()
@@ -202,7 +197,7 @@ async def test_any_value_of_a_table_and_of_a_proof_is_traced_to_its_rays(data_di
             await game.until(lambda: links(game).plain and links(game).pointed)
             assert name in pointed(game).name
             assert f"{robot}'s ray " in links(game).plain
-            await pressed(game, "escape", until=lambda: game.inspector.inspected == "why")
+            await game.press("escape", until=lambda: game.inspector.inspected == "why")
 
 
 OF_ADA = (("robot_name", "Ada"),)
@@ -228,9 +223,7 @@ def memory(*path: str) -> Subject:
         (None, None),
     ],
 )
-def test_memory_is_from_the_tick_before_and_all_else_from_this_one(
-    pin: Pin | None, found: Traced | None
-) -> None:
+def test_only_memory_is_from_the_tick_before(pin: Pin | None, found: Traced | None) -> None:
     assert traced_pin(pin, "Bo", 7) == found
 
 

@@ -15,8 +15,7 @@ from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import PAPER, SLOW, STILL, Opened, opened
-from tests.tui.inspector.steps import pressed, sees_all, started
+from tests.tui.conftest import PAPER, SLOW, STILL, Opened, Size, opened
 
 MORE = (
     PAPER
@@ -50,13 +49,11 @@ def test_every_page_is_registered_once_under_the_name_of_its_module() -> None:
     assert len({entry.load() for entry in PAGES}) == len(PAGES)
 
 
-async def test_the_inspector_follows_the_tick_the_program_and_a_run(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_the_inspector_follows_a_run(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # A predicate is inspected before the pages are loaded.
     monkeypatch.setattr(pane, "_LOADING_DELAY", 3600.0)
     text = f"{MORE}Idle(x) = x + 1;\nLate(x) :- Sensor(sensor:), sensor.clock > 0, x in [1, 2];\n"
-    async with started(data_dir, text=text) as game:
+    async with opened(data_dir, text=text, ready=True) as game:
         await inspect(game, "Ray")
         await game.sees("Ray · tick 0 · 31 rows")
 
@@ -73,7 +70,7 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
 
         # Values are plain text in short form.
         await inspect(game, "Odd")
-        await sees_all(game, "Odd · tick 0 · 1 row", "[bold]x[/bold]", "{a: 1, b: [1, 2]}")
+        await game.sees("Odd · tick 0 · 1 row", "[bold]x[/bold]", "{a: 1, b: [1, 2]}")
         assert game.shows("0.3 ")
         assert "\x1b" not in game.screen()
         await inspect(game, "Idle")
@@ -83,7 +80,7 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
         game.inspector.inspect("decision")
         decision = game.main.query_one("#decision", LinesView)
         await game.until(lambda: "No decision yet: press space." in decision.plain)
-        await pressed(game, "n", sees="Decision of Solo · tick 1")
+        await game.press("n", sees="Decision of Solo · tick 1")
         await game.until(lambda: "on the way" in decision.plain and "as given" in decision.plain)
         for words in ("sensor in", "memory before", "as driven", "memory after"):
             assert words in decision.plain
@@ -101,19 +98,19 @@ async def test_the_inspector_follows_the_tick_the_program_and_a_run(
         table = game.main.query_one("#rows", ValueTable)
         await game.until(lambda: game.tick == 2 and table.shown.changed == {(0, 1)})
         await game.until(lambda: game.shows("Seen · tick 2 · 1 row") and game.shows("I am a robot"))
-        await pressed(game, "n", until=lambda: game.tick == 3 and not table.shown.changed)
-        await pressed(game, "p", "p", "p", sees="Seen · tick 0 · 1 row")
+        await game.press("n", until=lambda: game.tick == 3 and not table.shown.changed)
+        await game.press("p", "p", "p", sees="Seen · tick 0 · 1 row")
 
         await inspect(game, "Names")
         await game.until(lambda: game.editor.selected_text == "Names")
-        await pressed(game, "K", sees=("SQLite's plan for Names", "Milliseconds"))
+        await game.press("K", sees=("SQLite's plan for Names", "Milliseconds"))
         await game.press("escape", sees_no="SQLite's plan for Names")
 
         # It follows a run without holding it up.
         await inspect(game, "Ray")
-        await pressed(game, "space", until=lambda: game.tick > 4)
+        await game.press("space", until=lambda: game.tick > 4)
         await game.sees("Ray · 31 rows")  # the tick is at the top, which is newer
-        await pressed(game, "space", sees=f"Ray · tick {game.tick} · ")
+        await game.press("space", sees=f"Ray · tick {game.tick} · ")
 
         # A predicate that is gone shows again when it is back.
         await game.write(PAPER)
@@ -132,12 +129,12 @@ Half(x) = x / 2;
 Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, memory: 1) :-
   Sensor(robot_name:, sensor:), c == sensor.clock;
 """
-    async with started(data_dir, level="team_goal", text=text) as game:
+    async with opened(data_dir, level="team_goal", text=text, ready=True) as game:
         assert game.inspector.inspected == "robots", "the robots come first"
         await game.sees("Robots · tick 0")
         for words in ("radar, left to right", "● P", "● Q", "● R"):
             assert game.shows(words)
-        await pressed(game, "n", sees="Robots · tick 1")
+        await game.press("n", sees="Robots · tick 1")
 
         await inspect(game, "Half")
         await game.sees("Half · tick 1 · 2 calls of P")
@@ -146,13 +143,13 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
         assert sorted(row[:2] for row in table.shown.rows) == [(1, 0.5), (2, 1)]
         game.inspector.choose("Q")
         await game.sees("Half · tick 1 · 2 calls of Q")
-        await pressed(game, "n", sees="Half · tick 2 · 2 calls of Q")
+        await game.press("n", sees="Half · tick 2 · 2 calls of Q")
         await game.until(lambda: (3, 1.5) in table.shown.rows)
         table.focus()
-        await pressed(game, "at", sees="Choose a predicate")
+        await game.press("at", sees="Choose a predicate")
 
         game.inspector.inspect("robots")
-        await pressed(game, "w", sees="Q: Robot")
+        await game.press("w", sees="Q: Robot")
         game.inspector.choose("P")
         await game.sees("P: Robot")
         proof = game.main.query_one(WhyView)
@@ -161,11 +158,11 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
 
 
 async def test_a_table_is_walked_by_key_and_click_and_shows_whole_values(data_dir: Path) -> None:
-    async with started(data_dir, text=MORE, size=(80, 24)) as game:
+    async with opened(data_dir, text=MORE, size=(80, 24), ready=True) as game:
         await game.press("3")
         await inspect(game, "Sensor")
         await game.sees("robot_name")
-        await pressed(game, "enter", "right", sees=("sensor = {", "forward_distance:"))
+        await game.press("enter", "right", sees=("sensor = {", "forward_distance:"))
         await game.sees('forward_object: "none"')
         game.inspector.enter()
         await inspect(game, "Ray")
@@ -174,17 +171,15 @@ async def test_a_table_is_walked_by_key_and_click_and_shows_whole_values(data_di
         table = game.main.query_one("#rows", ValueTable)
         third = table.pointed
         await game.until(lambda: table.pointed and table.pointed[0] == "d")
-        await pressed(game, "end", until=lambda: table.scroll_offset.y > 0)
+        await game.press("end", until=lambda: table.scroll_offset.y > 0)
         assert table.pointed != third
-        await pressed(game, "home", "n", sees="Ray · tick 1 · 31 rows")
+        await game.press("home", "n", sees="Ray · tick 1 · 31 rows")
         assert table.scroll_offset.y == 0
         await game.click("#rows", offset=(1, 3))
         await game.until(lambda: table.pointed and table.pointed[0] == "i")
 
 
-async def test_a_slow_predicate_holds_up_nothing_and_a_long_one_says_that_it_goes_on(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_slow_rows_hold_up_nothing(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = Questions.rows
 
     async def late(questions: Questions, predicate: str, robot: str, frame: Frame) -> Table:
@@ -202,7 +197,7 @@ async def test_a_slow_predicate_holds_up_nothing_and_a_long_one_says_that_it_goe
         assert "these first 1,000; / asks" in table.missing
         table.focus()
         await game.press("J", until=lambda: "950 more rows side by side; J shows" in table.missing)
-        await pressed(game, "c", sees="side by side")
+        await game.press("c", sees="side by side")
 
 
 @pytest.mark.slow
@@ -215,23 +210,21 @@ async def run_beside(game: Opened, slow: str) -> None:
     """Run the robots while the rows of a predicate are awaited, and look at another one."""
     await game.ready()
     await inspect(game, slow)
-    await pressed(game, "space", until=lambda: game.tick > 3)
+    await game.press("space", until=lambda: game.tick > 3)
     await inspect(game, "Sensor")
     await game.sees("Sensor · 1 row")
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
-async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[int, int]) -> None:
+async def test_notices_are_shown_under_the_robots(data_dir: Path, size: Size) -> None:
     nobody = 'Robot(robot_name: "Solo", desire: {left_engine: 0.1, right_engine: null});\n'
-    async with started(data_dir, text=nobody, size=size) as game:
-        await pressed(game, "n", "3", tick=1)
+    async with opened(data_dir, text=nobody, size=size, ready=True) as game:
+        await game.press("n", "3", tick=1)
         message = game.session.frame.decisions[0].notices[0].message
         await game.sees(f"! Solo: {message[:20]}")
 
 
-async def test_pages_are_loaded_soon_and_say_in_whose_mind_a_row_holds_that_names_no_robot(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_pages_load_and_tell_minds(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pane, "_LOADING_DELAY", 0.2)
     own = '@Visible(Sensor, "own");\n@Visible(Memory, "own");\n'
     text = f"{own}{STILL}Clock(t) :- Sensor(sensor:), t = sensor.clock;\n"

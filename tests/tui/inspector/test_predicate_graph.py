@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.tui.inspector.predicate_graph import GraphView, joint
-from tests.tui.inspector.steps import pressed, sees_all, started
+from tests.tui.conftest import opened
 
 TEXT = """\
 Ahead(robot_name:, d: sensor.forward_distance) :- Sensor(robot_name:, sensor:);
@@ -32,26 +32,26 @@ def test_lines_have_no_loose_ends(start: int, count: int, middle: int, to_right:
 
 
 async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) -> None:
-    async with started(data_dir, text=TEXT) as game:
-        await pressed(game, "R", sees="Users → predicate")
+    async with opened(data_dir, text=TEXT, ready=True) as game:
+        await game.press("R", sees="Users → predicate")
         view = game.app.screen.query_one(GraphView)
         assert view.middle == "Robot", "the page of robots is no predicate"
-        await sees_all(game, "nobody     • Robot ─┬▶ • Speed", "╰▶ • Near")
+        await game.sees("nobody     • Robot ─┬▶ • Speed", "╰▶ • Near")
         await game.press("right", "down", "right")
         await game.until(
             lambda: view.middle == "Near" and "─┼▶ • Near ──▶ • Ahead" in game.screen()
         )
         assert [name in view.plain for name in ("Speed", "Slow", "Robot")] == [True] * 3
-        await pressed(game, "right", until=lambda: view.chosen == "Ahead")
+        await game.press("right", until=lambda: view.chosen == "Ahead")
         speed = next(n for n, line in enumerate(view.plain.splitlines()) if "Speed" in line)
         await game.click(GraphView, offset=(3, speed))
         await game.until(lambda: view.middle == "Speed")
         await game.press("right", "up", "enter", until=lambda: game.inspector.inspected == "Ahead")
         await game.sees("Ahead · tick 0 · 1 row")
-        await pressed(game, "R", sees="Users → predicate")
+        await game.press("R", sees="Users → predicate")
         view = game.app.screen.query_one(GraphView)
         assert view.middle == "Ahead", "it begins with what is inspected"
         view.centre("WeightedAverage")
         await game.sees("• Mean ──▶ ◦ WeightedAverage")
-        await pressed(game, "enter", sees="It is in the prelude.")
+        await game.press("enter", sees="It is in the prelude.")
         assert game.inspector.inspected == "Ahead"

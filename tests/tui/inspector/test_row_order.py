@@ -18,7 +18,6 @@ from logical_robots_tui.tui.inspector.table import (
 )
 from tests.short import AHEAD
 from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed
 
 ROWS = Rows(
     ("robot_name", "n", "what"),
@@ -88,7 +87,7 @@ async def test_keys_save_copy_sort_filter_turn_and_search_rows(data_dir: Path) -
     async with opened(data_dir, level="team_goal", text=TEXT) as game:
         await inspected(game)
         (data_dir / "rows").write_text("a file in the way")
-        await pressed(game, "S", sees="can't be saved")
+        await game.press("S", sees="can't be saved")
         (data_dir / "rows").unlink()
         await game.press("S")
         path = data_dir / "rows" / "Near-tick-0.csv"
@@ -101,15 +100,15 @@ async def test_keys_save_copy_sort_filter_turn_and_search_rows(data_dir: Path) -
         assert game.app.clipboard == copied.read_text() == path.read_text()
 
         game.inspector.choose("Q")
-        await pressed(game, "O", until=lambda: [row[0] for row in table(game).shown.rows] == ["Q"])
+        await game.press("O", until=lambda: [row[0] for row in table(game).shown.rows] == ["Q"])
         await game.sees("only Q")
-        await pressed(game, "O", until=lambda: len(table(game).shown.rows) == 3)
+        await game.press("O", until=lambda: len(table(game).shown.rows) == 3)
         table(game).focus()
         await game.press("A", "A")
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R", "Q", "P"])
         await game.press("J")
         await game.until(lambda: table(game).shown.rows[0] == ("robot_name", "R", "Q", "P"))
-        await pressed(game, "J", "number_sign", until=lambda: game.app.screen.query(Input))
+        await game.press("J", "number_sign", until=lambda: game.app.screen.query(Input))
         await game.press("R", "enter")
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R"])
 
@@ -119,4 +118,4 @@ async def test_keys_save_copy_sort_filter_turn_and_search_rows(data_dir: Path) -
         await game.settled()
         (set_now,) = game.session.breakpoints
         assert (set_now.event, set_now.subject, set_now.column) == ("change", "Near", "")
-        await pressed(game, "space", until=lambda: not game.session.running and game.tick == 1)
+        await game.press("space", until=lambda: not game.session.running and game.tick == 1)

@@ -6,8 +6,7 @@ from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import Opened
-from tests.tui.inspector.steps import pressed, sees_all, started
+from tests.tui.conftest import Opened, opened
 from tests.tui.inspector.test_pane import MORE, inspect
 
 WIDE = (156, 50)
@@ -24,15 +23,15 @@ ROBOTS, DECISION, ROWS = (page.__name__ for page in (RobotsPage, DecisionPage, P
 
 
 async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_dir: Path) -> None:
-    async with started(data_dir, level="team_goal", text=MORE, size=WIDE) as game:
-        await pressed(game, "n", "3", until=lambda: pages(game) == [ROBOTS, DECISION])
+    async with opened(data_dir, level="team_goal", text=MORE, size=WIDE, ready=True) as game:
+        await game.press("n", "3", until=lambda: pages(game) == [ROBOTS, DECISION])
         await inspect(game, "Names")
         await game.until(lambda: pages(game) == [ROWS, DECISION])
-        await sees_all(game, "Decision of P · tick 1", "Names · tick 1 · 3 rows")
-        await pressed(game, "n", sees=("Decision of P · tick 2", "Names · tick 2 · 3 rows"))
+        await game.sees("Decision of P · tick 1", "Names · tick 1 · 3 rows")
+        await game.press("n", sees=("Decision of P · tick 2", "Names · tick 2 · 3 rows"))
 
         # Another robot is shown beside the same rows; all robots beside the page of the decision.
-        await pressed(game, "1", "a", "a", sees="Decision of Q · tick 2")
+        await game.press("1", "a", "a", sees="Decision of Q · tick 2")
         assert game.inspector.inspected == "Names"
         game.inspector.inspect("decision")
         await game.until(lambda: pages(game) == [ROBOTS, DECISION])
@@ -40,10 +39,10 @@ async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_
         # Keys are about the page with the focus.
         game.inspector.open("Names")
         await game.until(lambda: pages(game) == [ROWS, DECISION])
-        await pressed(game, "tab", "tab", until=lambda: game.inspector.inspected == "decision")
-        await pressed(game, "enter", until=lambda: game.app.screen is not game.main)
+        await game.press("tab", "tab", until=lambda: game.inspector.inspected == "decision")
+        await game.press("enter", until=lambda: game.app.screen is not game.main)
         await game.sees("Decision of Q")
-        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
         await game.pilot.resize_terminal(120, 40)
         await game.until(lambda: pages(game) == [ROWS] and game.shows("Names · tick 2 · 3 rows"))
         await game.sees_no("Decision of")

@@ -10,13 +10,10 @@ from logical_robots_tui.explain import Ask, Explanation, Proof
 from logical_robots_tui.game import Frame, Inquiry
 from logical_robots_tui.mind import Program
 from tests.tui.conftest import SLOW, opened
-from tests.tui.inspector.steps import pressed, started
 from tests.tui.inspector.test_why import CALL, PROVED, TALL, TWO_RULES, asked_why, go_to, told, view
 
 
-async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stopped(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_slow_proof_can_be_stopped(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     is_proved, is_asked, asked_for = asyncio.Event(), asyncio.Event(), list[str]()
     prove, ask = Inquiry.proof, Inquiry.why
     is_asked.set()
@@ -40,16 +37,16 @@ async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stoppe
         await game.until(lambda: game.shows("Solo: Robot  ") and game.shows("unfolding"))
 
         # Unfolding can be stopped and goes on call by call.
-        await pressed(game, "escape", sees="Stopped after")
+        await game.press("escape", sees="Stopped after")
         place = await go_to(game, CALL)
-        await pressed(game, "right", until=lambda: PROVED in told(game))
+        await game.press("right", until=lambda: PROVED in told(game))
         assert asked_for == ["Robot", "Speed"]
 
         # A call that is opened meanwhile waits for the proof that is on its way.
         await game.press("left", "n")
         await game.until(lambda: game.shows("Why · tick 2") and game.shows("unfolding"))
         assert not view(game).is_open(place)
-        await pressed(game, "right", until=lambda: view(game).is_open(place))
+        await game.press("right", until=lambda: view(game).is_open(place))
         assert asked_for == ["Robot", "Speed", "Robot"]
         is_proved.set()
         await game.until(lambda: PROVED in told(game))
@@ -59,33 +56,31 @@ async def test_what_is_known_of_a_slow_proof_is_there_and_the_rest_can_be_stoppe
 
         # The cursor stays while a slow answer for another tick is awaited.
         is_asked.clear()
-        await pressed(game, "n", sees="taking the rules of Robot apart")
+        await game.press("n", sees="taking the rules of Robot apart")
         assert not view(game).lines
         await game.sees("s  esc here stops it")
-        await pressed(game, "escape", sees="Stopped after ")
+        await game.press("escape", sees="Stopped after ")
         assert view(game).has_focus
-        await pressed(game, "n", sees="taking the rules of Robot apart")
+        await game.press("n", sees="taking the rules of Robot apart")
         is_asked.set()
         await game.until(lambda: view(game).lines and view(game).line is view(game).lines[place])
         assert told(game)[place] == CALL
 
         # While robots run, the first level is enough.
         game.inspector.inspect("robots")
-        await pressed(game, "space", "w", sees="a pause unfolds it")
+        await game.press("space", "w", sees="a pause unfolds it")
         assert CALL in told(game)
         assert PROVED not in told(game)
-        await pressed(game, "space", until=lambda: PROVED in told(game))
-        await game.sees_no("a pause unfolds it")
+        await game.press("space", until=lambda: PROVED in told(game), sees_no="a pause unfolds it")
         await game.sees(f"Why · tick {game.tick}")
 
 
 @pytest.mark.slow
 async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path) -> None:
-    async with started(data_dir, text=SLOW) as game:
+    async with opened(data_dir, text=SLOW, ready=True) as game:
         with game.impatient():
-            await pressed(game, "w", sees="taking the rules of Robot apart")
-            await game.sees("s  esc here stops it")
-            await pressed(game, "escape", sees="Stopped after ")
+            await game.press("w", sees=("taking the rules of Robot apart", "s  esc here stops it"))
+            await game.press("escape", sees="Stopped after ")
         assert view(game).has_focus
 
 
@@ -95,5 +90,5 @@ async def test_no_old_proof_stands_under_a_new_question(data_dir: Path) -> None:
     async with opened(data_dir, text=text) as game:
         await asked_why(game)
         game.inspector.inspect("Many")
-        await pressed(game, "w", sees="Solo: Many")
+        await game.press("w", sees="Solo: Many")
         assert not any(line.startswith("Robot(") for line in told(game))

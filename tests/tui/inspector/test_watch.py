@@ -13,8 +13,7 @@ from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.plots import BARS, Sample, sparkline
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import PAPER, Opened
-from tests.tui.inspector.steps import pressed, run_until, started
+from tests.tui.conftest import PAPER, Opened, opened
 
 TEXT = """\
 Late(x) :- Sensor(sensor:), sensor.clock > 20, x in [1, 2, 3];
@@ -31,9 +30,7 @@ SAMPLES = st.builds(
 
 @example([Sample(0.0, None), Sample(5e-324, None)], False, False)
 @given(st.lists(st.none() | SAMPLES), st.booleans(), st.booleans())
-def test_a_line_has_a_character_for_each_tick(
-    samples: list[Sample | None], counts: bool, plain: bool
-) -> None:
+def test_each_tick_has_a_character(samples: list[Sample | None], counts: bool, plain: bool) -> None:
     line = sparkline(samples, counts=counts, plain=plain)
     assert len(line) == len(samples)
     assert not plain or line.isascii()
@@ -78,14 +75,14 @@ async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
 
 @pytest.mark.slow
 async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) -> None:
-    async with started(data_dir, text=TEXT) as game:
-        await pressed(game, "V", sees="Nothing is pinned.")
+    async with opened(data_dir, text=TEXT, ready=True) as game:
+        await game.press("V", sees="Nothing is pinned.")
         await game.press("left", "right", "enter", "delete", "@")
-        await run_until(game, 40)
+        await game.run_until(40)
 
         # A number of rows, one row among many, a part of a memory.
         await inspect(game, "Ray", "Ray · tick 40 · 31 rows")
-        await pressed(game, "down", "right", "right", "at", until=lambda: len(view(game).pins) == 1)
+        await game.press("down", "right", "right", "at", until=lambda: len(view(game).pins) == 1)
         pin = view(game).pins[0]
         assert (pin.predicate, pin.column) == ("Ray", "d")
         assert [name for name, _ in pin.where] == ["robot_name", "i"]
@@ -94,17 +91,17 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         game.inspector.enter()
         await game.press("at")
         await inspect(game, "Memory", "Memory · tick 40 · 1 row")
-        await pressed(game, "right", "enter", sees="enter or space fold")
+        await game.press("right", "enter", sees="enter or space fold")
         tree = game.app.screen.query_one(Tree)
         await game.until(lambda: len(tree.root.children[0].children) == 2)
-        await pressed(game, "down", "down", "enter", sees="n  39")
+        await game.press("down", "down", "enter", sees="n  39")
         await game.press("up", "at", "down", "down", "at", "escape")
         await game.until(lambda: len(view(game).pins) == 4)
         whose = (("robot_name", "Solo"),)
         parts = (Pin("Memory", "memory", whose, path) for path in (("phase",), ("deep", "n")))
         assert view(game).pins[1:] == (Pin("Late"), *parts)
 
-        await pressed(game, "V", until=lambda: game.inspector.inspected == "watch")
+        await game.press("V", until=lambda: game.inspector.inspected == "watch")
         line = "▁" * 20 + "█" * 20
         await game.until(lambda: line in view(game).plain)
         await game.until(lambda: "Memory.memory.phase for Solo" in view(game).plain)
@@ -115,10 +112,10 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         await game.click(WatchView, offset=(2 + 20, row + 1 - view(game).scroll_offset.y))
         await game.until(lambda: game.tick == 20)
         await game.until(lambda: view(game).plain.splitlines()[row].endswith(" 0"))
-        await pressed(game, "right", tick=21)
+        await game.press("right", tick=21)
         await game.until(lambda: view(game).plain.splitlines()[row].endswith(" 3"))
         assert line in view(game).plain, "the line stays where it is"
-        await pressed(game, "down", "left", tick=13)
+        await game.press("down", "left", tick=13)
         await game.until(lambda: game.shows('"late"') or game.shows(" late "))
 
         # A program without the predicate says so in place; the pin is still there afterwards.
@@ -132,16 +129,16 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         # Another drawing has nothing to do with it, but plain characters have.
         labyrinth = game.main.labyrinth.view
         while (drawing := labyrinth.drawing).value != "ascii":
-            await pressed(game, "d", until=lambda: labyrinth.drawing != drawing)
-        await pressed(game, "p", until=lambda: f"{'_' * 20}{'#' * 20}" in view(game).plain)
-        await pressed(game, "delete", "up", "enter", until=lambda: len(view(game).pins) == 3)
+            await game.press("d", until=lambda: labyrinth.drawing != drawing)
+        await game.press("p", until=lambda: f"{'_' * 20}{'#' * 20}" in view(game).plain)
+        await game.press("delete", "up", "enter", until=lambda: len(view(game).pins) == 3)
         await game.sees("Late · tick 12 · 0 rows")
-        await pressed(game, "3", "at", until=lambda: Pin("Late") not in view(game).pins)
+        await game.press("3", "at", until=lambda: Pin("Late") not in view(game).pins)
 
 
 async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path) -> None:
-    async with started(data_dir, text=TEXT, size=(100, 40)) as game:
-        await pressed(game, "n", "at", tick=1, until=lambda: view(game).pins)
+    async with opened(data_dir, text=TEXT, size=(100, 40), ready=True) as game:
+        await game.press("n", "at", tick=1, until=lambda: view(game).pins)
         assert view(game).pins == (Pin("Memory", "memory", (("robot_name", "Solo"),)),)
         await game.press("X")
         tree = await _tree(game)
@@ -152,28 +149,28 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
         radar = next(part for part in parts if str(part.label).startswith("radar"))
         tree.move_cursor(radar)
         await game.until(lambda: game.app.screen.query_one("#radar").display)
-        await pressed(game, "enter", until=lambda: len(radar.children) == 31)
+        await game.press("enter", until=lambda: len(radar.children) == 31)
         desire = tree.root.children[2].children[0]
         tree.move_cursor(desire)
         await game.until(lambda: not game.app.screen.query_one("#radar").display)
         await game.press("at", "escape", "V")
         await game.until(lambda: "Robot.desire.left_engine for Solo" in view(game).plain)
         await game.until(lambda: "for Solo" in view(game).plain and "▄▄ 0.2" in view(game).plain)
-        await pressed(game, "space", until=lambda: game.tick > 9)
-        await pressed(game, "space", until=lambda: not game.session.busy)
+        await game.press("space", until=lambda: game.tick > 9)
+        await game.press("space", until=lambda: not game.session.busy)
         await game.sees(f"Watch · tick {game.tick}")
         pin = view(game).pins[1]
         await game.until(lambda: None not in view(game)._samples.of(pin, view(game).ticks))
 
         # A pin is removed where it is watched by the key that made it.
-        await pressed(game, "home", "at", sees="No longer pinned: Memory.memory for Solo.")
+        await game.press("home", "at", sees="No longer pinned: Memory.memory for Solo.")
         assert view(game).pins == (pin,)
 
 
 @pytest.mark.slow
 async def test_long_lists_are_folded_and_of_answers_questions_are_pinned(data_dir: Path) -> None:
     text = f"{PAPER}\nLong(l: Range(250));\n"
-    async with started(data_dir, text=text) as game:
+    async with opened(data_dir, text=text, ready=True) as game:
         await inspect(game, "Long", "Long · tick 0 · 1 row")
         await game.press("X")
         tree = await _tree(game)
@@ -187,10 +184,10 @@ async def test_long_lists_are_folded_and_of_answers_questions_are_pinned(data_di
         last = group.children[49]
         tree.move_cursor(last)
         await game.until(lambda: tree.cursor_node is last)
-        await pressed(game, "at", until=lambda: view(game).pins == (Pin("Long", "l", (), (249,)),))
+        await game.press("at", until=lambda: view(game).pins == (Pin("Long", "l", (), (249,)),))
         tree.move_cursor(group)
         await game.until(lambda: tree.cursor_node is group)
-        await pressed(game, "at", sees="Only a value of a predicate can be pinned.")
+        await game.press("at", sees="Only a value of a predicate can be pinned.")
         await game.press("escape")
         game.inspector.ask()
         game.main.query_one(QueryLine).value = "Long(l:)"
@@ -198,7 +195,7 @@ async def test_long_lists_are_folded_and_of_answers_questions_are_pinned(data_di
         answer = game.main.query_one("#answer", ValueTable)
         await game.until(lambda: answer.shown.rows)
         answer.focus()
-        await pressed(game, "at", until=lambda: view(game).pins[1:] == (Pin("Long(l:)"),))
+        await game.press("at", until=lambda: view(game).pins[1:] == (Pin("Long(l:)"),))
         await game.press("enter")
         await _tree(game)
         await game.press("at")

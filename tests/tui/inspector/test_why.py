@@ -12,7 +12,6 @@ from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
 from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed, started
 
 TALL = (100, 54)
 """A terminal in which a whole proof has room."""
@@ -52,8 +51,8 @@ async def go_to(game: Opened, text: str) -> int:
 
 async def asked_why(game: Opened) -> None:
     await game.ready()
-    await pressed(game, "n", tick=1)
-    await pressed(game, "w", until=lambda: view(game).lines)
+    await game.press("n", tick=1)
+    await game.press("w", until=lambda: view(game).lines)
 
 
 async def test_one_key_says_why_in_a_tree_that_folds_and_stays_folded(data_dir: Path) -> None:
@@ -72,10 +71,10 @@ async def test_one_key_says_why_in_a_tree_that_folds_and_stays_folded(data_dir: 
         place = await go_to(game, CALL)
         assert view(game).lines[place].depth < view(game).lines[place + 1].depth
         before = told(game)
-        await pressed(game, "left", until=lambda: not view(game).is_open(place))
+        await game.press("left", until=lambda: not view(game).is_open(place))
         assert PROVED not in told(game)
-        await pressed(game, "right", until=lambda: told(game) == before)
-        await pressed(game, "right", until=lambda: view(game).line is view(game).lines[place + 1])
+        await game.press("right", until=lambda: told(game) == before)
+        await game.press("right", until=lambda: view(game).line is view(game).lines[place + 1])
         await game.press("left", "left", "left")  # fold it, go up, fold that
         await game.until(lambda: not view(game).is_open(place))
         assert view(game).line is view(game).lines[place]
@@ -85,11 +84,11 @@ async def test_one_key_says_why_in_a_tree_that_folds_and_stays_folded(data_dir: 
         assert told(game)[last].startswith("Robot(")
         assert not view(game).is_open(last)
         assert "d <= 20" not in told(game)
-        await pressed(game, "end", "right", until=lambda: "d <= 20" in told(game))
+        await game.press("end", "right", until=lambda: "d <= 20" in told(game))
         assert nodes(game)[told(game).index("d <= 20")].holds is False
 
         await go_to(game, CALL)
-        await pressed(game, "n", sees="Why · tick 2")
+        await game.press("n", sees="Why · tick 2")
         assert not view(game).is_open(place)
         assert view(game).line is view(game).lines[place]
         await game.write(AHEAD)
@@ -113,13 +112,13 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
         await game.click(WhyView, offset=(2 * depth + 6, place))
         await game.until(lambda: told(game)[:1] == [PROVED] and game.shows("← Robot"))
         assert game.shows("Speed(")
-        await pressed(game, "left", until=lambda: told(game)[0].startswith("Robot("))
+        await game.press("left", until=lambda: told(game)[0].startswith("Robot("))
         await go_to(game, CALL)
-        await pressed(game, "enter", until=lambda: told(game)[:1] == [PROVED])
-        await pressed(game, "end", "backspace", until=lambda: told(game)[0].startswith("Robot("))
+        await game.press("enter", until=lambda: told(game)[:1] == [PROVED])
+        await game.press("end", "backspace", until=lambda: told(game)[0].startswith("Robot("))
 
         # Its predicate is stopped at, unless that is a function.
-        await pressed(game, "asterisk", sees="The robots stop when Robot changes for Solo.")
+        await game.press("asterisk", sees="The robots stop when Robot changes for Solo.")
         assert list(game.session.breakpoints) == [Breakpoint("change", "Robot", "Solo")]
         game.inspector.open("Speed")
         await game.press("w", "asterisk")
@@ -136,7 +135,7 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
                 leave()
                 await game.until(lambda: not game.editor.selected_text)
         edited = TWO_RULES.replace("d == s", "xd == s", 1)
-        await pressed(game, "e", "x", until=lambda: game.editor.text == edited)
+        await game.press("e", "x", until=lambda: game.editor.text == edited)
 
 
 def chain(depth: int, conditions: int) -> str:
@@ -162,8 +161,7 @@ async def test_what_is_expanded_deep_down_stays_so_in_another_tick(data_dir: Pat
             await game.press("right")
         await game.until(lambda: "Deep3(c) :- c >= 0" in told(game))
         before = told(game)
-        await pressed(game, "n", sees="Why · tick 2")
-        await game.until(lambda: told(game) == before)
+        await game.press("n", sees="Why · tick 2", until=lambda: told(game) == before)
 
 
 async def test_a_proof_goes_as_deep_as_there_is_room_and_on_where_opened(data_dir: Path) -> None:
@@ -223,8 +221,8 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         # A value is opened as a tree, by two keys.
         await game.press("w", until=lambda: any(node.kind == "contributor" for node in nodes(game)))
         view(game).action_move([node.kind for node in nodes(game)].index("contributor"))
-        await pressed(game, "enter", on=ValueTree, sees="distance")
-        await pressed(game, "escape", "X", on=ValueTree)
+        await game.press("enter", on=ValueTree, sees="distance")
+        await game.press("escape", "X", on=ValueTree)
         await game.press("escape")
 
         # A ray is not brought out in another tick, even if the proof is hidden by then.
@@ -240,35 +238,35 @@ async def test_a_row_that_there_is_not_is_told_with_values_and_a_change(data_dir
         'Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-\n'
         "  Sensor(robot_name:), ~Near(robot_name:);\n"
     )
-    async with started(data_dir, text=text, size=TALL) as game:
-        await pressed(game, "n", tick=1)
+    async with opened(data_dir, text=text, size=TALL, ready=True) as game:
+        await game.press("n", tick=1)
         game.inspector.inspect("Near")
-        await pressed(game, "w", until=lambda: "sensor.clock > 5" in told(game))
+        await game.press("w", until=lambda: "sensor.clock > 5" in told(game))
         await game.sees("This change would give a row")
         await game.sees("Change `5` to `0` in line 1  rule in line 1")
         await game.sees("`sensor.clock` is 1, 4 too little.")
 
         # All values of a condition that failed can be seen, those without room in a tree.
         game.inspector.inspect("Far")
-        await pressed(game, "w", until=lambda: "r.distance" in told(game))
+        await game.press("w", until=lambda: "r.distance" in told(game))
         place = told(game).index("r.distance")
         view(game).action_move(place)
         count = len(nodes(game)[place].values)
         (line,) = (row for row in view(game).plain.splitlines() if "r.distance = " in row)
         assert line.count(" or ") + int(line.split("(and ")[1].split()[0]) + 1 == count
-        await pressed(game, "enter", on=ValueTree)
+        await game.press("enter", on=ValueTree)
         await game.until(lambda: all(game.shows(f" {number}  ") for number in range(1, count + 1)))
 
 
 async def prompted(game: Opened, text: str) -> Input:
     """Ask for other values on the first line that begins with a text."""
     await go_to(game, text)
-    await pressed(game, "exclamation_mark", on=ValuesPrompt)
+    await game.press("exclamation_mark", on=ValuesPrompt)
     return game.app.screen.query_one(Input)
 
 
 async def test_other_values_show_where_rules_stop_and_nonsense_is_mended(data_dir: Path) -> None:
-    async with started(data_dir, text=TWO_RULES, size=TALL) as game:
+    async with opened(data_dir, text=TWO_RULES, size=TALL, ready=True) as game:
         await game.press("exclamation_mark")
         await game.sees("Put the cursor on a line of a proof; w makes one.")
         assert not view(game).lines
@@ -297,10 +295,10 @@ async def test_other_values_show_where_rules_stop_and_nonsense_is_mended(data_di
             ("Speed()", "Speed is a function"),
         ]:
             values.value = nonsense
-            await pressed(game, "enter", sees=message)
+            await game.press("enter", sees=message)
             assert values.screen is game.app.screen
         values.value = "Speed(30)"
-        await pressed(game, "enter", until=lambda: told(game)[0].startswith("Speed(d)"))
+        await game.press("enter", until=lambda: told(game)[0].startswith("Speed(d)"))
         await game.press("backspace")
         await game.until(lambda: told(game)[:1] and told(game)[0].startswith("Robot("))
         await prompted(game, "memory")

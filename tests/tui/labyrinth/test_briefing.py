@@ -12,38 +12,35 @@ from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.briefing import Task
 from logical_robots_tui.world import list_levels, load_level
 from tests.player.test_session import table
-from tests.tui.conftest import STILL, Opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.conftest import STILL, Opened, Size, opened
 
 TASK = "Bring Pip to the door."
 SIZES = [(80, 24), (120, 40), (90, 50), (200, 60)]
 
 
-async def test_the_briefing_is_there_at_the_start_and_when_it_is_asked_for(
-    data_dir: Path, short: Path
-) -> None:
-    async with started(data_dir, level=short, text=STILL) as game:
+async def test_the_briefing_is_there_at_first_and_when_wanted(data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short, text=STILL, ready=True) as game:
         await game.until(lambda: game.shows(TASK) and game.main.briefing.over.display)
         view = game.main.labyrinth.view
         shown, size = view.view, view.size
-        await pressed(game, "space", until=lambda: game.tick > 2 and not game.shows(TASK))
+        await game.press("space", until=lambda: game.tick > 2 and not game.shows(TASK))
         assert (view.view, view.size) == (shown, size)
-        await pressed(game, "r", until=lambda: game.tick == 0 and game.shows(TASK))
+        await game.press("r", until=lambda: game.tick == 0 and game.shows(TASK))
         assert (view.view, view.size) == (shown, size)
-        await pressed(game, "b", until=lambda: not game.shows(TASK))
-        await pressed(game, "r", sees=TASK)
-        await pressed(game, "n", until=lambda: game.tick > 0 and not game.shows(TASK))
-        await pressed(game, "p", until=lambda: game.tick == 0 and game.shows(TASK))
+        await game.press("b", until=lambda: not game.shows(TASK))
+        await game.press("r", sees=TASK)
+        await game.press("n", until=lambda: game.tick > 0 and not game.shows(TASK))
+        await game.press("p", until=lambda: game.tick == 0 and game.shows(TASK))
         await game.press("right_parenthesis", until=lambda: game.tick > 0 and not game.shows(TASK))
-        await pressed(game, "b", sees=TASK)
-        await pressed(game, "b", until=lambda: not game.shows(TASK))
-        await pressed(game, "M", until=lambda: game.main.editing.is_on)
+        await game.press("b", sees=TASK)
+        await game.press("b", until=lambda: not game.shows(TASK))
+        await game.press("M", until=lambda: game.main.editing.is_on)
         game.session.go_to(0)
         await game.until(lambda: game.tick == 0)
         await game.sees_no(TASK)
         await game.press("escape", until=lambda: not game.main.editing.is_on and game.shows(TASK))
         assert game.main.briefing.over.display
-        await pressed(game, "3", until=lambda: not game.main.briefing.over.display)
+        await game.press("3", until=lambda: not game.main.briefing.over.display)
 
 
 def shows_beside_the_map(game: Opened) -> bool:
@@ -63,11 +60,9 @@ def shows_beside_the_map(game: Opened) -> bool:
 @pytest.mark.parametrize(
     "size", [SIZES[0], *(pytest.param(size, marks=pytest.mark.slow) for size in SIZES[1:])]
 )
-async def test_the_briefing_finds_its_place_at_any_size(
-    data_dir: Path, size: tuple[int, int]
-) -> None:
+async def test_the_briefing_finds_its_place_at_any_size(data_dir: Path, size: Size) -> None:
     file = shipped_folder("levels") / "01-first-steps.toml"
-    async with started(data_dir, level=file, text=STILL, size=size) as game:
+    async with opened(data_dir, level=file, text=STILL, size=size, ready=True) as game:
         await game.until(partial(shows_beside_the_map, game))
         for other in (*SIZES, (140, 45), (80, 24), (120, 40)):
             await game.pilot.resize_terminal(*other)
@@ -88,13 +83,13 @@ def test_each_shipped_briefing_fits_in_its_smallest_place() -> None:
 
 async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> None:
     backwards = STILL.replace(": 0.0", ": -1.0")
-    async with started(data_dir, level=short, text=backwards) as game:
+    async with opened(data_dir, level=short, text=backwards, ready=True) as game:
         game.session.run_until(115)
         await game.sees("Pip is stuck: blocked for 100 ticks.")
         await game.until(lambda: game.tick == 115)
         history = game.session.history
         assert history is not None
-        await pressed(game, "left_curly_bracket", sees="⊘ Pip is stuck")
+        await game.press("left_curly_bracket", sees="⊘ Pip is stuck")
         first = game.tick
         ticks = range(first - 99, first + 1)
         assert all(history.replay(tick)[1].moment.after.robots[0].blocked for tick in ticks)

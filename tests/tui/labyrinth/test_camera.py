@@ -10,7 +10,7 @@ from textual import events
 
 from logical_robots_tui.tui.labyrinth.drawing import Viewport
 from logical_robots_tui.tui.labyrinth.drawing.viewport import ZOOMS, Camera, Sight
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.conftest import Size, opened
 from tests.tui.labyrinth.drawing.scenes import room
 
 SIGHTS = (Sight.FOLLOW, Sight.SENSES, Sight.WHOLE)
@@ -21,8 +21,8 @@ _sizes = st.tuples(st.integers(1, 300), st.integers(1, 100))
 
 
 @given(_cameras, _sizes, st.integers(0, 99), st.integers(0, 299))
-def test_a_cell_shows_its_place_and_a_map_unit_is_as_long_down_as_across(
-    camera: Camera, size: tuple[int, int], row: int, column: int
+def test_a_cell_shows_its_place_undistorted(
+    camera: Camera, size: Size, row: int, column: int
 ) -> None:
     view = camera.viewport(LEVEL, *size)
     x, y = view.position(0, 0)
@@ -33,9 +33,7 @@ def test_a_cell_shows_its_place_and_a_map_unit_is_as_long_down_as_across(
 
 
 @given(_sizes, st.integers(1, 3), st.floats(0, 1), st.floats(0, 1))
-def test_zooming_keeps_the_point_under_the_pointer(
-    size: tuple[int, int], steps: int, across: float, down: float
-) -> None:
+def test_zooming_keeps_the_pointed_spot(size: Size, steps: int, across: float, down: float) -> None:
     view = Camera().viewport(LEVEL, *size)
     x, y = view.left + across * view.width, view.top + down * view.height
     nearer = Camera().zoomed(steps, view, (x, y)).viewport(LEVEL, *size)
@@ -46,7 +44,7 @@ def test_zooming_keeps_the_point_under_the_pointer(
 
 @given(_cameras, _sizes, st.integers(-20, 20), st.floats(-1e4, 1e4), st.floats(-1e4, 1e4))
 def test_zooming_has_ends_and_panning_never_loses_the_map(
-    camera: Camera, size: tuple[int, int], steps: int, columns: float, rows: float
+    camera: Camera, size: Size, steps: int, columns: float, rows: float
 ) -> None:
     view = camera.viewport(LEVEL, *size)
     zoomed, panned = camera.zoomed(steps, view), camera.panned(columns, rows, view, LEVEL)
@@ -96,8 +94,8 @@ SLOWER = [pytest.param(size, marks=pytest.mark.slow) for size in ((80, 24), (300
 
 
 @pytest.mark.parametrize("size", [(120, 40), *SLOWER])
-async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int]) -> None:
-    async with started(data_dir, size=size) as game:
+async def test_keys_and_mouse_look_around(data_dir: Path, size: Size) -> None:
+    async with opened(data_dir, size=size, ready=True) as game:
         view, pilot = game.main.labyrinth.view, game.pilot
         name = game.session.level.robots[0].name
 
@@ -119,9 +117,9 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int])
         assert view.selected == name
 
         # The keys zoom, and the view stays with a robot that drives away.
-        await pressed(game, "f", sees=f"{name} 3" if size == (80, 24) else f"Map · {name} 3")
+        await game.press("f", sees=f"{name} 3" if size == (80, 24) else f"Map · {name} 3")
         for keys, zoom in (("z", 4), ("ZZ", 2), ("zzzz", 8)):
-            await pressed(game, *keys, sees=f"{name} {zoom}")
+            await game.press(*keys, sees=f"{name} {zoom}")
         whence = view.view
         assert whence is not None
 
@@ -144,8 +142,7 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int])
         assert cell is not None
         inset = view.content_region.offset - view.region.offset
         await game.click(view, offset=(cell[1] + inset.x, cell[0] + inset.y))
-        for words in ("battery needs none", "I am a robot", "engines +"):
-            await game.sees(words)
+        await game.sees("battery needs none", "I am a robot", "engines +")
         await game.press("escape", sees_no="battery")
 
         # Arrows and dragging move the view, and select nothing.
@@ -161,5 +158,5 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: tuple[int, int])
 
 async def test_a_robot_without_decision_says_so(data_dir: Path) -> None:
     text = 'Robot(robot_name: "nobody", desire: {left_engine: 1, right_engine: 1}, memory: 1);'
-    async with started(data_dir, text=text) as game:
-        await pressed(game, "n", "a", until=lambda: game.tick == 1 and game.shows("undecided"))
+    async with opened(data_dir, text=text, ready=True) as game:
+        await game.press("n", "a", until=lambda: game.tick == 1 and game.shows("undecided"))

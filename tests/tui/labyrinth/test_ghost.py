@@ -17,8 +17,7 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from tests.player.test_best_runs import win
 from tests.player.test_session import Table, table
 from tests.short import AHEAD
-from tests.tui.conftest import Opened
-from tests.tui.inspector.steps import pressed, run_until, started
+from tests.tui.conftest import Opened, Size, opened
 
 SLOWER = AHEAD.replace("0.5", "0.1")
 
@@ -135,9 +134,7 @@ async def test_a_changed_level_has_no_ghost(tmp_path: Path) -> None:
         assert race.length < won
 
 
-async def test_a_replay_is_raced_unless_it_was_changed_by_hand(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_an_honest_replay_is_raced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     async with racing(tmp_path) as race:
         await race.run_to(20)
         assert "the replay, 20 ticks" in await race.choose(monkeypatch)
@@ -161,16 +158,14 @@ def ghosts(game: Opened) -> list[int]:
 
 async def ghosts_at(game: Opened, tick: int) -> list[int]:
     """Run to a tick, and return the columns of ghosts when it is drawn."""
-    await run_until(game, tick)
+    await game.run_until(tick)
     await game.until(lambda: game.main.labyrinth.view._frame is game.session.frame)
     return ghosts(game)
 
 
 @pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.slow), (120, 40)])
-async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
-    data_dir: Path, short: Path, size: tuple[int, int]
-) -> None:
-    async with started(data_dir, level=short, text=AHEAD, size=size) as game:
+async def test_a_ghost_is_drawn_at_the_tick_shown(data_dir: Path, short: Path, size: Size) -> None:
+    async with opened(data_dir, level=short, text=AHEAD, size=size, ready=True) as game:
         game.session.run_until(1000)
         await game.sees("Again")
         await game.press("escape")
@@ -179,7 +174,7 @@ async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
         await game.app.run_action("screen.command('save_replay')")
         await game.sees("bytes).")
         await game.apply(SLOWER)
-        await pressed(game, "escape", "r", "G", sees=f"ghost: {won} ticks")
+        await game.press("escape", "r", "G", sees=f"ghost: {won} ticks")
         assert not ghosts(game)  # the robot stands there
         (halfway,) = await ghosts_at(game, won // 2)
         (there,) = await ghosts_at(game, won)
@@ -187,10 +182,9 @@ async def test_the_best_run_or_a_replay_is_drawn_at_the_tick_that_is_shown(
         assert await ghosts_at(game, won + 5) == [there]
         game.session.go_to(won // 2)
         await game.until(lambda: ghosts(game) == [halfway])
-        await pressed(game, "G", sees="The ghost is off.")
-        await game.sees_no("ghost: ")
+        await game.press("G", sees="The ghost is off.", sees_no="ghost: ")
         assert not ghosts(game)
         await game.app.run_action("screen.command('race_replay')")
         await game.until(lambda: game.shows("Race a replay") and game.shows(f"{won} ticks"))
-        await pressed(game, "enter", sees=f"ghost: {won} ticks")
+        await game.press("enter", sees=f"ghost: {won} ticks")
         await game.until(lambda: ghosts(game) == [halfway])

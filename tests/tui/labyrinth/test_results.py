@@ -13,8 +13,7 @@ from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import list_levels, load_level
 from logical_robots_tui.world.level import SecondGoal
 from tests.short import AHEAD
-from tests.tui.conftest import SHORT, opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.conftest import SHORT, Size, opened
 
 THREE = [Measures(100, 1, 300.0), Measures(200, 5, 250.4), Measures(150, 9, 350.0)]
 GOALS = [SecondGoal("symbol", 11), SecondGoal("blocked")]
@@ -57,7 +56,7 @@ def test_second_goals_are_ticked_when_they_are_reached() -> None:
 
 
 @pytest.mark.parametrize("size", SIZES)
-async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int, int]) -> None:
+async def test_the_results_show_scales_and_goals(data_dir: Path, size: Size) -> None:
     level = load_level(list_levels()[0])
     (goal, other) = level.second_goals
     progress = Progress(data_dir / FILE_NAME)
@@ -71,23 +70,19 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
         for words in told:
             await game.sees(words)
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
-        await pressed(game, "m", "l", on=LevelScreen)
-        for words in ("1,500●", f"✓ {goal.words}"):
-            await game.sees(words)
+        await game.press("m", "l", on=LevelScreen, sees=("1,500●", f"✓ {goal.words}"))
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
 
 
 @pytest.mark.parametrize("size", SIZES)
-async def test_a_victory_ticks_the_goals_that_it_reaches(
-    data_dir: Path, short: Path, size: tuple[int, int]
-) -> None:
+async def test_a_victory_ticks_the_goals_reached(data_dir: Path, short: Path, size: Size) -> None:
     goals = 'second_goals = ["at most 11 symbols", "at most 20 ticks"]\n'
     write_atomically(short, goals + SHORT)
-    async with started(data_dir, level=short, text=AHEAD, size=size) as game:
+    async with opened(data_dir, level=short, text=AHEAD, size=size, ready=True) as game:
         await game.sees("☐ at most 11 symbols")
-        await pressed(game, *["plus"] * 6, "space", sees="✓ at most 11 symbols")
+        await game.press(*["plus"] * 6, "space", sees="✓ at most 11 symbols")
         await game.sees("☐ at most 20 ticks")
-        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
 
         # What is measured before the results are mounted is shown.
         results = Results(game.main.recorder, "Won", [("restart", "Once more")])

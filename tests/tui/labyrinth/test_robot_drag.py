@@ -8,8 +8,7 @@ from textual import events
 
 from logical_robots_tui.world import RobotState
 from tests.short import AHEAD
-from tests.tui.conftest import STILL, Opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.conftest import STILL, Opened, opened
 from tests.tui.level_editor.conftest import ROOM
 
 
@@ -45,13 +44,13 @@ async def drag(game: Opened, *points: tuple[float, float], button: int = 1) -> N
 
 
 async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_file: Path) -> None:
-    async with started(data_dir, level=room_file, text=STILL) as game:
+    async with opened(data_dir, level=room_file, text=STILL, ready=True) as game:
         view = game.main.labyrinth.view
 
         def robot() -> RobotState:
             return game.session.frame.after.robots[0]
 
-        await pressed(game, "space", until=lambda: game.tick > 2)
+        await game.press("space", until=lambda: game.tick > 2)
         before = view.view
         await drag(game, (40, 50), (90, 60), (150, 60))
         await game.until(lambda: robot().x > 140 and view.robot_at(*cell(game, (150, 60))))
@@ -65,8 +64,8 @@ async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_
         assert robot().angle == pytest.approx(math.pi / 2, abs=0.4)
         assert robot().x == x
         assert game.session.level.robots[0].x == 40
-        await pressed(game, "space", until=lambda: not game.session.running)
-        await pressed(game, "r", tick=0)
+        await game.press("space", until=lambda: not game.session.running)
+        await game.press("r", tick=0)
         assert robot().x == 40
 
         # Empty ground, and a setting, drag the map.
@@ -82,11 +81,9 @@ async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_
         assert robot().x == 40
 
 
-async def test_a_robot_that_is_pointed_at_shows_its_card_unless_the_level_is_edited(
-    data_dir: Path, room_file: Path
-) -> None:
-    async with started(data_dir, level=room_file, text=AHEAD) as game:
-        await pressed(game, "n", tick=1)
+async def test_a_robot_pointed_at_shows_its_card(data_dir: Path, room_file: Path) -> None:
+    async with opened(data_dir, level=room_file, text=AHEAD, ready=True) as game:
+        await game.press("n", tick=1)
         view, card = game.main.labyrinth.view, game.main.labyrinth.card
         assert not card.display
         x = game.session.frame.after.robots[0].x
@@ -98,7 +95,7 @@ async def test_a_robot_that_is_pointed_at_shows_its_card_unless_the_level_is_edi
         await game.until(lambda: not card.display)
         await mouse(game, events.MouseMove, (x, 50))
         await game.until(lambda: card.display)
-        await pressed(game, "M", until=lambda: view.overlay is not None)
+        await game.press("M", until=lambda: view.overlay is not None)
         assert view.pointed is not None
         assert not card.display
         await mouse(game, events.MouseMove, (150, 80))
@@ -106,11 +103,9 @@ async def test_a_robot_that_is_pointed_at_shows_its_card_unless_the_level_is_edi
 
 
 @pytest.mark.parametrize("ticks", [pytest.param(0, marks=pytest.mark.slow), 1])
-async def test_a_victory_of_a_robot_that_was_dragged_does_not_count(
-    data_dir: Path, room_file: Path, ticks: int
-) -> None:
-    async with started(data_dir, level=room_file, text=AHEAD) as game:
-        await pressed(game, *["n"] * ticks, tick=ticks)
+async def test_with_a_drag_no_victory_counts(data_dir: Path, room_file: Path, ticks: int) -> None:
+    async with opened(data_dir, level=room_file, text=AHEAD, ready=True) as game:
+        await game.press(*["n"] * ticks, tick=ticks)
         x = game.session.frame.after.robots[0].x
         await drag(game, (x, 50), (100, 50), (200, 50))
         await game.until(lambda: game.session.frame.after.robots[0].x > 190)

@@ -14,14 +14,11 @@ from logical_robots_tui.tui.learning.reader import Hints
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from tests.tui.conftest import PAPER, opened
-from tests.tui.dialogs import dialog, fill
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.dialogs import fill
 from tests.virtual_time import Hold
 
 
-async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_late_saves_leave_no_dialogs(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hold = Hold()
 
     def save_slowly(path: Path, text: str) -> None:
@@ -30,50 +27,50 @@ async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays
 
     monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
     async with opened(data_dir) as game:
-        await dialog(game, "s", SaveAs)
+        await game.press("s", on=SaveAs)
         await fill(game, "other")
         saving = game.app.screen
-        await pressed(game, "enter", until=lambda: hold.has_begun)
+        await game.press("enter", until=lambda: hold.has_begun)
         game.app.push_screen(Question("Above", "All of it?", [("yes", "Yes")]))
         await game.until(lambda: isinstance(game.app.screen, Question))
         hold.release()
         save = next(worker for worker in game.app.workers if worker.group == "save")
         await save.wait()
-        await pressed(game, "y", until=lambda: game.app.screen is saving)
-        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
+        await game.press("y", until=lambda: game.app.screen is saving)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
     assert (data_dir / "programs" / "other.l").read_text() == PAPER
 
 
 async def test_a_long_line_is_seen_at_its_end_and_late_clicks_do_nothing(data_dir: Path) -> None:
     async with opened(data_dir) as game:
-        await dialog(game, "s", SaveAs)
+        await game.press("s", on=SaveAs)
         await fill(game, "abcdefghij" * 10)
-        await pressed(game, "end", *"-end", sees="efghij-end")
+        await game.press("end", *"-end", sees="efghij-end")
         await game.press("escape")
         await game.ready()
 
         # At an entry that has just gone.
-        await dialog(game, "o", Chooser)
+        await game.press("o", on=Chooser)
         entries = game.app.screen.query_one("#entries", OptionList)
         await game.until(lambda: entries.option_count)
         stale = Style(meta={"option": entries.option_count})
         click = events.Click(entries, 2, 2, 0, 0, 1, False, False, False, 2, 2, stale)
         entries.post_message(click)
-        await pressed(game, "m", until=lambda: game.app.screen.query_one(Input).value == "m")
+        await game.press("m", until=lambda: game.app.screen.query_one(Input).value == "m")
         assert isinstance(game.app.screen, Chooser)
         await game.press("escape")
 
         # A double click beside the palette, which closes it once.
-        await dialog(game, "ctrl+p", Palette)
+        await game.press("ctrl+p", on=Palette)
         for kind in 2 * (events.MouseDown, events.MouseUp):
             game.app.post_message(kind(None, 1, 1, 0, 0, 1, False, False, False, 1, 1))
         await game.until(lambda: game.app.screen is game.main)
-        await pressed(game, "n", tick=1)
+        await game.press("n", tick=1)
 
 
 async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, short: Path) -> None:
-    async with started(data_dir, level=short) as game:
-        await dialog(game, "h", Hints)
+    async with opened(data_dir, level=short, ready=True) as game:
+        await game.press("h", on=Hints)
         hints = game.app.screen
         hints.dismiss()
         await game.until(lambda: not hints.query("#hints"))
@@ -84,9 +81,7 @@ async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, sho
         assert game.main.recorder.record.hints == 1
 
 
-async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_choice_may_come_too_late(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hold = Hold()
 
     def take(shelf: ProgramShelf, name: str) -> Source:
@@ -94,14 +89,14 @@ async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(
         return load_program(name, shelf.own)
 
     monkeypatch.setattr(ProgramShelf, "take", take)
-    async with started(data_dir) as game:
-        await dialog(game, "o", Chooser)
+    async with opened(data_dir, ready=True) as game:
+        await game.press("o", on=Chooser)
         chooser = game.app.screen
         await fill(game, "herd")
-        await pressed(game, "enter", until=lambda: hold.has_begun)
+        await game.press("enter", until=lambda: hold.has_begun)
         assert isinstance(chooser, Chooser)
         chooser.action_leave()
         hold.release()
         await game.until(lambda: game.app.screen is game.main and not chooser.is_attached)
-        await pressed(game, "n", tick=1)
+        await game.press("n", tick=1)
         assert game.session.source.name == "mine"

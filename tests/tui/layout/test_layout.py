@@ -20,7 +20,6 @@ from logical_robots_tui.tui.layout.arrangement import (
 from logical_robots_tui.tui.layout.command_bar import PaneTabs
 from logical_robots_tui.tui.layout.dialogs import Listing
 from tests.tui.conftest import PAPER, Opened, opened
-from tests.tui.inspector.steps import pressed, started
 
 ALL = ["map", "editor", "inspector"]
 
@@ -58,9 +57,7 @@ def test_no_wish_makes_a_pane_vanish(width: int, height: int, wish: Shares, need
 
 
 @given(st.integers(40, 109), st.integers(46, 200), WISHES, ASPECTS.map(Needs))
-def test_panes_below_each_other_all_keep_some_rows(
-    width: int, height: int, rows: int, needs: Needs
-) -> None:
+def test_panes_in_a_column_keep_some_rows(width: int, height: int, rows: int, needs: Needs) -> None:
     grid = grid_for(Layout.TALL, width, height, Shares(0, rows), needs)
     assert min(grid.program, grid.inspector, height - 3 - grid.program - grid.inspector) >= 3
     assert grid_for(Layout.TALL, width, height, grid.shares, needs) == grid
@@ -94,15 +91,15 @@ def test_panes_have_the_size_of_what_they_hold() -> None:
 async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
     async with opened(data_dir, size=(80, 24)) as game:
         # What is typed right after the key for the editor goes into the editor.
-        await pressed(game, "e", *"quit", until=lambda: game.editor.text == "quit" + PAPER)
+        await game.press("e", *"quit", until=lambda: game.editor.text == "quit" + PAPER)
         assert game.app.is_running
         assert game.main.focused is game.editor
-        await pressed(game, "escape", until=lambda: shown(game) == ["map"])
-        await pressed(game, "y", until=lambda: not game.main.query_one(LabyrinthView).rays)
+        await game.press("escape", until=lambda: shown(game) == ["map"])
+        await game.press("y", until=lambda: not game.main.query_one(LabyrinthView).rays)
         assert game.editor.text == "quit" + PAPER
         brackets = ("right_square_bracket", "map"), ("left_square_bracket", "inspector")
         for key, pane in (("2", "editor"), ("ctrl+n", "inspector"), *brackets, ("1", "map")):
-            await pressed(game, key, until=partial(shows_just, game, [pane]))
+            await game.press(key, until=partial(shows_just, game, [pane]))
 
         # A tab is chosen by a click, and tells about the program.
         await game.write(PAPER)
@@ -111,7 +108,7 @@ async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
         await game.until(lambda: "Program · applied · mine" in tabs.render().plain)
         await game.click(PaneTabs, offset=(tabs.render().plain.index("Program"), 0))
         await game.until(lambda: shown(game) == ["editor"])
-        await pressed(game, "x", until=lambda: "not applied · mine*" in tabs.render().plain)
+        await game.press("x", until=lambda: "not applied · mine*" in tabs.render().plain)
 
         # No title hides another tab.
         for width in (80, 60, 44):
@@ -136,7 +133,7 @@ async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_
         choice.action_page_up()
         choice.action_page_down()
         assert choice.highlighted == 2, "a list without room has no pages"
-        await pressed(game, "space", until=lambda: game.tick > 2)
+        await game.press("space", until=lambda: game.tick > 2)
         await game.pilot.resize_terminal(80, 24)
         await game.sees("1 Map")
         await game.sees_no("needed")
@@ -148,18 +145,18 @@ async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_
 
 
 async def test_panes_are_hidden_resized_and_pulled(data_dir: Path) -> None:
-    async with started(data_dir) as game:
+    async with opened(data_dir, ready=True) as game:
         labyrinth, program, inspector = game.main.arrangement.panes
         before = labyrinth.region.size
         await game.press("L", "underscore", until=lambda: labyrinth.region.size - (4, 2) == before)
-        await pressed(game, "D", "I", until=lambda: labyrinth.region.size == before)
+        await game.press("D", "I", until=lambda: labyrinth.region.size == before)
 
         for keys, panes in (
             *(("k", ["map"]), (("2", "ctrl+t", "ctrl+t"), ["editor"]), (("ctrl+t",), ALL)),
             *((("escape", "3", "j"), ["map", "editor"]), ("j", ALL)),
             *(("j", ["editor", "inspector"]), ("1", ALL)),
         ):
-            await pressed(game, *keys, until=partial(shows_just, game, panes))
+            await game.press(*keys, until=partial(shows_just, game, panes))
             if panes == ["map", "editor"]:
                 await game.until(lambda: labyrinth.region.height > 30)
         assert game.editor.text == PAPER
@@ -190,12 +187,12 @@ async def test_panes_are_hidden_resized_and_pulled(data_dir: Path) -> None:
             for kind, at in ((down, (9, 9)), (down, (x, y)), (move, (x, y)), (up, (x, y))):
                 game.app.post_message(kind(None, *at, 0, 0, 1, False, False, False, *at))
                 await game.handled()
-        await pressed(game, "n", tick=1)
+        await game.press("n", tick=1)
 
 
 async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) -> None:
     async with opened(data_dir) as game:
-        await pressed(game, "2", *"hello", until=lambda: game.editor.text.startswith("hello"))
+        await game.press("2", *"hello", until=lambda: game.editor.text.startswith("hello"))
         game.editor.selection = Selection((1, 2), (2, 1))
         text, editor = game.editor.text, game.editor
         for size, panes in [
@@ -211,4 +208,4 @@ async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) ->
             assert game.editor.text == text
             assert game.editor.selection == Selection((1, 2), (2, 1))
         assert game.main.focused is game.editor
-        await pressed(game, "x", until=lambda: game.editor.text != text)
+        await game.press("x", until=lambda: game.editor.text != text)

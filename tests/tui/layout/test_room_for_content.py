@@ -4,7 +4,6 @@ from pathlib import Path
 
 from logical_robots_tui.tui.inspector.pane import PredicateList
 from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed, started
 
 LARGE = (200, 60)
 MANY_ROWS = """\
@@ -30,18 +29,18 @@ def listed(game: Opened) -> int:
 
 
 async def test_the_inspector_is_as_high_as_its_list_until_a_page_needs_more(data_dir: Path) -> None:
-    async with started(data_dir, size=LARGE) as game:
+    async with opened(data_dir, size=LARGE, ready=True) as game:
         before = labyrinth, program, inspector = await settled(game)
         assert labyrinth == program == LARGE[1] - 3 - inspector
-        await pressed(game, "n", "n", tick=2)
+        await game.press("n", "n", tick=2)
         assert await settled(game) == before, "nothing moves while robots step"
-        await pressed(game, "space", until=lambda: game.tick > 20)
+        await game.press("space", until=lambda: game.tick > 20)
         assert heights(game) == before, "or run"
-        await pressed(game, "space", "3", until=lambda: game.inspector.inspected == "robots")
+        await game.press("space", "3", until=lambda: game.inspector.inspected == "robots")
         assert await settled(game) == before
         assert inspector == listed(game) + BORDER
-        await pressed(game, "w", until=lambda: heights(game)[2] >= 18)
-        await pressed(game, "3", "home", until=lambda: game.inspector.inspected == "robots")
+        await game.press("w", until=lambda: heights(game)[2] >= 18)
+        await game.press("3", "home", until=lambda: game.inspector.inspected == "robots")
         x = round(game.session.frame.after.robots[0].x)
         assert not game.shows(f"x {x}   y "), "the table has room for it"
         await game.pilot.resize_terminal(80, 24)
@@ -58,11 +57,11 @@ async def test_a_page_keeps_its_room_and_a_level_has_its_own_unless_chosen(data_
 
         await game.ready()
         before = (await settled(game))[2]
-        await pressed(game, "n", "3", "end", until=lambda: game.inspector.inspected == "Many")
+        await game.press("n", "3", "end", until=lambda: game.inspector.inspected == "Many")
         await game.until(lambda: heights(game)[2] > before)
         large = await settled(game)
         assert game.inspector.page.view.size.height >= 20
-        await pressed(game, "home", until=lambda: game.inspector.inspected == "robots")
+        await game.press("home", until=lambda: game.inspector.inspected == "robots")
         assert await settled(game) == large
 
         await open_next("01-first-steps")
@@ -71,10 +70,10 @@ async def test_a_page_keeps_its_room_and_a_level_has_its_own_unless_chosen(data_
         assert game.main.labyrinth.view.size.width == LARGE[0] - 70 - BORDER
 
         await game.apply(MANY_ROWS)
-        await pressed(game, "escape", "I", until=lambda: heights(game)[2] > before)
+        await game.press("escape", "I", until=lambda: heights(game)[2] > before)
         chosen = await settled(game)
-        await pressed(game, "3", sees="Many :3")
-        await pressed(game, "end", until=lambda: game.inspector.inspected == "Many")
+        await game.press("3", sees="Many :3")
+        await game.press("end", until=lambda: game.inspector.inspected == "Many")
         assert await settled(game) == chosen
         await open_next("02-open-space")
         assert await settled(game) == chosen

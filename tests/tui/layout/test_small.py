@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.tui.commands.table import COMMANDS
-from tests.tui.conftest import Opened, opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.conftest import Opened, Size, opened
 
 # Columns and lines, so that neighbours in the list differ much in both.
 SIZES = [
@@ -33,10 +32,10 @@ async def through_all(game: Opened, sizes: list[tuple[int, int]]) -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("size", [*FEW, *OTHERS])
-async def test_the_game_opens_in(size: tuple[int, int], data_dir: Path, short: Path) -> None:
+async def test_the_game_opens_in(size: Size, data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, size=size, welcome=True) as game:
         await game.until(lambda: game.session.state.phase == "applied")
-        await pressed(game, "escape", "n", "2", "3", "1", tick=1)
+        await game.press("escape", "n", "2", "3", "1", tick=1)
         await through_all(game, SIZES)
 
 
@@ -56,17 +55,15 @@ async def give(game: Opened, command: str, sizes: list[tuple[int, int]]) -> None
 async def test_each_command_may_be_given_and_answered_at_any_size(
     sizes: list[tuple[int, int]], part: int, data_dir: Path, short: Path
 ) -> None:
-    async with started(data_dir, level=short) as game:
+    async with opened(data_dir, level=short, ready=True) as game:
         for command in NAMES[part::PARTS]:
             await give(game, command, sizes)
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("command", NAMES)
-async def test_a_command_is_answered_at_every_small_size(
-    command: str, data_dir: Path, short: Path
-) -> None:
-    async with started(data_dir, level=short) as game:
+async def test_a_command_is_answered_if_small(command: str, data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short, ready=True) as game:
         await give(game, command, SIZES)
         await give(game, command, SIZES[::-1])
 
@@ -74,7 +71,7 @@ async def test_a_command_is_answered_at_every_small_size(
 @pytest.mark.sampled
 @pytest.mark.parametrize("part", range(PARTS))
 async def test_editing_a_level_goes_on_at_any_size(part: int, data_dir: Path, short: Path) -> None:
-    async with started(data_dir, level=short) as game:
+    async with opened(data_dir, level=short, ready=True) as game:
         await game.app.run_action("screen.command('edit_level')")
         await game.until(lambda: game.main.editing.is_on)
         for command in EDITS[part::PARTS]:

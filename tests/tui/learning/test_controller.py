@@ -39,14 +39,12 @@ async def stay(game: Opened) -> None:
 
 async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, ready=True) as game:
-        await game.press("h", sees="It is not far.", sees_no="straight ahead")
-        await game.sees("2 more")
+        await game.press("h", sees_no="straight ahead", sees=("It is not far.", "2 more"))
         await game.press("h", sees="It is straight ahead.")
         await stay(game)
         await game.main.library.open_level(load_level(short))
         await game.until(lambda: game.main.recorder.record.hints == 2)
-        await game.press("h", sees="It is straight ahead.", sees_no="Just go.")
-        await game.sees("h next hint")
+        await game.press("h", sees_no="Just go.", sees=("It is straight ahead.", "h next hint"))
         await game.click("#more")
         await game.sees("There are no more.")
         await game.sees_no("h next hint")
@@ -73,15 +71,13 @@ async def test_a_level_without_texts_says_so_and_another_brings_a_program(data_d
         await game.sees("Your program for this level has been restored.")
 
 
-async def test_the_challenge_and_the_reference_program_are_for_those_who_have_won_or_insist(
-    data_dir: Path, short: Path
-) -> None:
+async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, short: Path) -> None:
     solution = load_program("first-steps-starter").text.splitlines()[0]
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         await game.press("t", sees="A rule with one case", sees_no="Further")
         await stay(game)
         for answer in "ny":
-            await game.press("W", until=lambda: isinstance(game.app.screen, Question))
+            await game.press("W", on=Question)
             assert not game.shows(solution[:40])
             await game.press(answer, until=lambda: not isinstance(game.app.screen, Question))
         await game.sees(solution[:40])
@@ -96,9 +92,7 @@ async def test_the_challenge_and_the_reference_program_are_for_those_who_have_wo
 
 
 @pytest.mark.usefixtures("trials")
-async def test_a_victory_is_measured_and_compared_and_kept_and_its_buttons_can_be_clicked(
-    data_dir: Path, short: Path
-) -> None:
+async def test_a_victory_is_measured_compared_kept_and_clicked(data_dir: Path, short: Path) -> None:
     progress = record_of(data_dir)
     progress.win(str(short), "another", Measures(30, 50, 1.0))
     progress.close()
@@ -126,11 +120,9 @@ async def test_a_victory_is_measured_and_compared_and_kept_and_its_buttons_can_b
 
 
 @pytest.mark.usefixtures("trials")
-async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
-    data_dir: Path, short: Path
-) -> None:
+async def test_a_changed_program_is_measured_from_the_start(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text=STILL, ready=True) as game:
-        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("n", tick=1)
         await game.apply(AHEAD)
         await game.press("1")
         await win(game)
@@ -162,7 +154,7 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
         assert game.main.recorder.record.state == "won"
         assert game.main.recorder.record.bests.wins is None
         await stay(game)
-        await game.press("r", until=lambda: game.tick == 0)
+        await game.press("r", tick=0)
         await win(game)
         await stay(game)
         closed.set()
@@ -178,13 +170,11 @@ async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short
     assert versions(data_dir, short) == []
 
 
-async def test_each_applied_program_is_kept_and_comes_back_and_so_does_the_starter(
-    data_dir: Path, short: Path
-) -> None:
+async def test_applied_programs_and_the_starter_come_back(data_dir: Path, short: Path) -> None:
     starter = load_program("obstacle-avoider").text
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         await game.apply(STILL)
-        await game.press("1", "v", until=lambda: isinstance(game.app.screen, Chooser))
+        await game.press("1", "v", on=Chooser)
         entries = game.app.screen.query_one(OptionList)
         await game.until(lambda: entries.option_count == 2)
         assert entries.highlighted == 0, "the program at hand is the first"
@@ -201,12 +191,12 @@ async def test_each_applied_program_is_kept_and_comes_back_and_so_does_the_start
         await game.until(lambda: sorted(game.editor.text) == sorted(f"x{STILL}"))
         typed = game.editor.text
         for answer, text in (("n", typed), ("y", starter)):
-            await game.press("x", until=lambda: isinstance(game.app.screen, Question))
+            await game.press("x", on=Question)
             await game.press(answer, until=lambda: game.app.screen is game.main)
             assert game.editor.text == text
         await game.until(lambda: game.session.state.applied == starter)
         await game.press("x", sees="This is the starter program.")
-        await game.press("v", until=lambda: isinstance(game.app.screen, Chooser))
+        await game.press("v", on=Chooser)
     texts = versions(data_dir, short)
     assert texts[:2] == [starter, typed]
     assert {*texts[2:]} == {AHEAD, STILL}
@@ -221,15 +211,13 @@ async def test_text_that_is_kept_as_a_version_is_not_offered_as_unsaved(data_dir
         assert game.app.screen is game.main
 
 
-async def test_what_is_wrong_with_the_disk_is_told_once_and_the_game_goes_on(
-    data_dir: Path, short: Path
-) -> None:
+async def test_a_bad_disk_is_told_once_and_the_game_goes_on(data_dir: Path, short: Path) -> None:
     (data_dir / FILE_NAME).mkdir(parents=True)
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.sees("Your progress can't be saved")
         await win(game)
         await stay(game)
-        await game.press("h", until=lambda: isinstance(game.app.screen, Hints))
+        await game.press("h", on=Hints)
         assert len([n for n in game.app._notifications if "progress" in n.message]) == 1
 
 

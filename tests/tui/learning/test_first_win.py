@@ -9,7 +9,7 @@ from logical_robots_tui.game.pace import FLAT_OUT
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.labyrinth.results import Results
-from tests.tui.conftest import Opened, opened
+from tests.tui.conftest import Opened, Size, opened
 
 LEVEL = "01-first-steps"
 MOST_KEYS = 14
@@ -22,7 +22,7 @@ def line(game: Opened) -> str:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int]) -> None:
+async def test_the_first_win_takes_few_keys(data_dir: Path, size: Size) -> None:
     file = shipped_folder("levels") / f"{LEVEL}.toml"
     starter = load_program("first-steps-starter").text
     pressed: list[str] = []
@@ -45,6 +45,6 @@ async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int
             await press("down")
         await press("end", "backspace", "6", "0", "ctrl+r")
         await game.until(lambda: "distance < 60" in (game.session.state.applied or ""))
-        await press("escape", "space", until=lambda: isinstance(game.app.screen, Results))
+        await press("escape", "space", on=Results)
         assert game.session.won_at is not None
     assert len(pressed) <= MOST_KEYS, pressed

@@ -9,7 +9,7 @@ from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.learning.reader import Reader
-from tests.tui.conftest import Opened, opened
+from tests.tui.conftest import Opened, Size, opened
 
 QUESTIONS = """\
 questions = [
@@ -45,9 +45,7 @@ async def begin(game: Opened) -> None:
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
-async def test_a_lesson_leads_to_questions(
-    data_dir: Path, asking: Path, size: tuple[int, int]
-) -> None:
+async def test_a_lesson_leads_to_questions(data_dir: Path, asking: Path, size: Size) -> None:
     async with opened(data_dir, level=asking, size=size, ready=True) as game:
         await begin(game)
         await game.sees("Questions · A short way · 0 of 2 answered", "FreedomMotion, Robot.")
@@ -76,9 +74,7 @@ async def test_a_lesson_leads_to_questions(
     progress.close()
 
 
-async def test_answers_are_there_in_the_next_session_and_many_rows_are_scrolled(
-    data_dir: Path, asking: Path
-) -> None:
+async def test_answers_outlive_sessions_and_rows_are_scrolled(data_dir: Path, asking: Path) -> None:
     progress = Progress(data_dir / FILE_NAME)
     progress.answer(str(asking), "Who is there?", "Sensor(robot_name:)")
     progress.answer(str(asking), "What was asked before?", "Robot")

@@ -7,7 +7,7 @@ import pytest
 from logical_robots_tui.player.recorder import TOUR
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.learning.tour import STOPS, Tour
-from tests.tui.conftest import Opened, opened
+from tests.tui.conftest import Opened, Size, opened
 
 
 def is_shown(game: Opened) -> bool:
@@ -20,7 +20,7 @@ def is_seen(data_dir: Path) -> bool:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("size", [(120, 40), (80, 24), (46, 12)])
-async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: tuple[int, int]) -> None:
+async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, welcome=True, size=size) as game:
         await game.until(lambda: is_shown(game))
         for number, stop in enumerate(STOPS, start=1):
@@ -47,7 +47,7 @@ async def test_one_goes_back_and_on_and_other_keys_do_what_they_always_do(data_d
         await game.pilot.resize_terminal(80, 24)
         await game.until(lambda: game.main.region.contains_region(game.main.query_one(Tour).region))
         await game.ready()
-        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("n", tick=1)
         assert is_shown(game)
         await game.press("2", "x", until=lambda: game.editor.text.startswith("x"))
         assert not is_shown(game)
@@ -66,7 +66,7 @@ async def test_it_is_shown_when_asked_for_and_skipped_even_before_it_stands(data
         assert game.main.query(Tour)
         game.main.tour.end()
         await game.until(lambda: not is_shown(game))
-        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("n", tick=1)
         assert game.main.focused is game.main.labyrinth
         game.main.tour.begin()
         await game.sees("1 of 4")

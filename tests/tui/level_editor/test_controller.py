@@ -49,9 +49,7 @@ def editor_of(level: Level, state: WorldState, warn: Callable[[str], None]) -> L
 
 @settings(deadline=None)
 @given(st.lists(DEEDS, max_size=20))
-def test_any_sequence_of_strokes_undos_and_saves_loads_back_to_the_same_level(
-    done: list[tuple[str, Any]],
-) -> None:
+def test_any_strokes_undos_and_saves_load_back_as_the_level(done: list[tuple[str, Any]]) -> None:
     editor = editor_of(room(), World(room()).save(), lambda _: None)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "mine.toml"
@@ -126,9 +124,7 @@ def slow_saving(monkeypatch: pytest.MonkeyPatch) -> Hold:
     return hold
 
 
-async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_a_robot_under_way_meets_walls_and_is_taken(data_dir: Path, room_file: Path) -> None:
     async with bench(data_dir, room_file) as b:
         session = b.session
         await b.run_to(10)
@@ -164,9 +160,7 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         assert np.array_equal(session.level.walls, b.controller.levels.saved.walls)
 
 
-async def test_a_save_changes_little_and_one_without_a_change_nothing(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_a_save_changes_little_and_an_idle_one_none(data_dir: Path, room_file: Path) -> None:
     async with bench(data_dir, room_file) as b:
         await b.save("It is already saved")
         assert said(room_file) == ROOM
@@ -226,9 +220,7 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
         assert b.level.beacons == newest
 
 
-async def test_a_file_of_the_platform_is_replaced_only_if_the_player_says_so(
-    data_dir: Path, web_file: Path
-) -> None:
+async def test_a_file_of_the_platform_is_replaced_if_wished(data_dir: Path, web_file: Path) -> None:
     async with bench(data_dir, web_file) as b:
         before = said(web_file)
         await b.stroke((200, 30), (180, 30))

@@ -45,9 +45,7 @@ async def is_in(game: Opened, field: str) -> None:
     await game.until(lambda: game.app.focused is game.app.screen.query_one(f"#{field}"))
 
 
-async def test_properties_of_an_area_are_typed_ticked_and_chosen(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_an_area_is_typed_ticked_and_chosen(data_dir: Path, room_file: Path) -> None:
     async with studio(data_dir, room_file, size=(80, 24)) as s:
         await s.press("shift+tab")
         await form(s, "i", ThingForm)
@@ -74,9 +72,7 @@ async def test_properties_of_an_area_are_typed_ticked_and_chosen(
         assert (area.off_beacon, area.victory_robots) == ("Lamp", ())
 
 
-async def test_properties_of_a_robot_and_of_the_level_are_set(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_properties_of_a_robot_and_a_level_are_set(data_dir: Path, room_file: Path) -> None:
     replace_in(room_file, "x = 40", "x = 40.123456")
     replace_in(room_file, "y = 50 # in the middle", f"y = 50\n{TEAMS}")
     async with studio(data_dir, room_file, size=(80, 24)) as s:
@@ -107,9 +103,7 @@ async def test_properties_of_a_robot_and_of_the_level_are_set(
 
 
 @pytest.mark.slow
-async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_a_form_moves_of_a_robot_only_what_changed(data_dir: Path, room_file: Path) -> None:
     async with studio(data_dir, room_file) as s:
         game, session = s.game, s.game.session
         await s.press("N")

@@ -43,9 +43,7 @@ async def test_walls_are_painted_with_each_tool(data_dir: Path, room_file: Path)
             assert bool(b.editor.edits.can_undo) != commands.startswith("undo undo")
 
 
-async def test_things_are_placed_dragged_turned_and_deleted_and_undoing_brings_them_back(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_things_are_placed_moved_deleted_and_undone(data_dir: Path, room_file: Path) -> None:
     async with bench(data_dir, room_file) as b:
 
         def bodies() -> tuple[RobotState, ...]:
@@ -180,9 +178,7 @@ async def test_what_marks_a_thing_covers_no_name(data_dir: Path) -> None:
         assert game.shows("┌")
 
 
-async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_play_while_editing_loses_and_wins_nothing(data_dir: Path, room_file: Path) -> None:
     async with studio(data_dir, room_file) as s:
         game, areas, beacons = s.game, len(s.level.areas), len(s.level.beacons)
         game.session.pace.speed = None
@@ -208,9 +204,7 @@ async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(
         assert game.session.frame.after.robots[0].x == 40
 
 
-async def test_a_victory_while_the_level_is_edited_is_kept_at_once_and_told_afterwards(
-    data_dir: Path, room_file: Path
-) -> None:
+async def test_a_victory_while_editing_is_told_afterwards(data_dir: Path, room_file: Path) -> None:
     replace_in(room_file, "x = 40", "x = 215")
     async with studio(data_dir, room_file) as s:
         game = s.game
@@ -223,9 +217,7 @@ async def test_a_victory_while_the_level_is_edited_is_kept_at_once_and_told_afte
         assert not game.main.editing.is_on
 
 
-async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
-    data_dir: Path, web_file: Path
-) -> None:
+async def test_changes_are_kept_as_a_level_in_the_chooser(data_dir: Path, web_file: Path) -> None:
     before = said(web_file)
     async with studio(data_dir, web_file, size=(80, 24)) as s:
         game = s.game

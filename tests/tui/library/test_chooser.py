@@ -21,7 +21,7 @@ from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, STILL, Opened, opened, source_of
-from tests.tui.dialogs import complaint, dialog, fill
+from tests.tui.dialogs import complaint, fill
 from tests.virtual_time import Hold
 
 FIRST = list_levels()[0]
@@ -56,8 +56,8 @@ async def drop(game: Opened, form: str, file: Path, until: Callable[[], bool]) -
 
 async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: Path) -> None:
     async with opened(data_dir, ready=True) as game:
-        await game.press("n", until=lambda: game.tick == 1)
-        await dialog(game, "l", LevelScreen)
+        await game.press("n", tick=1)
+        await game.press("l", on=LevelScreen)
         level = load_level(FIRST)
         await game.sees(level.title)
         await fill(game, FIRST)
@@ -72,11 +72,9 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         await game.press("space", until=lambda: game.tick > 0, sees_no="hides this")
 
 
-async def test_a_level_file_is_opened_by_its_path_or_by_dropping_it_and_keeps_the_program(
-    data_dir: Path, tmp_path: Path
-) -> None:
+async def test_a_level_is_opened_by_its_path_or_dropping_it(data_dir: Path, tmp_path: Path) -> None:
     async with opened(data_dir, ready=True) as game:
-        await dialog(game, "l", LevelScreen)
+        await game.press("l", on=LevelScreen)
         for number, content in enumerate((None, b"", b"\xff\x00rubbish", b"{}", b"cell = 'x'")):
             bad = tmp_path / f"bad{number}.toml"
             if content is not None:
@@ -88,24 +86,22 @@ async def test_a_level_file_is_opened_by_its_path_or_by_dropping_it_and_keeps_th
         await game.sees("Open the file")
         await game.press("enter", until=lambda: is_at(game, "team_goal"))
         assert game.editor.text == PAPER
-        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("n", tick=1)
         for number, form in enumerate(AS_PASTED[0]):  # the dialog for programs takes the others
             file = tmp_path / f"from the web {number}.json"
             file.write_bytes((LEVELS / "team_goal.json").read_bytes())
-            await dialog(game, "l", LevelScreen)
+            await game.press("l", on=LevelScreen)
             await drop(game, form, file, partial(is_at, game, file.stem))
 
 
-async def test_programs_are_picked_by_their_first_comment_or_dropped_and_unsaved_text_comes_back(
-    data_dir: Path, tmp_path: Path
-) -> None:
+async def test_programs_are_picked_or_dropped_and_text_kept(data_dir: Path, tmp_path: Path) -> None:
     async with opened(data_dir, ready=True) as game:
-        await dialog(game, "o", Chooser)
+        await game.press("o", on=Chooser)
         await complains(game, f"{tmp_path}/", "folder")
         for path, why in OUT_OF_REACH:
             await complains(game, path, why)
         await game.press("escape", "2", *"hello", "escape", "space", until=lambda: game.tick > 2)
-        await dialog(game, "o", Chooser)
+        await game.press("o", on=Chooser)
         await fill(game, "obstacle")
         source = load_program("obstacle-avoider")
         await game.until(lambda: game.shows(source.text.splitlines()[0].lstrip("# ")[:20]))
@@ -114,7 +110,7 @@ async def test_programs_are_picked_by_their_first_comment_or_dropped_and_unsaved
         assert game.tick > 2  # the world stays, only the program is another one
         await game.press("space")
 
-        await dialog(game, "o", Chooser)
+        await game.press("o", on=Chooser)
         await game.until(lambda: game.app.screen.query_one(OptionList).option_count > 1)
         await fill(game, "mine")
         await game.press("enter", until=lambda: game.session.source.name == "mine")
@@ -124,7 +120,7 @@ async def test_programs_are_picked_by_their_first_comment_or_dropped_and_unsaved
         for number, form in enumerate(AS_PASTED[1]):
             file = tmp_path / f"from the web {number}.l"
             file.write_text(STILL, encoding="utf-8")
-            await dialog(game, "o", Chooser)
+            await game.press("o", on=Chooser)
             await drop(game, form, file, partial(is_open, game, file))
             assert game.editor.text == STILL
 
@@ -157,9 +153,7 @@ async def test_a_level_begins_at_rest_and_the_last_arena_has_no_next(data_dir: P
         await game.press("greater_than_sign", sees="the last level")
 
 
-async def test_who_is_in_a_hurry_saves_once_under_a_new_name_and_takes_nothing_back(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_hurried_keys_save_just_once(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     begun: list[Path] = []
     hold = Hold()
 
@@ -170,7 +164,7 @@ async def test_who_is_in_a_hurry_saves_once_under_a_new_name_and_takes_nothing_b
 
     monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
     async with opened(data_dir) as game:
-        await game.press("2", "x", "f2", until=lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("2", "x", "f2", on=SaveAs)
         assert game.app.screen.query_one(Input).value == "mine"
         await fill(game, "other")
         await game.press("enter", until=lambda: begun)
@@ -187,17 +181,15 @@ async def test_who_is_in_a_hurry_saves_once_under_a_new_name_and_takes_nothing_b
         await game.until(lambda: not list((data_dir / "drafts").glob("*.json")))
 
 
-async def test_saving_asks_before_it_replaces_another_program_and_refuses_odd_names(
-    data_dir: Path, tmp_path: Path
-) -> None:
+async def test_saving_asks_to_replace_and_refuses_odd_names(data_dir: Path, tmp_path: Path) -> None:
     (tmp_path / "up.l").mkdir()
     source_of(STILL, data_dir / "programs", "other")
     async with opened(data_dir) as game:
-        await game.press("2", "x", "f2", until=lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("2", "x", "f2", on=SaveAs)
         await game.press("enter", until=lambda: game.app.screen is game.main)
         assert (data_dir / "programs" / "mine.l").read_text() == "x" + PAPER
 
-        await game.press("f2", until=lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("f2", on=SaveAs)
         for name, why in (
             ("", "needs a name"),
             ("obstacle-avoider", "is part of the game"),
@@ -215,23 +207,21 @@ async def test_saving_asks_before_it_replaces_another_program_and_refuses_odd_na
         assert (data_dir / "programs" / "other.l").read_text() == "x" + PAPER
 
 
-async def test_the_key_in_the_editor_saves_what_is_the_players_and_asks_for_the_name_of_others(
-    data_dir: Path, tmp_path: Path
-) -> None:
+async def test_a_key_saves_one_s_own_and_asks_for_new_names(data_dir: Path, tmp_path: Path) -> None:
     async with opened(data_dir, text=STILL, ready=True) as game:
         mine = game.session.source.path
         await game.press("2", *"# so", "ctrl+s", until=lambda: mine.read_text() == f"# so{STILL}")
         await game.sees("Saved as mine in")
         assert game.app.screen is game.main
         game.session.saved_as(load_program("obstacle-avoider"))
-        await game.press("ctrl+s", until=lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("ctrl+s", on=SaveAs)
         await game.press("escape", "escape", until=lambda: game.app.screen is game.main)
         for number, sign in enumerate("\udcff\x1b"):
             path = tmp_path / f"o{sign}n.l"  # which can't be shown, and is not proposed
             path.write_text(STILL)
             game.main.library.open_program(load_program(path))
             await game.until(partial(is_open, game, path))
-            await dialog(game, "s", SaveAs)
+            await game.press("s", on=SaveAs)
             assert game.app.screen.query_one(Input).value == ""
             await fill(game, f"own{number}")
             own = data_dir / "programs" / f"own{number}.l"

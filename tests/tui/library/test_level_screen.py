@@ -33,7 +33,7 @@ NAMES = [*COURSE, DAILY, *list_arenas()]
 
 async def open_levels(game: Opened) -> LevelCards:
     await game.ready()
-    await game.press("l", until=lambda: isinstance(game.app.screen, LevelScreen))
+    await game.press("l", on=LevelScreen)
     cards = game.app.screen.query_one(LevelCards)
     await game.until(lambda: len(cards._cards) == len(NAMES))
     await game.until(
@@ -96,9 +96,7 @@ def names_on(cards: LevelCards) -> list[str]:
     return [card.name for card in cards._cards]
 
 
-async def test_arrows_choose_a_card_enter_plays_it_and_it_has_any_size(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_cards_are_chosen_and_played(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     async with opened(data_dir, size=(80, 18)) as game:
         cards = await open_levels(game)
         assert cards.across == 2
@@ -124,9 +122,7 @@ async def test_arrows_choose_a_card_enter_plays_it_and_it_has_any_size(
         assert game.app.screen is game.main
 
 
-async def test_what_is_typed_while_levels_are_read_costs_no_picture(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_early_keys_cost_no_pictures(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     own = data_dir / "levels"
     own.mkdir(parents=True)
     (own / "zzz.toml").write_text("title = ")
@@ -140,7 +136,7 @@ async def test_what_is_typed_while_levels_are_read_costs_no_picture(
     async with opened(data_dir) as game:
         try:
             await game.ready()
-            await game.press("l", until=lambda: isinstance(game.app.screen, LevelScreen))
+            await game.press("l", on=LevelScreen)
             cards = game.app.screen.query_one(LevelCards)
             line = game.app.screen.query_one("#filter", Input)
             await game.until(lambda: len(cards._cards) == len(NAMES) + 1)

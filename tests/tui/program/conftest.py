@@ -13,7 +13,7 @@ from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
-from tests.tui.conftest import CHARACTERS, Opened
+from tests.tui.conftest import CHARACTERS, Opened, Size
 from tests.virtual_time import later, until, virtual_loop
 
 
@@ -83,7 +83,7 @@ class Desk:
 
 
 @asynccontextmanager
-async def writing(text: str = "", size: tuple[int, int] = (80, 24)) -> AsyncIterator[Desk]:
+async def writing(text: str = "", size: Size = (80, 24)) -> AsyncIterator[Desk]:
     """Open the pane with a text and the cursor at its start."""
     app = PaneApp()
     async with app.run_test(size=size) as pilot:

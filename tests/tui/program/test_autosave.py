@@ -80,9 +80,7 @@ async def test_typed_text_is_on_disk_soon_and_offered_at_the_next_start(data_dir
     assert texts(data_dir) == ["hello" + PAPER]
 
 
-async def test_a_key_that_was_meant_for_the_game_is_no_answer_and_without_one_the_text_is_kept(
-    data_dir: Path,
-) -> None:
+async def test_a_key_meant_for_the_game_is_no_answer_and_the_text_is_kept(data_dir: Path) -> None:
     leave_behind(data_dir, mine="hello" + PAPER)
     keys = ("n", "y", "s", "enter", "right", "tab", "escape")
     async with opened(data_dir) as game:
@@ -120,9 +118,7 @@ async def test_text_that_is_unwanted_or_saved_is_not_offered_again(data_dir: Pat
     assert texts(data_dir) == ["other" + PAPER]
 
 
-async def test_a_question_waits_for_the_dialog_over_the_game_and_may_be_settled_by_then(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_question_waits_its_turn(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     leave_behind(data_dir, mine="hello" + PAPER, other="other" + PAPER)
     hold = Hold()
     adopt = Drafts.adopt
@@ -136,7 +132,7 @@ async def test_a_question_waits_for_the_dialog_over_the_game_and_may_be_settled_
     async with opened(data_dir, name="third") as game:
         try:
             await game.until(lambda: hold.has_begun)
-            await game.press("s", until=lambda: isinstance(game.app.screen, SaveAs))
+            await game.press("s", on=SaveAs)
             game.main.library.open_program(load_program(data_dir / "programs" / "mine.l"))
         finally:
             hold.release()
@@ -156,12 +152,12 @@ async def test_nobody_leaves_unasked_what_cannot_be_kept(data_dir: Path, tmp_pat
     async with opened(data_dir, ready=True) as game:
         (data_dir / "drafts").write_text("in the way")
         await game.press("2", "x", sees="can't be kept on disk")
-        await game.press("y", "backspace", "escape", "n", until=lambda: game.tick == 1)
+        await game.press("y", "backspace", "escape", "n", tick=1)
         for answer in ("s", "escape"):
             await game.press("q", sees="Your changes to “mine” are not saved and")
             await game.press(answer)
             await at_the_game(game)
-        await game.press("s", until=lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("s", on=SaveAs)
         game.app.screen.query_one(Input).value = str(tmp_path / "elsewhere.l")
         await game.press("enter")
         await at_the_game(game)
@@ -178,13 +174,11 @@ async def test_who_does_not_want_what_cannot_be_kept_leaves(data_dir: Path) -> N
         await game.sees("are not saved and can't be kept")
         await game.press("s")
         await at_the_game(game)
-        await game.press("ctrl+c", "ctrl+c", until=lambda: isinstance(game.app.screen, Question))
+        await game.press("ctrl+c", "ctrl+c", on=Question)
         await game.press("l", until=lambda: not game.app.is_running)
 
 
-async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_our_mistakes_keep_the_text(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(BugReport) as caught:  # noqa: PT012 - it is raised at the end
         async with opened(data_dir) as game:
             await game.press("2", *"hello", until=lambda: game.editor.text.startswith("hello"))
@@ -279,9 +273,7 @@ def test_a_change_before_the_first_look_is_noticed_once(tmp_path: Path) -> None:
     assert watch.newer(newer) is None
 
 
-async def test_a_file_that_changes_on_disk_is_applied_unless_something_else_was_typed(
-    data_dir: Path,
-) -> None:
+async def test_a_file_that_changes_on_disk_is_applied_unless_one_has_typed(data_dir: Path) -> None:
     async with opened(data_dir, ready=True) as game:
         path = game.session.source.path
         path.write_text(STILL)
@@ -297,9 +289,7 @@ async def test_a_file_that_changes_on_disk_is_applied_unless_something_else_was_
         assert game.editor.text == "xy" + STILL
 
 
-async def test_the_disk_is_not_waited_for_and_what_comes_late_changes_nothing(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_the_disk_is_not_waited_for(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     first, second, looked = Hold(), Hold(), threading.Event()
     holds = {STILL: first, f"{STILL}\n": second}
     other = source_of(PAPER, data_dir / "programs", "other")
@@ -318,7 +308,7 @@ async def test_the_disk_is_not_waited_for_and_what_comes_late_changes_nothing(
         path.write_text(STILL)
         try:
             await game.until(lambda: first.has_begun)
-            await game.press("n", until=lambda: game.tick == 1)
+            await game.press("n", tick=1)
             assert game.editor.text == PAPER
         finally:
             first.release()

@@ -83,9 +83,7 @@ def test_the_call_is_the_innermost_that_is_open() -> None:
 @pytest.mark.parametrize(
     ("piece", "end"), [("(", ""), ("A", ""), ("A", "!("), ("x [ ", ""), (" ", "{")]
 )
-def test_the_longest_line_is_looked_at_in_time(
-    piece: str, end: str, pytestconfig: pytest.Config
-) -> None:
+def test_a_long_line_is_read_in_time(piece: str, end: str, pytestconfig: pytest.Config) -> None:
     is_long = pytestconfig.option.all
     text = piece * ((150_000 if is_long else 30_000) // len(piece)) + end
     with bounded_work(10.0 if is_long else 2.0):

@@ -70,9 +70,7 @@ async def test_lines_are_moved_duplicated_indented_and_commented_as_one_edit() -
             assert editor.text == expected
 
 
-async def test_keys_that_arrive_at_once_are_obeyed_in_their_order_as_a_paste_with_brackets() -> (
-    None
-):
+async def test_keys_that_come_at_once_are_obeyed_in_order_as_a_paste_with_brackets() -> None:
     async with writing(PAPER) as desk:
         keys = ["down", "down", "end", *["backspace"] * 2, *"abc", "left", "x", "enter", "y"]
         await desk.at_once(*keys)
@@ -223,9 +221,7 @@ def test_the_player_s_own_editor_gets_the_terminal_and_gives_it_back(tmp_path: P
     ],
     ids=["fails", "is missing", "has no name", "ended badly", "killed", "no UTF-8"],
 )
-def test_what_an_editor_has_written_is_taken_however_it_ends_and_a_failure_is_raised(
-    editor: str, left: str | type[Exception]
-) -> None:
+def test_an_editor_s_text_is_taken_or_it_fails(editor: str, left: str | type[Exception]) -> None:
     with nullcontext() if isinstance(left, str) else pytest.raises(left):
         assert edit_outside("text", {"EDITOR": editor}) == left
 
@@ -264,9 +260,7 @@ def test_lines_are_found_again_after_a_change(after: str, rows: list[int | None]
 
 
 @given(LINES, LINES)
-def test_a_line_that_stands_beside_what_changed_is_found_as_it_was(
-    before: list[str], after: list[str]
-) -> None:
+def test_a_line_beside_a_change_is_found_as_it_was(before: list[str], after: list[str]) -> None:
     places = list(range(len(before)))
     rows = [row for row in follow_rows(places, before, after) if row is not None]
     assert all(0 <= row < len(after) for row in rows)
@@ -292,9 +286,7 @@ def test_a_wrapped_line_has_its_sign_only_where_it_begins(row: int | None, told:
         (9, "", "a Bat(x)", ")"),
     ],
 )
-def test_what_is_wrong_in_a_line_is_underlined(
-    column: int, excerpt: str, line: str, marked: str
-) -> None:
+def test_what_is_wrong_is_underlined(column: int, excerpt: str, line: str, marked: str) -> None:
     mark = mark_of(Diagnostic(1, column, "wrong", excerpt=excerpt), line)
     assert line[mark.start : mark.stop] == marked
     assert mark.is_wrong

@@ -12,7 +12,7 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.player.opening import Permissions
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
-from tests.tui.conftest import PAPER, STILL, WRONG, Opened, opened
+from tests.tui.conftest import PAPER, STILL, WRONG, Opened, Size, opened
 from tests.tui.program.conftest import title
 
 ORDERED = STILL.replace("memory: 1", "memory: {order: 1}")
@@ -30,9 +30,7 @@ NAMED = f"""\
 """
 
 
-async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked_for(
-    data_dir: Path,
-) -> None:
+async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked(data_dir: Path) -> None:
     async with opened(data_dir, text=STILL, ready=True) as game:
         await game.press("2", "f7")
         game.app.post_message(events.Paste(PAPER.replace("\n", "\r\n")))
@@ -50,9 +48,7 @@ async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked_for(
 @pytest.mark.parametrize(
     "size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)], ids=["80x24", "120x40"]
 )
-async def test_letters_right_behind_the_key_for_the_editor_are_typed(
-    data_dir: Path, size: tuple[int, int]
-) -> None:
+async def test_letters_right_behind_the_editor_s_key_are_typed(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text="", size=size) as game:
         for letter in "2squid":
             game.app.post_message(events.Key(letter, letter))
@@ -65,9 +61,7 @@ async def test_letters_right_behind_the_key_for_the_editor_are_typed(
         await game.press("ctrl+c", sees="Press ^C again to quit")
 
 
-async def test_a_mistake_is_marked_where_it_is_and_the_last_good_program_runs_on(
-    data_dir: Path,
-) -> None:
+async def test_a_mistake_is_marked_there_and_the_last_good_program_runs_on(data_dir: Path) -> None:
     async with opened(data_dir, ready=True) as game:
         await game.press("2")
         await game.write(WRONG)
@@ -78,8 +72,7 @@ async def test_a_mistake_is_marked_where_it_is_and_the_last_good_program_runs_on
         assert title(game) == "Program · 1 error, the old version is still running · mine*"
         assert mistake.hint
         await game.sees(mistake.hint.split(".")[0][:30])
-        await game.press("ctrl+home", *"# so", "enter", sees="4✗")
-        await game.sees("✗ line 4")
+        await game.press("ctrl+home", *"# so", "enter", sees=("4✗", "✗ line 4"))
         assert game.screen().count(mistake.message[:20]) == 1
         await game.press("ctrl+g", "a", until=lambda: not game.shows("✗"))
         assert game.editor.document.get_line(3) == WRONG.splitlines()[2].replace("{", "a{", 1)
@@ -133,12 +126,10 @@ async def test_a_program_of_a_megabyte_is_refused_and_the_game_goes_on(data_dir:
         game.app.post_message(events.Paste("x = 1 + Foo(bar: 3), # note\n" * 36_000))
         await game.until(lambda: len(game.editor.text) > 1_000_000)
         await game.press("f4", until=lambda: game.session.state.phase == "mistake", sees="✗ line 1")
-        await game.press("escape", "n", until=lambda: game.tick == 1)
+        await game.press("escape", "n", tick=1)
 
 
-async def test_what_is_applied_last_overtakes_what_is_still_compiled(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_what_is_applied_last_wins(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     begun, go_on, over = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
     async def compile_slowly(text: str, _told: object) -> Program:
@@ -160,13 +151,11 @@ async def test_what_is_applied_last_overtakes_what_is_still_compiled(
         await game.until(lambda: game.session.state.phase == "applied")
         go_on.set()
         await game.until(lambda: over.is_set() and title(game).startswith("Program · applied · "))
-        await game.press("f8", until=lambda: game.tick == 2)
+        await game.press("f8", tick=2)
         assert game.session.frame.memories == {"Solo": 1}
 
 
-async def test_what_is_copied_or_cut_is_in_a_file_too_and_another_editor_may_edit_it(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_what_is_copied_is_in_a_file(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VISUAL", """sh -c 'sed -i "s/memory: 1/memory: 2/" $0'""")
     monkeypatch.setattr(LogicalRobotsApp, "suspend", lambda _: nullcontext())
     copied = data_dir / "copied.txt"
@@ -215,9 +204,7 @@ def is_at(game: Opened, row: int) -> bool:
     return game.editor.cursor_location[0] == row
 
 
-async def test_mistakes_are_marked_and_counted_when_the_keys_rest_and_each_can_be_reached(
-    data_dir: Path,
-) -> None:
+async def test_mistakes_are_marked_when_the_keys_rest_and_can_be_reached(data_dir: Path) -> None:
     async with opened(data_dir, text=STILL, ready=True) as game:
         await game.press("2")
         game.editor.move_cursor((1, len("  Sens")))
@@ -273,9 +260,7 @@ async def is_warned_of_the_comparison(game: Opened) -> None:
     assert mistake.hint.endswith("near = (sensor.forward_distance < 60).")
 
 
-async def test_what_is_odd_lacks_in_the_level_or_fails_on_the_web_platform_is_a_warning(
-    data_dir: Path,
-) -> None:
+async def test_what_is_odd_or_missing_or_fails_on_the_web_is_a_warning(data_dir: Path) -> None:
     async with opened(data_dir, text=ORDERED) as game:
         await game.until(lambda: title(game).startswith("Program · applied, 1 warning"))
         await game.sees("order is a word of SQL")
@@ -288,9 +273,7 @@ async def test_what_is_odd_lacks_in_the_level_or_fails_on_the_web_platform_is_a_
         await is_warned_of_the_comparison(game)
 
 
-async def test_in_a_level_of_this_game_it_does_not_matter_what_fails_on_the_web_platform(
-    data_dir: Path,
-) -> None:
+async def test_in_this_game_s_levels_the_web_platform_does_not_matter(data_dir: Path) -> None:
     level = shipped_folder("levels") / "01-first-steps.toml"
     async with opened(data_dir, level=level, text=ORDERED) as game:
         await game.until(lambda: title(game).startswith("Program · applied · "))

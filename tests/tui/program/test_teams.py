@@ -9,7 +9,7 @@ from logical_robots_tui.player.opening import Opening
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH
-from tests.tui.conftest import Opened, source_of
+from tests.tui.conftest import Opened, Size, source_of
 from tests.virtual_time import VirtualClock
 
 RED = """\
@@ -23,7 +23,7 @@ SCORE = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
 
 @asynccontextmanager
 async def match(
-    data_dir: Path, size: tuple[int, int] = (120, 40), text: str = MATCH, *, same: bool = False
+    data_dir: Path, size: Size = (120, 40), text: str = MATCH, *, same: bool = False
 ) -> AsyncIterator[Opened]:
     """Open the game in a level with two teams, with two programs or with the same file."""
     red = source_of(RED, data_dir / "programs", "redly")
@@ -40,9 +40,7 @@ async def match(
         yield game
 
 
-async def test_choosing_a_robot_shows_what_it_thinks_with_until_the_match_is_over(
-    data_dir: Path,
-) -> None:
+async def test_a_chosen_robot_shows_its_program_until_the_match_is_over(data_dir: Path) -> None:
     async with match(data_dir, text="match = {ticks = 3}\n" + MATCH + SCORE) as game:
         await game.sees(" red   blue ", "applied · red: redly")
         assert game.editor.text == RED
@@ -90,7 +88,7 @@ async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Pat
         assert program is not None
         assert program.texts == {"red": RED + "# mine\n", "blue": changed}
         assert await game.main.recorder.newest(game.main.session.level) == RED + "# mine\n"
-        await game.press("escape", "n", until=lambda: game.tick == 1)
+        await game.press("escape", "n", tick=1)
         ada, bo, _ = game.session.frame.after.robots
         assert (ada.x, bo.x) == (41, 40)
         blue, _ = game.main.session.sources.of("blue")
@@ -104,9 +102,7 @@ async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Pat
         assert game.main.session.source.name == "redly"
 
 
-async def test_in_a_small_terminal_the_tabs_fit_and_the_others_can_be_hidden(
-    data_dir: Path,
-) -> None:
+async def test_in_a_small_terminal_tabs_fit_and_the_others_can_be_hidden(data_dir: Path) -> None:
     async with match(data_dir, size=(80, 24)) as game:
         await game.press("2", sees=" red   blue ")
         game.main.action_command("next_team")

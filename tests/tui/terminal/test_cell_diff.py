@@ -67,9 +67,7 @@ def fitting(pieces: Pieces) -> list[tuple[int, int, Strip]]:
 
 
 @given(st.lists(_pieces, min_size=1, max_size=4))
-def test_differences_show_what_everything_would_show_and_are_sent_once(
-    updates: list[Pieces],
-) -> None:
+def test_differences_show_what_all_would_show_and_are_sent_once(updates: list[Pieces]) -> None:
     console = Console(color_system="truecolor", force_terminal=True)
     one, other = terminal(), terminal()
     theirs, ours = pyte.Stream(other), pyte.Stream(one)
@@ -115,9 +113,7 @@ def test_pieces_that_reach_out_of_the_terminal_do_no_harm(pieces: Pieces) -> Non
     st.builds(Region, *(st.integers(0, size) for size in (COLUMNS, ROWS, COLUMNS, ROWS))),
     st.integers(1, 40),
 )
-def test_what_there_was_no_room_for_is_sent_later(
-    updates: list[Pieces], last: Region, limit: int
-) -> None:
+def test_what_has_no_room_is_sent_later(updates: list[Pieces], last: Region, limit: int) -> None:
     one, other = terminal(), terminal()
     ours, theirs = pyte.Stream(one), pyte.Stream(other)
     sparing, plain = difference_of(), difference_of()

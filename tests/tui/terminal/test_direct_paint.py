@@ -86,9 +86,7 @@ def is_half_covered(cells: Cells, x: int, y: int, covered: set[tuple[int, int]])
 
 
 @given(pictures(), st.integers(1, COLUMNS), st.integers(1, ROWS))
-def test_of_a_spot_in_a_terminal_that_shrank_is_shown_what_there_is_room_for(
-    cells: Cells, columns: int, rows: int
-) -> None:
+def test_of_a_spot_is_shown_what_there_is_room_for(cells: Cells, columns: int, rows: int) -> None:
     straight, by_strips = pyte.Screen(columns, rows), pyte.Screen(columns, rows)
     ours, theirs = (Difference(columns, rows, None) for _ in range(2))
     PaintTarget(ours, SPOT, []).put(cells, WHOLE)

@@ -11,17 +11,15 @@ from textual.app import App
 
 from logical_robots_tui.tui.terminal import diff_app as sparing
 from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
-from tests.tui.inspector.steps import started
+from tests.tui.conftest import opened
 
 
 @pytest.mark.usefixtures("drawn_at_once")
-async def test_what_is_sent_to_a_terminal_depends_on_its_answers(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_answers_decide_what_is_sent(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
     written: list[str] = []
     ended: list[int] = []
-    async with started(data_dir) as game:
+    async with opened(data_dir, ready=True) as game:
         await game.later(1)
         driver = type(game.app._driver)
         monkeypatch.setattr(
@@ -59,9 +57,7 @@ async def test_what_is_sent_to_a_terminal_depends_on_its_answers(
         await game.until(lambda: written)
 
 
-async def test_a_mistake_of_ours_in_the_thread_that_reads_ends_the_app(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_a_mistake_in_the_reader_thread_ends_the_app(monkeypatch: pytest.MonkeyPatch) -> None:
     def take(*_: object) -> None:
         raise LookupError("made by a test")
 

@@ -112,9 +112,7 @@ SOON_GONE = """if True:
 
 
 @pytest.mark.slow
-def test_a_terminal_that_falls_silent_ends_a_restricted_game_and_the_text_is_kept(
-    tmp_path: Path,
-) -> None:
+def test_a_silent_terminal_ends_a_restricted_game_and_the_text_is_kept(tmp_path: Path) -> None:
     with Terminal(play(tmp_path, "--restricted", code=SOON_GONE)) as terminal:
         terminal.wait_for("· applied")
         terminal.send("2# typed by ada")
@@ -171,9 +169,7 @@ threading.Thread.run = run
 @pytest.mark.parametrize(
     "before", ["", pytest.param(BUSY, marks=pytest.mark.slow)], ids=["idle", "busy"]
 )
-def test_a_main_thread_that_hears_no_signal_does_not_outlive_its_terminal(
-    tmp_path: Path, before: str
-) -> None:
+def test_a_deaf_main_thread_does_not_outlive_its_terminal(tmp_path: Path, before: str) -> None:
     ours, theirs = os.openpty()
     kept = tmp_path / "kept"
     command = [sys.executable, "-c", before + STUCK, str(kept)]

@@ -78,9 +78,7 @@ def test_a_lost_answer_is_given_up_after_a_while_and_a_long_line_is_measured_ane
 
 
 @given(st.lists(st.text("ab[;0R1m", max_size=8), min_size=1), st.integers(1, 9))
-def test_answers_are_heard_wherever_they_come_in_and_a_paste_around_them_stays_whole(
-    texts: list[str], size: int
-) -> None:
+def test_answers_are_heard_also_in_a_paste_that_stays_whole(texts: list[str], size: int) -> None:
     came = "\x1b[200~" + "\x1b[12;34R".join(texts) + "\x1b[201~"
     incoming, answers = InputFilter(), 0
     found: list[str | Pasted] = []

@@ -19,9 +19,7 @@ VALUES = st.recursive(
 
 
 @given(st.text(), st.integers(0, 30))
-def test_visible_text_has_nothing_that_a_terminal_acts_on_and_clipped_is_never_longer(
-    text: str, width: int
-) -> None:
+def test_visible_text_moves_no_terminal_and_clipped_is_never_longer(text: str, width: int) -> None:
     assert len(clip(text, width)) <= width
     shown = visible(text)
     assert len(shown) == len(text)

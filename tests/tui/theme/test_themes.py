@@ -13,8 +13,7 @@ from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.settings_screen import ThemeList
 from logical_robots_tui.tui.inspector.pane import PredicateList
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, contrast, palette_of
-from tests.tui.conftest import Opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.conftest import Opened, opened
 
 THEMES_OF_TEXTUAL = [theme for theme in BUILTIN_THEMES.values() if not theme.ansi]
 
@@ -63,15 +62,15 @@ def ink_and_paper(segment: Segment) -> tuple[Color, Color]:
 
 @pytest.mark.slow
 async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> None:
-    async with started(data_dir) as game:
-        await pressed(game, "n", "a", until=lambda: game.tick == 1 and game.shows("engines"))
+    async with opened(data_dir, ready=True) as game:
+        await game.press("n", "a", until=lambda: game.tick == 1 and game.shows("engines"))
         words = ("FreedomMotion", "PAUSED", "engines", "Map", "● ")
         before = {word: colours_of(game, word) for word in words}
-        await pressed(game, "ctrl+p", sees="Find a command")
-        await pressed(game, *"theme", "enter", on=ThemeList)
+        await game.press("ctrl+p", sees="Find a command")
+        await game.press(*"theme", "enter", on=ThemeList)
         while game.app.theme != "solarized-light":
             await game.press("down")
-        await pressed(game, "enter", until=lambda: game.app.screen is game.main)
+        await game.press("enter", until=lambda: game.app.screen is game.main)
         for word in words:
             assert colours_of(game, word)
             assert not colours_of(game, word) & before[word], word
@@ -87,8 +86,8 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
 
 @pytest.mark.slow
 async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Path) -> None:
-    async with started(data_dir) as game:
-        await pressed(game, "3", "w", sees="Why · tick 0")
+    async with opened(data_dir, ready=True) as game:
+        await game.press("3", "w", sees="Why · tick 0")
         choice = game.main.inspector.query_one(PredicateList)
         choice.focus()
         for theme in (NIGHT, *THEMES_OF_TEXTUAL):
@@ -100,11 +99,9 @@ async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Pa
 
 
 @pytest.mark.slow
-async def test_without_colours_everything_is_legible_in_greys(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_greys_alone_are_legible_too(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    async with started(data_dir) as game:
+    async with opened(data_dir, ready=True) as game:
         for theme in ("night", "ansi-dark", "ansi-light"):
             game.app.theme = theme
             await game.sees("FreedomMotion")
@@ -115,7 +112,7 @@ async def test_without_colours_everything_is_legible_in_greys(
 
 
 async def test_all_characters_are_one_cell_wide(data_dir: Path) -> None:
-    async with started(data_dir) as game:
+    async with opened(data_dir, ready=True) as game:
         await game.press("n", "a", "Y", "f")
         for keys in ("w", ("question_mark",), ("escape", "l")):  # the map: `test_glyphs.py`
             await game.press(*keys)

@@ -42,9 +42,7 @@ OTHER = st.none() | st.integers(0, 90_000)
 
 
 @given(st.integers(0, 50_000), st.integers(0, 40_000), OTHER, st.integers(1, 300))
-def test_every_tick_has_a_column_that_stands_for_it(
-    first: int, ticks: int, other: int | None, width: int
-) -> None:
+def test_every_tick_has_its_column(first: int, ticks: int, other: int | None, width: int) -> None:
     last = first + ticks
     scale = Scale.to_hold(Span(first, last, last, other), width)
     assert str(scale.each).rstrip("0") in ("1", "2", "5")

@@ -14,8 +14,7 @@ from logical_robots_tui.tui.timeline.breakpoints import (
     BreakpointList,
     QuestionPrompt,
 )
-from tests.tui.conftest import Opened
-from tests.tui.inspector.steps import pressed, run_until
+from tests.tui.conftest import Opened, Size
 from tests.tui.timeline.test_widget import playing
 from tests.virtual_time import Hold
 
@@ -25,20 +24,20 @@ AT = f"{CLOCK}t in [3, 4, 9]"
 
 async def search(game: Opened, question: str) -> None:
     """Type a question to search for, as a player does."""
-    await pressed(game, "Q", on=QuestionPrompt)
+    await game.press("Q", on=QuestionPrompt)
     game.app.screen.query_one(Input).value = question
     await game.press("enter")
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_the_ticks_in_which_a_question_holds_are_gone_through(
-    data_dir: Path, short: Path, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+    data_dir: Path, short: Path, size: Size, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with playing(data_dir, short, size=size) as game:
-        await run_until(game, 12)
+        await game.run_until(12)
         # The first repetition asks for the question.
-        await pressed(game, "left_parenthesis", "semicolon", on=QuestionPrompt)
-        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
+        await game.press("left_parenthesis", "semicolon", on=QuestionPrompt)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
         assert game.tick == 0
 
         # A wrong one says what is wrong and can be mended.
@@ -46,11 +45,11 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
         await game.sees("Sensor has no column sensr.")
         game.app.screen.query_one(Input).value = AT
         await game.sees_no("Sensor has no column sensr.")
-        await pressed(game, "enter", tick=3)
-        await pressed(game, "semicolon", tick=9)
-        await pressed(game, "semicolon", sees="No other tick after 9")
-        await pressed(game, "colon", tick=4)
-        await pressed(game, "colon", sees="No other tick before 4")
+        await game.press("enter", tick=3)
+        await game.press("semicolon", tick=9)
+        await game.press("semicolon", sees="No other tick after 9")
+        await game.press("colon", tick=4)
+        await game.press("colon", sees="No other tick before 4")
         assert game.tick == 4
 
         # One that fails says so.
@@ -71,7 +70,7 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
         monkeypatch.setattr(Mind, "ask", slow)
         await search(game, AT)
         await game.until(lambda: hold.has_begun)
-        await pressed(game, "n", "n", tick=2)
+        await game.press("n", "n", tick=2)
         hold.release()
         await game.until(lambda: all(w.is_finished for w in game.main.workers if w.group == "seek"))
         assert game.tick == 2
@@ -79,58 +78,53 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
-async def test_a_breakpoint_is_made_with_the_names_that_there_are(
-    data_dir: Path, short: Path, size: tuple[int, int]
-) -> None:
+async def test_a_breakpoint_is_made_of_known_names(data_dir: Path, short: Path, size: Size) -> None:
     async with playing(data_dir, short, size=size) as game:
-        await pressed(game, "B", "a", on=BreakpointForm, sees="Sensor Memory Near Robot")
-        await pressed(game, "enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
-        await pressed(game, *"Ner", "enter", sees="The program has no predicate Ner.")
+        await game.press("B", "a", on=BreakpointForm, sees="Sensor Memory Near Robot")
+        await game.press("enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
+        await game.press(*"Ner", "enter", sees="The program has no predicate Ner.")
         await game.press("backspace", *"a")
         await game.until(lambda: game.app.screen.query_one("#subject", Input)._suggestion)
-        await pressed(game, "right", "enter", on=BreakpointList)
+        await game.press("right", "enter", on=BreakpointList)
         assert list(game.session.breakpoints) == [Breakpoint("rows", "Near")]
-        await pressed(game, "a", on=BreakpointForm)
+        await game.press("a", on=BreakpointForm)
         events = game.app.screen.query_one(OptionList)
         events.highlighted = list(EVENTS).index("change")
         await game.until(lambda: game.app.screen.query_one("#column").display)
-        await pressed(game, "enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
-        await game.press(*"Near", "tab", *"Pip", "tab", *"robot_name")
-        await pressed(game, "enter", on=BreakpointList)
+        await game.press("enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
+        await game.press(*"Near", "tab", *"Pip", "tab", *"robot_name", "enter", on=BreakpointList)
         assert game.session.breakpoints.on[1] == Breakpoint("change", "Near", "Pip", "robot_name")
 
         # It can be any question.
-        await pressed(game, "a", on=BreakpointForm)
-        await pressed(game, "enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
+        await game.press("a", on=BreakpointForm)
+        await game.press("enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
         subject = game.app.screen.query_one("#subject", Input)
         subject.value = "Sensor(sensr:)"
-        await pressed(game, "enter", sees="Sensor has no column sensr.")
+        await game.press("enter", sees="Sensor has no column sensr.")
         subject.value = AT
-        await pressed(game, "enter", on=BreakpointList)
+        await game.press("enter", on=BreakpointList)
         assert game.session.breakpoints.on[2] == Breakpoint("rows", AT)
         await game.sees_no("!")
-        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
-        await pressed(game, "space", until=lambda: game.tick == 3 and not game.session.busy)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
+        await game.press("space", until=lambda: game.tick == 3 and not game.session.busy)
         await game.sees("Stopped at tick 3.")
-        await pressed(game, "space", until=lambda: game.tick == 9 and not game.session.busy)
+        await game.press("space", until=lambda: game.tick == 9 and not game.session.busy)
 
         # The list says why a question can't be asked.
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Sensor(sensr:), 1 < 2"))
-        await pressed(game, "n", tick=10)
-        await pressed(game, "B", on=BreakpointList)
+        await game.press("n", tick=10)
+        await game.press("B", on=BreakpointList)
         await game.sees("! This can't be asked: Sensor has no column sensr.")
         assert game.app.screen.query_one(OptionList).option_count == 4
 
 
-async def test_what_was_asked_or_searched_last_is_stopped_at_and_pinned(
-    data_dir: Path, short: Path
-) -> None:
+async def test_the_last_question_is_stopped_at_and_pinned(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
 
         async def ask(question: str) -> None:
-            await pressed(game, "slash", until=lambda: isinstance(game.main.focused, QueryLine))
+            await game.press("slash", until=lambda: isinstance(game.main.focused, QueryLine))
             game.main.query_one(QueryLine).value = question
-            await pressed(game, "enter", sees="Ask · tick")
+            await game.press("enter", sees="Ask · tick")
             await game.press("escape")
 
         async def stops_at(question: str) -> None:
@@ -138,7 +132,7 @@ async def test_what_was_asked_or_searched_last_is_stopped_at_and_pinned(
             await game.until(lambda: [*game.session.breakpoints] == [Breakpoint("rows", question)])
             game.session.breakpoints.remove(Breakpoint("rows", question))
 
-        await run_until(game, 12)
+        await game.run_until(12)
         await ask("sensor.clock > 1")
         await game.press("left_parenthesis")
         await search(game, AT)
@@ -146,23 +140,23 @@ async def test_what_was_asked_or_searched_last_is_stopped_at_and_pinned(
         await stops_at(AT)
         await ask("sensor.clock > 2")
         await stops_at("sensor.clock > 2")
-        await pressed(game, "colon", sees="No other tick before 3")
+        await game.press("colon", sees="No other tick before 3")
         await stops_at(AT)
 
         await ask(AT)
         await game.sees("Ask · tick 3 · 1 row")
-        await pressed(game, "asterisk", "at", sees="Pinned: ")
+        await game.press("asterisk", "at", sees="Pinned: ")
         assert list(game.session.breakpoints) == [Breakpoint("rows", AT)]
         view = game.main.query_one(WatchView)
         assert view.pins == (Pin(AT),)
         await game.press("escape", "left_parenthesis")
         for tick in (3, 9):
-            await pressed(game, "space", tick=tick, until=lambda: not game.session.busy)
+            await game.press("space", tick=tick, until=lambda: not game.session.busy)
         game.session.breakpoints.remove(Breakpoint("rows", AT))
         await game.press("right_parenthesis", "V")
         await game.until(lambda: view.has_focus and AT[:20] in view.plain)
         # A line of ticks: empty, but for the third, the fourth and the ninth.
         await game.until(lambda: "  ▁▁▁██▁▁▁▁█▁▁▁" in view.plain)
-        await pressed(game, "left", tick=10)
-        await pressed(game, "enter", until=lambda: game.main.query_one(QueryLine).value == AT)
+        await game.press("left", tick=10)
+        await game.press("enter", until=lambda: game.main.query_one(QueryLine).value == AT)
         await game.sees("Ask · tick 10")

@@ -14,8 +14,7 @@ from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD
-from tests.tui.conftest import STILL, Opened
-from tests.tui.inspector.steps import pressed, started
+from tests.tui.conftest import STILL, Opened, opened
 from tests.virtual_time import VirtualClock
 
 
@@ -38,17 +37,15 @@ async def saved(game: Opened) -> Replay:
     return load_replay(path)
 
 
-async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
-    data_dir: Path, short: Path, tmp_path: Path
-) -> None:
-    async with started(data_dir, level=short, text=AHEAD) as game:
+async def test_runs_are_saved_and_opened_again(data_dir: Path, short: Path, tmp_path: Path) -> None:
+    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         await game.main.replays.save()
         await game.sees("Run the robots first")
         assert not (data_dir / "replays").exists()
-        await pressed(game, "n", "n", "n", tick=3)
+        await game.press("n", "n", "n", tick=3)
         game.session.put("Pip", (30.0, 12.0, 0.5))
         await game.apply(STILL)
-        await pressed(game, "escape", "n", "n", tick=5)
+        await game.press("escape", "n", "n", tick=5)
         assert game.session.game is not None
         there = [game.session.game.frame_at(tick) for tick in range(6)]
         await game.press("p")
@@ -58,7 +55,7 @@ async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
         await game.press("escape", "r")
         game.main.action_command("open_replay")
         await game.until(lambda: isinstance(game.app.screen, Chooser) and game.shows("5 ticks"))
-        await pressed(game, "enter", sees="Replay of 5 ticks")
+        await game.press("enter", sees="Replay of 5 ticks")
         await game.until(lambda: game.tick == replay.last and not game.session.busy)
         assert game.session.state.applied == STILL
     async with played(replay, tmp_path / "elsewhere") as game:
@@ -70,10 +67,8 @@ async def test_what_the_timeline_holds_is_saved_and_opened_here_and_elsewhere(
             assert game.session.frame == frame
 
 
-async def test_a_victory_in_a_replay_is_nobody_s(
-    data_dir: Path, short: Path, tmp_path: Path
-) -> None:
-    async with started(data_dir, level=short, text=AHEAD) as game:
+async def test_a_replay_s_victory_is_nobody_s(data_dir: Path, short: Path, tmp_path: Path) -> None:
+    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         game.session.run_until(100)
         await game.sees("Again")
         await game.press("escape")

@@ -12,8 +12,7 @@ from logical_robots_tui.game import Breakpoint
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointList, TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import load_level
-from tests.tui.conftest import STILL, Opened
-from tests.tui.inspector.steps import pressed, run_until, sees_all, started
+from tests.tui.conftest import STILL, Opened, Size, opened
 
 TURNS = """\
 Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 12;
@@ -24,15 +23,15 @@ Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: sensor
 
 @asynccontextmanager
 async def playing(
-    data_dir: Path, short: Path, text: str = TURNS, size: tuple[int, int] = (120, 40)
+    data_dir: Path, short: Path, text: str = TURNS, size: Size = (120, 40)
 ) -> AsyncIterator[Opened]:
-    async with started(data_dir, level=short, text=text, size=size) as game:
+    async with opened(data_dir, level=short, text=text, size=size, ready=True) as game:
         yield game
 
 
 async def asked(game: Opened, key: str, text: str) -> None:
     """Type an answer into the prompt for a tick that a key opens."""
-    await pressed(game, key, on=TickPrompt)
+    await game.press(key, on=TickPrompt)
     await game.press(*text, "enter")
 
 
@@ -44,17 +43,17 @@ async def test_one_goes_to_ticks_by_keys_and_by_their_number(data_dir: Path, sho
     async with playing(data_dir, short) as game:
         await game.press("N", "n")  # a step pressed during ten takes none away
         await game.until(lambda: game.tick in (10, 11) and not game.session.busy)
-        await pressed(game, "left_parenthesis", tick=0)
+        await game.press("left_parenthesis", tick=0)
         for key, tick in [("N", 10), ("N", 20), ("n", 21), ("P", 11), ("left_parenthesis", 0)]:
-            await pressed(game, key, tick=tick, until=lambda: not game.session.busy)
-        await pressed(game, "P", "right_parenthesis", tick=21)
+            await game.press(key, tick=tick, until=lambda: not game.session.busy)
+        await game.press("P", "right_parenthesis", tick=21)
         await game.until(lambda: "tick 21 of 21" in line(game))
 
         # A tick that is not there says which are, and one into the past is refused.
         await asked(game, "g", "300")
         await game.sees("The history holds ticks 0 to 21, not 300.")
         game.app.screen.query_one(Input).value = "-8"
-        await pressed(game, "enter", until=lambda: game.app.screen is game.main and game.tick == 13)
+        await game.press("enter", until=lambda: game.app.screen is game.main and game.tick == 13)
         await asked(game, "g", "soon")
         await game.sees("A tick is a number")
         await game.press("escape")
@@ -62,25 +61,25 @@ async def test_one_goes_to_ticks_by_keys_and_by_their_number(data_dir: Path, sho
         await game.until(lambda: game.tick == 30 and not game.session.busy)
         await asked(game, "U", "9")
         await game.sees("The robots are already at tick 30.")
-        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
         assert game.tick == 30
 
         # The timeline is driven with keys.
-        await pressed(game, "T", until=lambda: game.main.timeline.has_focus)
+        await game.press("T", until=lambda: game.main.timeline.has_focus)
         ticks = {"left": 29, "pageup": 19, "right": 20, "home": 0, "pagedown": 10, "end": 30}
         for key, tick in ticks.items():
-            await pressed(game, key, tick=tick)
+            await game.press(key, tick=tick)
         game.main.labyrinth.view.selected = "Pip"
-        await pressed(game, "up", tick=6)
-        await pressed(game, "down", sees="Nothing happened after tick 6")
-        await pressed(game, "escape", until=lambda: game.main.labyrinth.has_focus)
+        await game.press("up", tick=6)
+        await game.press("down", sees="Nothing happened after tick 6")
+        await game.press("escape", until=lambda: game.main.labyrinth.has_focus)
 
 
 async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(
     data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with playing(data_dir, short) as game:
-        await run_until(game, 30)
+        await game.run_until(30)
         await game.click(Timeline, offset=(13, 0))
         await game.until(lambda: game.tick == 12)
         await game.pilot.mouse_down(Timeline, offset=(21, 0))
@@ -104,9 +103,7 @@ async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(
 
 
 @pytest.mark.parametrize("size", [pytest.param((120, 40), marks=pytest.mark.slow), (80, 24)])
-async def test_the_swarm_is_counted_while_no_robot_is_selected(
-    data_dir: Path, short: Path, size: tuple[int, int]
-) -> None:
+async def test_a_swarm_without_choice_is_counted(data_dir: Path, short: Path, size: Size) -> None:
     level = load_level("04-everybody-home")
     home = next(area for area in level.areas if area.victory_robots)
     there = {level.robots[0].name: (home.x, home.y, 0.0)}
@@ -115,8 +112,8 @@ async def test_the_swarm_is_counted_while_no_robot_is_selected(
         await game.until(lambda: f" · 0/3 in {home.name}" in line(game))
         await game.until(lambda: game.session.game is not None)
         game.session.change_level(level, there)
-        await pressed(game, "n", tick=1)
-        await pressed(game, "n", until=lambda: f" · 1/3 in {home.name}" in line(game))
+        await game.press("n", tick=1)
+        await game.press("n", until=lambda: f" · 1/3 in {home.name}" in line(game))
         await game.press("n")
         game.main.labyrinth.view.selected = level.robots[0].name
         game.main.redraw_lines()
@@ -139,43 +136,41 @@ async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) ->
 @pytest.mark.slow
 async def test_marks_are_gone_to_one_after_the_other(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
-        await pressed(game, "space", sees="Again")
+        await game.press("space", sees="Again")
         won_at = game.tick
         await game.press("escape", "left_parenthesis", "right_curly_bracket")
         await game.until(lambda: game.tick == won_at and "★ won" in line(game))
         game.main.labyrinth.view.selected = "Pip"
-        await pressed(game, "left_curly_bracket", tick=6)
+        await game.press("left_curly_bracket", tick=6)
         await game.until(lambda: f"tick 6 of {won_at}  ┷ Pip" in line(game))
-        await pressed(game, "left_curly_bracket", tick=1)
-        await pressed(game, "left_curly_bracket", sees="Nothing happened before tick 1")
+        await game.press("left_curly_bracket", tick=1)
+        await game.press("left_curly_bracket", sees="Nothing happened before tick 1")
 
 
-async def test_the_old_future_is_kept_compared_and_gone_over_to(
-    data_dir: Path, short: Path
-) -> None:
+async def test_an_old_future_is_kept_compared_and_gone_over_to(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
-        await pressed(game, "F", sees="There is no other branch yet")
-        await run_until(game, 30)
+        await game.press("F", sees="There is no other branch yet")
+        await game.run_until(30)
         await asked(game, "g", "10")
         await game.until(lambda: game.tick == 10)
         await game.write(TURNS.replace("sensor.clock > 5", "sensor.clock > 15"))
         await game.until(lambda: game.session.state.phase == "applied")
-        await pressed(game, "escape", "n", tick=11, until=lambda: "┄" in line(game))
+        await game.press("escape", "n", tick=11, until=lambda: "┄" in line(game))
         assert "≠" in line(game)
-        await pressed(game, "N", tick=21)
-        await pressed(game, "C", sees="The two branches differ from tick 11")
+        await game.press("N", tick=21)
+        await game.press("C", sees="The two branches differ from tick 11")
         for words in ("memory", "here   false", "there  true"):
             await game.until(lambda words=words: game.shows(words))  # type: ignore[misc]  # a default
         await game.until(lambda: game.shows("What Pip decides differs first in Robot("))
         await game.sees("here   line 2  memory: sensor.clock > 15")
         await game.sees("there  line 2  memory: sensor.clock > 5")
         await game.press("escape", until=lambda: game.app.screen is game.main and game.tick == 11)
-        await pressed(game, "F", sees="This is the other branch.")
+        await game.press("F", sees="This is the other branch.")
         assert game.session.frame.memories == {"Pip": True}
         assert game.session.program is not None
         assert game.session.program.text == TURNS
         await game.sees("not applied")
-        await pressed(game, "right_parenthesis", tick=30)
+        await game.press("right_parenthesis", tick=30)
 
 
 async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, short: Path) -> None:
@@ -184,28 +179,28 @@ async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, sho
         await game.sees("The robots stop when Near has rows.")
         game.main.timeline_controller.add_breakpoint(Breakpoint("enters", "Door"))
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Gone"))
-        await pressed(game, "space", until=lambda: game.tick == 13 and not game.session.running)
+        await game.press("space", until=lambda: game.tick == 13 and not game.session.running)
         await game.sees("Stopped at tick 13. Near has rows")
         await game.until(lambda: 'tick 13 of 13  ◉ Near has rows: "Pip"' in line(game))
 
-        await pressed(game, "n", "n", tick=15)
-        await pressed(game, "left_curly_bracket", tick=13)
+        await game.press("n", "n", tick=15)
+        await game.press("left_curly_bracket", tick=13)
 
         # They are listed, switched off and deleted.
-        await pressed(game, "B", on=BreakpointList, sees="◉ a robot enters Door")
+        await game.press("B", on=BreakpointList, sees="◉ a robot enters Door")
         assert game.shows("◉ Near has rows")
         assert game.shows("! The program has no predicate Gone.")
-        await pressed(game, "home", "space", sees="○ Near has rows")
+        await game.press("home", "space", sees="○ Near has rows")
         await game.press("down", "down", "d")
         await game.until(lambda: game.app.screen.query_one(OptionList).option_count == 2)
-        await pressed(game, "escape", until=lambda: game.app.screen is game.main)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
         names = [breakpoint_.subject for breakpoint_ in game.session.breakpoints]
         assert names == ["Near", "Door"]
 
         # A restart under the same program goes through what is known, past the one that is off.
-        await pressed(game, "r", tick=0)
-        await pressed(game, "space", until=lambda: game.tick > 16)
-        await pressed(game, "space", until=lambda: not game.session.busy)
+        await game.press("r", tick=0)
+        await game.press("space", until=lambda: game.tick > 16)
+        await game.press("space", until=lambda: not game.session.busy)
         assert game.session.history is not None
         assert game.session.history.other is None
 
@@ -215,15 +210,15 @@ async def test_a_notice_is_told_beside_its_tick(data_dir: Path, short: Path) -> 
     text = f"{near}\n{rule}{rule.replace('Sensor(robot_name:, sensor:)', 'Near(robot_name:)')}"
     text = text.replace("sensor.clock > 5", "1")
     async with playing(data_dir, short, text=text) as game:
-        await run_until(game, 13)
+        await game.run_until(13)
         await game.until(lambda: "tick 13  ! Robot has 2 rows for Pip, wh…" in line(game))
 
 
 async def test_nothing_of_this_hurts_before_there_is_a_program(data_dir: Path, short: Path) -> None:
-    async with started(data_dir, level=short, text="nonsense(") as game:
+    async with opened(data_dir, level=short, text="nonsense(", ready=True) as game:
         await game.press("N", "P", "left_parenthesis", "right_parenthesis", "g", "U", "F", "C")
         await game.press("left_curly_bracket", "right_curly_bracket", "w")
-        await sees_all(game, "There is no program yet.", "There is no program to query yet.")
+        await game.sees("There is no program yet.", "There is no program to query yet.")
         assert game.tick == 0
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Near"))
         assert list(game.session.breakpoints) == [Breakpoint("rows", "Near")]
