@@ -31,7 +31,6 @@ class Player:
     folder: Path
 
     def play(self, *arguments: object) -> None:
-        """Start the game."""
         self.tmux.start(self.command, *arguments, "--data-dir", self.folder / "data")
 
     def play_short_way(self) -> None:
@@ -40,11 +39,9 @@ class Player:
         self.tmux.wait_for("tick 0", "· applied")
 
     def wait_for_tick(self, tick: int) -> str:
-        """Wait until the status line tells a tick, and return what the screen shows then."""
         return self.tmux.wait_until(lambda screen: tick_on(screen) == tick, f"tick {tick}")
 
     def press(self, *keys: str, tick: int) -> None:
-        """Press keys, and wait until the status line tells a tick."""
         self.tmux.press(*keys)
         self.wait_for_tick(tick)
 
@@ -64,7 +61,6 @@ class Player:
 
 
 def tick_on(screen: str) -> int:
-    """The tick that the status line tells, -1 if none."""
     found = re.search(r"\btick (\d+)", screen)
     return int(found[1]) if found else -1
 
@@ -88,6 +84,5 @@ def seat(installed: Installed, tmp_path: Path) -> Seat:
 
 @pytest.fixture
 def player(seat: Seat) -> Iterator[Player]:
-    """A player at a terminal of 80 columns and 24 lines."""
     with seat() as player:
         yield player

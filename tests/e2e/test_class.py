@@ -31,30 +31,24 @@ NAMES = [f"player-{number}" for number in range(30)]
 
 
 def recipe(kind: str) -> str:
-    """The block of that kind in the page."""
     (block,) = re.findall(rf"```{kind}\n(.*?)```", PAGE.read_text(), re.DOTALL)
     return str(block)
 
 
 @dataclass(frozen=True)
 class School:
-    """A machine set up by the recipe."""
-
     server: Server
     players: Path
 
     def seat(self, name: str, *options: str) -> Terminal:
-        """A player who logs in."""
         return Terminal(self.server.client("-t", *options, player=name), size=(80, 24))
 
     def ssh(
         self, *options: str, words: tuple[str, ...] = (), typed: str = ""
     ) -> subprocess.CompletedProcess[str]:
-        """A client that wants something else."""
         return run([*self.server.client(*options, player=NAMES[0]), *words], input=typed)
 
     def scp(self, how: str, there: str, here: Path) -> subprocess.CompletedProcess[str]:
-        """Copy a file from the machine."""
         *options, host = self.server.client(player=NAMES[0])[3:]
         options[0] = "-P"
         return run(["scp", how, *options, "-F", "none", f"{host}:{there}", str(here)], input="")
@@ -342,7 +336,6 @@ def leads_anywhere(school: School, option: str, way: str) -> bool:
 
 
 def is_open(port: int) -> bool:
-    """Whether something listens on a port."""
     try:
         socket.create_connection(("127.0.0.1", port), 1).close()
     except OSError:

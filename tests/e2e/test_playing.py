@@ -93,7 +93,6 @@ def test_a_pasted_program_is_what_robots_think_and_nonsense_gets_a_message(playe
 
 
 def timeline(screen: str) -> str:
-    """The line above the command bar."""
     return screen.splitlines()[22]
 
 

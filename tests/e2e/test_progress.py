@@ -28,7 +28,6 @@ def kill(player: Player) -> None:
 
 
 def start_anew(player: Player) -> None:
-    """Start the game as somebody does who has played before."""
     player.play()
     player.tmux.wait_for("· applied")
 

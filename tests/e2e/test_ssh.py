@@ -31,8 +31,6 @@ BEFORE_A_KEY = 6_000  # bytes, of which the slowest line carries 20,000 a second
 
 @dataclass(frozen=True)
 class Host:
-    """A machine with the game on it, and where the game keeps things there."""
-
     server: Server
     folder: Path
     game: Path
@@ -44,13 +42,11 @@ class Host:
 
     @property
     def is_playing(self) -> bool:
-        """Whether what was started last still runs."""
         return runs(int((self.folder / "pid").read_text()))
 
 
 @pytest.fixture(scope="module")
 def host(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
-    """A machine that one can log in to."""
     folder = tmp_path_factory.mktemp("host")
     settings = f"SetEnv LOGICAL_ROBOTS_CACHE_DIR={folder}/cache COLORTERM=truecolor"
     with Server(folder, settings) as server:
@@ -66,7 +62,6 @@ def playing(
     *options: str,
     rate: int = 0,
 ) -> Iterator[tuple[Line, Terminal]]:
-    """A player who has started a level over a line."""
     with Line(host.server.port, rate) as line:
         ssh = host.server.client("-t", *options, port=line.port)
         with Terminal([*ssh, host.command(data, *level)], size=size) as terminal:

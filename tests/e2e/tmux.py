@@ -79,7 +79,6 @@ class Tmux:
 
     @property
     def pid(self) -> int:
-        """The process that `start` started."""
         return int(self._pid_file.read_text())
 
     @property
@@ -90,7 +89,6 @@ class Tmux:
 
     @property
     def is_running(self) -> bool:
-        """Whether what was started still runs."""
         return runs(self.pid)
 
     def hang_up(self) -> None:
@@ -122,7 +120,6 @@ class Tmux:
         self._tmux("paste-buffer", "-p")
 
     def click(self, text: str) -> None:
-        """Click with the left button on the first place where a text stands."""
         x, y = place_of(text, self.wait_for(text))
         self.type(f"\x1b[<0;{x};{y}M\x1b[<0;{x};{y}m")
 
@@ -132,27 +129,22 @@ class Tmux:
         self.type(f"\x1b[<0;{end[0]};{end[1]}m")
 
     def resize(self, columns: int, lines: int) -> None:
-        """Make the window another size."""
         self._tmux("resize-window", "-x", str(columns), "-y", str(lines))
 
     @property
     def screen(self) -> str:
-        """What stands on the screen."""
         return self._tmux("capture-pane", "-p")
 
     def wait_for(self, *texts: str) -> str:
-        """Wait until all of some texts stand on the screen, and return what it shows then."""
         return self.wait_until(
             lambda screen: all(text in screen for text in texts),
             f"{' and '.join(map(repr, texts))} on the screen",
         )
 
     def wait_for_no(self, text: str) -> str:
-        """Wait until a text no longer stands on the screen, and return what it shows then."""
         return self.wait_until(lambda screen: text not in screen, f"no {text!r}")
 
     def wait_until(self, condition: Callable[[str], object], what: str = "that") -> str:
-        """Wait until something is true of the text on the screen, and return that text."""
         screen = ""
 
         def holds() -> object:
@@ -184,7 +176,6 @@ def place_of(text: str, screen: str) -> tuple[int, int]:
 
 
 def runs(pid: int) -> bool:
-    """Whether a process still runs."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
     except (FileNotFoundError, ProcessLookupError):

@@ -60,7 +60,6 @@ class Mutant:
 
     @property
     def text(self) -> str:
-        """The program with the bug."""
         lines = load_program(self.program).text.split("\n")
         assert lines[self.line - 1].count(self.old) == 1, self
         lines[self.line - 1] = lines[self.line - 1].replace(self.old, self.new)
@@ -75,8 +74,6 @@ MUTANTS = [
 
 @cache
 def diagnosis_of(level: str, text: str, ticks: int) -> Diagnosis:
-    """What `diagnose` says of a program in a level."""
-
     async def work() -> Diagnosis:
         game = Game(load_level(level), Program.compile(text))
         try:
@@ -160,7 +157,6 @@ class Verdict:
 
 
 def verdict(number: int) -> Verdict:
-    """What is found of a mutant, by its number from 1."""
     mutant = MUTANTS[number - 1]
     there = first_difference(mutant)
     found = diagnosis_of(mutant.level, mutant.text, mutant.ticks)

@@ -83,8 +83,6 @@ def _part(lines: list[list[Cell]], *widgets: Widget) -> list[list[Cell]]:
 
 
 class Show(Protocol):
-    """How a test opens a game."""
-
     def __call__(
         self, size: tuple[int, int], look: str = ""
     ) -> AbstractAsyncContextManager[Shown]: ...

@@ -54,7 +54,6 @@ def picture(lines: list[list[Cell]]) -> str:
 
 
 def read_picture(written: str) -> list[list[Cell]]:
-    """The cells that `picture` has written down."""
     text, runs, legend = (part.splitlines() for part in written.strip("\n").split("\n\n"))
     looks = {line[0]: line[4:] for line in legend}
     lines = []
@@ -67,7 +66,6 @@ def read_picture(written: str) -> list[list[Cell]]:
 
 
 def differences(wanted: list[list[Cell]], found: list[list[Cell]]) -> Iterator[str]:
-    """Tell where two screens differ, one line of the screen at a time."""
     sizes = [f"{max(map(len, lines))}x{len(lines)}" for lines in (wanted, found)]
     if sizes[0] != sizes[1]:
         yield f"{sizes[1]} cells instead of {sizes[0]}"

@@ -16,7 +16,6 @@ STEPS = 10
 
 
 def bars(shown: Shown) -> list[Widget]:
-    """The lines above and below the panes."""
     return [
         shown.game.main.query_one(kind) for kind in (StatusLine, PaneTabs, Timeline, CommandBar)
     ]

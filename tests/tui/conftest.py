@@ -204,7 +204,6 @@ class Opened:
             yield
 
     async def later(self, seconds: float) -> None:
-        """Let time pass."""
         await virtual_loop().settled()
         await later(seconds)
 
@@ -214,7 +213,6 @@ class Opened:
         await self.until(lambda: self.tick == tick and not self.session.busy)
 
     async def ticks(self, count: int) -> None:
-        """Let the robots run on for some ticks."""
         there = self.tick + count
         await self.until(lambda: self.tick == there)
 
@@ -230,17 +228,14 @@ class Opened:
             await self.until(lambda: self.inspector.query("PredicatePage"))
 
     async def write(self, text: str) -> None:
-        """Put a text into the editor as a paste and apply it."""
         self.editor.put(text)
         await self.press("f4")
 
     async def apply(self, text: str) -> None:
-        """Write a text that compiles, and wait until it is applied."""
         await self.write(text)
         await self.until(lambda: self.session.state.applied == text)
 
     def screen(self) -> str:
-        """The characters on the screen, line by line."""
         height = self.app.size.height
         lines = self.app.screen._compositor.render_strips()  # the only way to see all layers
         return "\n".join("".join(segment.text for segment in line) for line in lines[:height])
@@ -253,7 +248,6 @@ class Opened:
         await self.until(lambda: all(map(self.shows, texts)))
 
     async def sees_no(self, text: str) -> None:
-        """Wait until the screen no longer shows a text."""
         await self.until(lambda: not self.shows(text))
 
 
@@ -377,7 +371,6 @@ def short(tmp_path: Path) -> Path:
 
 
 def source_of(text: str, folder: Path, name: str = "mine") -> Source:
-    """A program of that text in a file."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.l"
     path.write_text(text, "utf-8")

@@ -41,7 +41,6 @@ class Machine(Clock):
             self.time += (1 + strain) * PICTURE
 
     def frames_per_second(self, strain: float) -> float:
-        """What becomes usual under such a strain."""
         for _ in range(60):
             self.draw(strain)
         return 1 / (self.rate.wait + self.rate.rested)

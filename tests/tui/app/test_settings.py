@@ -98,7 +98,6 @@ def settings_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 async def change(game: Opened, name: str, *keys: str) -> None:
-    """Open the settings, go to one, and press keys there."""
     await game.press("ctrl+p", sees="Find a command")
     await game.press(*"settings", "enter")
     await game.until(lambda: isinstance(game.app.screen, SettingsScreen))

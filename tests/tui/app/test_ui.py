@@ -40,7 +40,6 @@ class Dialog(ModalScreen[None]):
 
 
 async def show(dialog: Dialog) -> None:
-    """Show a dialog until its widget is gone."""
     async with App[None]().run_test() as pilot, asyncio.timeout(PATIENCE):
         await pilot.app.push_screen(dialog)
         await dialog.lost.wait()

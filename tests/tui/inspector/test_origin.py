@@ -61,7 +61,6 @@ async def in_table(game: Opened, name: str) -> None:
 
 
 async def pointed_at(game: Opened, text: str, kind: str = "") -> None:
-    """Put the cursor of the proof on a line."""
     view = game.main.query_one(WhyView)
 
     def places() -> list[int]:

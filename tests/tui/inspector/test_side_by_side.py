@@ -13,7 +13,6 @@ WIDE = (156, 50)
 
 
 def pages(game: Opened) -> list[str]:
-    """The pages on the screen, from left to right."""
     shown = [page for page in game.inspector.query(".heading") if page.region]
     shown.sort(key=lambda heading: heading.region.x)
     return [type(heading.parent).__name__ for heading in shown]

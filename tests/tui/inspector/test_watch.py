@@ -63,7 +63,6 @@ def line_of(game: Opened, words: str) -> int:
 
 
 async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
-    """Go to the rows of a predicate."""
     await game.until(lambda: name in [p.name for p in game.session.predicates])
     game.inspector.open(name)
     await game.sees(counted)

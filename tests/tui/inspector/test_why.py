@@ -139,7 +139,6 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
 
 
 def chain(depth: int, conditions: int) -> str:
-    """A program whose calls go deep, each with some conditions beside it."""
     many = "".join(f", c > {-n}" for n in range(1, conditions + 1))
     return "\n".join(
         [

@@ -24,8 +24,6 @@ SLOWER = AHEAD.replace("0.5", "0.1")
 
 @dataclass
 class Race:
-    """A session, its best runs and its ghost, without a screen."""
-
     at: Table
     best: BestRuns
     controller: GhostController
@@ -33,16 +31,13 @@ class Race:
 
     @property
     def length(self) -> int | None:
-        """The ticks of the ghost's run, if there is a ghost."""
         return self.view.ghost.last if self.view.ghost else None
 
     async def win(self, text: str = AHEAD) -> int:
-        """Win with a program from the start, and return the tick."""
         await self.at.apply(text)
         return await win(self.at)
 
     async def toggle(self) -> str:
-        """Switch the ghost, and return what is said."""
         await self.controller.toggle()
         return self.at.ui.said[-1]
 
@@ -150,7 +145,6 @@ async def test_an_honest_replay_is_raced(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def ghosts(game: Opened) -> list[int]:
-    """The columns in which the labyrinth shows ghosts."""
     view = game.main.labyrinth.view
     signs = view.drawing.glyphs.ghosts
     return [column for row in view._cells.plain() for column, c in enumerate(row) if c in signs]

@@ -20,7 +20,6 @@ def room_file(tmp_path: Path) -> Path:
 
 
 def cell(game: Opened, point: tuple[float, float]) -> tuple[int, int]:
-    """The column and row of the view at a point of the map."""
     view = game.main.labyrinth.view.view
     assert view is not None
     found = view.cell(*point)

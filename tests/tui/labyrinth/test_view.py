@@ -20,8 +20,6 @@ from tests.virtual_time import later, virtual_loop
 
 
 class Recorder(LabyrinthView):
-    """Remembers which regions were refreshed."""
-
     def __init__(self) -> None:
         super().__init__()
         self.regions: list[Region] = []
@@ -32,8 +30,6 @@ class Recorder(LabyrinthView):
 
 
 class Bench(App[None]):
-    """An app with nothing but a labyrinth."""
-
     CSS = "LabyrinthView { border: round white; }"
 
     def __init__(self) -> None:
@@ -64,7 +60,6 @@ def widths(view: LabyrinthView) -> list[int]:
 async def bench(
     size: tuple[int, int] = (80, 24), shown: Level = LEVEL
 ) -> AsyncIterator[tuple[Bench, Recorder, Pilot[None]]]:
-    """A labyrinth alone in an app, at the start of a level."""
     app = Bench()
     async with app.run_test(size=size) as pilot:
         assert widths(app.view) == [app.view.size.width] * app.view.size.height

@@ -24,7 +24,6 @@ async def settled(game: Opened) -> list[int]:
 
 
 def listed(game: Opened) -> int:
-    """How many rows the list of the inspector has."""
     return game.inspector.query_one(PredicateList).virtual_size.height
 
 

@@ -16,7 +16,6 @@ MOST_KEYS = 14
 
 
 def line(game: Opened) -> str:
-    """The line of the program with the cursor."""
     return game.editor.document.get_line(game.editor.cursor_location[0])
 
 

@@ -21,7 +21,6 @@ questions = [
 
 @pytest.fixture
 def asking(short: Path) -> Path:
-    """The short level with two questions."""
     short.write_text(QUESTIONS + short.read_text("utf-8"), "utf-8")
     return short
 

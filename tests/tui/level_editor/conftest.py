@@ -66,8 +66,6 @@ goal_for = ["Pip"]
 
 @dataclass(frozen=True)
 class Studio:
-    """A game in which a level is edited."""
-
     game: Opened
     file: Path
 
@@ -92,7 +90,6 @@ class Studio:
         await self.game.press(*keys)
 
     async def do(self, *keys: str) -> None:
-        """Press keys, and wait until what they lead to is done."""
         await self.game.press(*keys)
         await self.game.settled()
 
@@ -129,7 +126,6 @@ def room_file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def web_file(room_file: Path) -> Path:
-    """The room in the web platform's format, as another program would write it."""
     file = room_file.with_name("garden.json")
     save_level(load_level(room_file), file)
     say(file, json.dumps(json.loads(said(file))))
@@ -138,7 +134,6 @@ def web_file(room_file: Path) -> Path:
 
 @asynccontextmanager
 async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studio]:
-    """Open a level and begin to edit it."""
     async with opened(data_dir, level=file, text=AHEAD, **more) as game:
         await game.ready()
         await game.press("M", until=lambda: game.main.editing.is_on)
@@ -146,14 +141,12 @@ async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studi
 
 
 def fill(form: Screen[Any], **values: str | bool) -> None:
-    """Give fields of a form their values."""
     for name, value in values.items():
         field: Any = form.query_one(f"#{name}")
         setattr(field, "text" if isinstance(field, TextArea) else "value", value)
 
 
 def said(file: Path) -> str:
-    """What is in a level's file."""
     return file.read_text("utf-8")
 
 
@@ -207,7 +200,6 @@ class Bench:
         return self.editor.level
 
     def command(self, *ids: str) -> None:
-        """Give commands of the level editor, as keys do."""
         for name in ids:
             _BY_ID[name].run(self.controller, self.ui.spawn)
 
@@ -242,7 +234,6 @@ class Bench:
 
 @asynccontextmanager
 async def bench(data_dir: Path, file: Path) -> AsyncIterator[Bench]:
-    """Open a level without a screen, and begin to edit it."""
     ui, drafts = Answers(), Drafts(data_dir / "drafts")
     source = source_of(AHEAD, data_dir / "programs")
     session = Session(

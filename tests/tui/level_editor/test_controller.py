@@ -113,7 +113,6 @@ def test_several_turns_are_one_step_and_a_beacon_is_not_turned() -> None:
 
 
 def slow_saving(monkeypatch: pytest.MonkeyPatch) -> Hold:
-    """Let no level be saved before the hold is released."""
     hold = Hold()
 
     def save(level: Level, path: Path) -> Level:

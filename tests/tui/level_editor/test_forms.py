@@ -21,7 +21,6 @@ TEAMS = 'team = "red"\n' + "".join(
 
 
 async def form(s: Studio, key: str, kind: type[SomeForm]) -> SomeForm:
-    """Open a form with a key."""
     await s.press(key)
     await s.game.until(lambda: isinstance(s.game.app.screen, kind))
     shown = s.game.app.screen
@@ -31,7 +30,6 @@ async def form(s: Studio, key: str, kind: type[SomeForm]) -> SomeForm:
 
 
 async def take(s: Studio, shown: Form, **values: Any) -> None:
-    """Fill some fields of a form, and take it."""
     fill(shown, **values)
     await s.press("f2")
     await closed(s)

@@ -33,7 +33,6 @@ def is_at(game: Opened, level: str) -> bool:
 
 
 async def complains(game: Opened, text: str, why: str) -> None:
-    """What is chosen or named in the dialog that is open does not do."""
     await fill(game, text)
     await game.press("enter", until=lambda: why in complaint(game))
 
@@ -46,7 +45,6 @@ AS_PASTED = ("{}", " {} ", "'{}'", "'{}' ", "{escaped}"), ("{escaped} ", '"{}"',
 
 
 async def drop(game: Opened, form: str, file: Path, until: Callable[[], bool]) -> None:
-    """Drop a file into the terminal, and open what that proposes."""
     path = str(file)
     pasted = form.format(path, escaped=path.replace(" ", "\\ "), url=quote(path))
     game.app.post_message(events.Paste(pasted))

@@ -151,7 +151,6 @@ async def test_early_keys_cost_no_pictures(data_dir: Path, monkeypatch: pytest.M
 
 
 def fits(cards: LevelCards, name: str) -> bool:
-    """Whether the picture of a level is there in the size that is needed."""
     picture = cards._pictures.get(name)
     return picture is not None and picture.text.shape == cards.picture_size[::-1]
 

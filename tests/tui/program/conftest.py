@@ -18,8 +18,6 @@ from tests.virtual_time import later, until, virtual_loop
 
 
 class PaneApp(CrashSafeApp):
-    """Nothing but the pane, in the colours of the game."""
-
     ENABLE_COMMAND_PALETTE = False
 
     def __init__(self) -> None:
@@ -84,7 +82,6 @@ class Desk:
 
 @asynccontextmanager
 async def writing(text: str = "", size: Size = (80, 24)) -> AsyncIterator[Desk]:
-    """Open the pane with a text and the cursor at its start."""
     app = PaneApp()
     async with app.run_test(size=size) as pilot:
         desk = Desk(app, pilot)
@@ -93,5 +90,4 @@ async def writing(text: str = "", size: Size = (80, 24)) -> AsyncIterator[Desk]:
 
 
 def title(game: Opened) -> str:
-    """What the title of the program pane says of the program."""
     return game.main.program.label

@@ -40,7 +40,6 @@ sys.exit(play(open_game(recorder.progress, data_dir, sys.argv[1], [sys.argv[2]])
 
 
 def texts(data_dir: Path) -> list[str]:
-    """What the next session would find."""
     drafts = Drafts(data_dir / "drafts")
     adopted = [draft.text for draft in drafts.adopt("program")]
     drafts.close()

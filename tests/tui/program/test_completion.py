@@ -22,7 +22,6 @@ from tests.virtual_time import later
 
 
 def names(text: str, before: str) -> list[str]:
-    """The words offered after a line that is added to a text."""
     text = f"{text}\n{before}"
     return [word.name for word in words_for(text, Place(text.count("\n"), len(before)))]
 

@@ -25,7 +25,6 @@ SCORE = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
 async def match(
     data_dir: Path, size: Size = (120, 40), text: str = MATCH, *, same: bool = False
 ) -> AsyncIterator[Opened]:
-    """Open the game in a level with two teams, with two programs or with the same file."""
     red = source_of(RED, data_dir / "programs", "redly")
     blue = red if same else source_of(BLUE, data_dir / "programs", "bluely")
     sources = {"red": red, "blue": blue}

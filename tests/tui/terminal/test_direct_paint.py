@@ -23,7 +23,6 @@ _styles = st.builds(
 
 @st.composite
 def pictures(draw: st.DrawFn) -> Cells:
-    """Draw cells with some characters two cells wide."""
     cells = Cells.blank(SPOT.height, SPOT.width)
     for row in range(SPOT.height):
         texts = draw(st.lists(st.sampled_from(("a", " ", "█", "機")), min_size=9, max_size=9))

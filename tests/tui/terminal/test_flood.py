@@ -25,7 +25,6 @@ FLOODS = {
 
 
 def play(tmp_path: Path, *options: str, code: str = "") -> list[str]:
-    """The command of a game, which some code of a test may start."""
     start = ["-c", code] if code else ["-m", "logical_robots_tui"]
     folder = ["--data-dir", str(tmp_path)]
     return [sys.executable, *start, "play", "01-first-steps", *options, *folder]

@@ -42,13 +42,11 @@ def test_texts_and_walls_stand_out_in_every_theme() -> None:
 
 
 def written(game: Opened, word: str) -> list[Segment]:
-    """Where a word is on the screen, in all layers."""
     strips = game.app.screen._compositor.render_strips()
     return [segment for strip in strips for segment in strip if word in segment.text]
 
 
 def colours_of(game: Opened, word: str) -> set[object]:
-    """The inks in which a word is written on the screen."""
     return {segment.style.color for segment in written(game, word) if segment.style is not None}
 
 

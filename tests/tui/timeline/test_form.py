@@ -23,7 +23,6 @@ AT = f"{CLOCK}t in [3, 4, 9]"
 
 
 async def search(game: Opened, question: str) -> None:
-    """Type a question to search for, as a player does."""
     await game.press("Q", on=QuestionPrompt)
     game.app.screen.query_one(Input).value = question
     await game.press("enter")

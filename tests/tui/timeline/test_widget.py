@@ -30,7 +30,6 @@ async def playing(
 
 
 async def asked(game: Opened, key: str, text: str) -> None:
-    """Type an answer into the prompt for a tick that a key opens."""
     await game.press(key, on=TickPrompt)
     await game.press(*text, "enter")
 

@@ -19,21 +19,18 @@ BARE = Look(rays=False, marks=False, names=False)
 def room(
     width: int = 400, height: int = 200, thick: int = 10, robots: Iterable[Robot] = (), **more: Any
 ) -> Level:
-    """Return a level with a rim of wall."""
     walls = np.ones((height, width), dtype=np.bool_)
     walls[thick : height - thick, thick : width - thick] = False
     return Level("room", "Room", width, height, walls, tuple(robots), **more)
 
 
 def start(level: Level) -> Frame:
-    """Return the frame of a level's start."""
     world = World(level)
     state = world.save()
     return Frame(0, state, state, tuple(world.look()), {}, (), {}, 0.0)
 
 
 def run(level: Level, ticks: int, desires: Mapping[str, Desire] | None = None) -> list[Frame]:
-    """Return the frames of a level whose robots want the same in every tick."""
     world = World(level)
     frames = [start(level)]
     for tick in range(1, ticks + 1):
@@ -44,14 +41,12 @@ def run(level: Level, ticks: int, desires: Mapping[str, Desire] | None = None) -
 
 
 def with_robot(frame: Frame, **changes: Any) -> Frame:
-    """Return a frame whose first robot is changed."""
     first, *others = frame.after.robots
     robots: tuple[RobotState, ...] = (replace(first, **changes), *others)
     return replace(frame, after=replace(frame.after, robots=robots))
 
 
 def with_active(frame: Frame, active: bool) -> Frame:
-    """Return a frame with all areas switched on or off."""
     areas = tuple(replace(area, active=active) for area in frame.after.areas)
     return replace(frame, after=replace(frame.after, areas=areas))
 
@@ -112,12 +107,10 @@ def _colour(packed: int) -> RGB:
 
 
 def apart(one: RGB, other: RGB) -> int:
-    """Return the largest difference of two colours in one channel."""
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
 
 
 def contrast(colour: RGB, palette: Palette = DARK) -> float:
-    """Return how far a colour's brightness is from the floor's."""
     return abs(luminance(colour) - luminance(palette.floor))
 
 

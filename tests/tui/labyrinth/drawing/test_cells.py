@@ -17,7 +17,6 @@ from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats
 
 
 def row_of(*words: tuple[str, int]) -> Cells:
-    """A row of words with the colour of each."""
     cells, column = Cells.blank(1, 6), 0
     for word, ink in words:
         for char in word:

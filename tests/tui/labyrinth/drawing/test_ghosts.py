@@ -15,7 +15,6 @@ FRAME = start(LEVEL)
 
 
 def drawn(look: Look, view: Viewport, *ghost: float) -> Cells:
-    """The scene with a ghost at a place, or without."""
     poses = np.array([(*ghost, 0.0)], np.float32) if ghost else None
     return Picture().draw(LEVEL, FRAME, view, look, ghosts=poses)
 

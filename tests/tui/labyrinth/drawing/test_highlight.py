@@ -25,7 +25,6 @@ def drawn(highlight: Highlight | None, look: Look = LOOK) -> Cells:
 
 
 def differing(one: Cells, other: Cells) -> list[tuple[int, int]]:
-    """The cells that look different, (row, column)."""
     cells = np.argwhere((one.text != other.text) | (one.style != other.style))
     return [(int(row), int(column)) for row, column in cells]
 

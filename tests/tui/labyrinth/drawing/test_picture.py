@@ -74,13 +74,11 @@ def views(draw: st.DrawFn, level: Level) -> Viewport:
 
 
 def changes_of(picture: Picture, *scene: Any, hurried: bool = False) -> list[tuple[int, int, int]]:
-    """Draw a frame; returns where the picture changed."""
     before = picture.cells
     return picture.draw(*scene, hurried=hurried).changes(before)
 
 
 def count(changes: list[tuple[int, int, int]]) -> int:
-    """How many cells changed."""
     return sum(stop - first for _, first, stop in changes)
 
 

@@ -16,7 +16,6 @@ PICTURE = Picture()
 
 
 def drawn(look: Look = BARE, view: Viewport = AFAR, **robot: Any) -> Drawn:
-    """The scene with a robot that is changed."""
     return Drawn(LEVEL, with_robot(FRAME, **robot), look, view=view, picture=PICTURE)
 
 
