@@ -126,9 +126,11 @@ class Terminal:
         """Whether a text came in after so many bytes of `traffic`."""
         return self._raw.find(text.encode(), since) >= 0
 
-    def send(self, keys: str) -> None:
-        """Type."""
+    def send(self, keys: str, sees: str = "") -> None:
+        """Type, and read on until a text stands on the screen, if one is given."""
         os.write(self._ours, keys.encode())
+        if sees:
+            self.wait_for(sees)
 
     def resize(self, columns: int, lines: int) -> None:
         """Tell the game that its terminal has another size; what the test sees keeps its own."""

@@ -253,8 +253,7 @@ def test_behind_the_second_wall_the_game_is_played_and_kept(
         terminal.wait_for("· applied")
         terminal.send("\x1b")
         terminal.wait_for(lambda: "skip the tour" not in terminal.text)
-        terminal.send("n")
-        terminal.wait_for("tick 1 ")
+        terminal.send("n", sees="tick 1 ")
         terminal.send("q")
         assert terminal.finish() == 0
     assert (tmp_path / "srv" / "players" / NAMES[0] / "progress.sqlite").exists()

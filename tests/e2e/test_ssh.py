@@ -71,8 +71,7 @@ def playing(
 
 
 def run(terminal: Terminal) -> None:
-    terminal.send(" ")
-    terminal.wait_for("RUNNING")
+    terminal.send(" ", sees="RUNNING")
 
 
 def wait_for_frames(terminal: Terminal, number: int) -> None:
@@ -100,8 +99,7 @@ def test_a_game_sends_little_or_nothing(host: Host, tmp_path: Path, allowed: int
         before = line.traffic
         wait_for_frames(terminal, FRAMES)
         assert 0 < line.traffic - before <= FRAMES * allowed
-        terminal.send(" ")
-        terminal.wait_for("PAUSED")
+        terminal.send(" ", sees="PAUSED")
         terminal.wait_for_quiet()
 
 
@@ -110,8 +108,7 @@ def test_a_game_sends_little_or_nothing(host: Host, tmp_path: Path, allowed: int
 def test_slow_lines_carry_little_before_a_key_shows(host: Host, tmp_path: Path, rate: int) -> None:
     with playing(host, tmp_path, SIX_ROBOTS, (120, 40), rate=rate) as (line, terminal):
         run(terminal)
-        terminal.send("2")
-        terminal.wait_for("Leave")
+        terminal.send("2", sees="Leave")
         numbers = []
         for letter in "αβγδεζηθικλ":
             wait_for_frames(terminal, 2)

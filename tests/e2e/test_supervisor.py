@@ -120,8 +120,7 @@ def make_interruptible(terminal: Terminal, game: str) -> None:
 
 def type_hello(terminal: Terminal) -> None:
     terminal.wait_for("applied")
-    terminal.send("2hello")
-    terminal.wait_for("hello")
+    terminal.send("2hello", sees="hello")
 
 
 def settings(terminal: Terminal) -> list[object]:
@@ -161,8 +160,7 @@ def test_a_stuck_game_is_ended_and_says_so(
             type_hello(terminal)
             until(lambda: list((tmp_path / "drafts").glob("*.json")))
         get_stuck(terminal, game)
-        assert terminal.finish() == 70
-        assert settings(terminal) == before
+        assert (terminal.finish(), settings(terminal)) == (70, before)
         assert is_put_back(terminal)
         assert "The game was stuck and was ended. Unsaved text is kept." in terminal.everything
     assert game == SMALL or texts(tmp_path) == ["hello"]
@@ -274,8 +272,7 @@ def test_a_stopped_game_is_not_stuck(tmp_path: Path, game: str) -> None:
 
 
 def step_and_quit(terminal: Terminal, keys: str) -> None:
-    terminal.send(keys)
-    terminal.wait_for("tick 1 ")
+    terminal.send(keys, sees="tick 1 ")
     terminal.send("q")
     assert terminal.finish() == 0
 
@@ -286,8 +283,7 @@ def state(process: int) -> str:
 
 def test_another_program_in_the_terminal_is_not_taken_for_a_stuck_game(tmp_path: Path) -> None:
     with watched(SMALL, tmp_path, computed=0.2) as terminal:
-        terminal.send("E")
-        terminal.wait_for("editing")
+        terminal.send("E", sees="editing")
         looks_before = looks(terminal.process.pid)
         until(lambda: looks(terminal.process.pid) > looks_before + 2)
         step_and_quit(terminal, " n")
@@ -305,7 +301,6 @@ def test_an_editor_in_the_terminal_is_not_taken_for_a_stuck_game(tmp_path: Path)
     editor.write_text("#!/bin/sh\nsleep 6\necho '# edited' >> $1\n")
     editor.chmod(0o755)
     with watched(WHOLE, tmp_path, computed=5.0, idle=3.0, editor=str(editor)) as terminal:
-        terminal.send("E")
-        terminal.wait_for("open-space-starter*")
+        terminal.send("E", sees="open-space-starter*")
         terminal.send("q")
         assert terminal.finish() == 0

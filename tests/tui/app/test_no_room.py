@@ -38,10 +38,8 @@ def test_restricted_games_out_of_memory_lose_nothing(work: str, room: int, tmp_p
     play = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "--restricted"]
     with Terminal([*play, "--data-dir", tmp_path]) as terminal:
         terminal.wait_for("· applied")
-        terminal.send("2")
-        terminal.wait_for("Leave")
-        terminal.send("# typed by ada")
-        terminal.wait_for("not applied")
+        terminal.send("2", sees="Leave")
+        terminal.send("# typed by ada", sees="not applied")
         playing = terminal.game
         leave_room(terminal, room * MIB)
         if work == "draw":
@@ -69,8 +67,7 @@ def played_on_screen(level: str | Path, what: str, ticks: int, folder: Path) -> 
     with Terminal([*play, "--data-dir", folder]) as terminal:
         terminal.patience = 600
         terminal.wait_for("· applied")
-        terminal.send("U")
-        terminal.wait_for("Run until tick")
+        terminal.send("U", sees="Run until tick")
         terminal.send(f"{ticks}\r")
         terminal.wait_for(lambda: re.search(rf"tick {ticks}\b", terminal.text))
         for key in ("p", "p", "3", "\x1b"):

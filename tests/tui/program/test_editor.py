@@ -200,13 +200,10 @@ def test_the_player_s_own_editor_gets_the_terminal_and_gives_it_back(tmp_path: P
     game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "first-steps"]
     with Terminal([*game, "--data-dir", tmp_path], size=(120, 40), env=env) as terminal:
         terminal.wait_for("· applied")
-        terminal.send("E")
-        terminal.wait_for("elsewhere")
-        terminal.send("hello\n")
-        terminal.wait_for("1  # hello")
+        terminal.send("E", sees="elsewhere")
+        terminal.send("hello\n", sees="1  # hello")
         terminal.wait_for("PAUSED")
-        terminal.send("n")
-        terminal.wait_for("tick 1")
+        terminal.send("n", sees="tick 1")
 
 
 @pytest.mark.parametrize(
@@ -273,8 +270,7 @@ def test_a_wrapped_line_has_its_sign_only_where_it_begins(row: int | None, told:
     line = Strip([Segment("12  "), Segment("A(x)")])
     styles = dict.fromkeys(("mistake", "mistake-gutter"), Style())
     found = sign(line, row, 4, styles, is_wrong=True)
-    assert found.text == told
-    assert found.cell_length == line.cell_length
+    assert (found.text, found.cell_length) == (told, line.cell_length)
 
 
 @pytest.mark.parametrize(

@@ -71,8 +71,7 @@ def test_all_keys_work_in_gnu_screen(tmp_path: Path) -> None:
             for key, shown in (("n", "tick 1 "), ("n", "tick 2 "), ("p", "tick 1 ")):
                 terminal.send(key)
                 terminal.wait_for(shown)
-            terminal.send(" ")
-            terminal.wait_for("RUNNING")
+            terminal.send(" ", sees="RUNNING")
             terminal.send("q")
             assert terminal.finish() == 0
     finally:

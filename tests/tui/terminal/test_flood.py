@@ -114,8 +114,7 @@ SOON_GONE = """if True:
 def test_a_silent_terminal_ends_a_restricted_game_and_the_text_is_kept(tmp_path: Path) -> None:
     with Terminal(play(tmp_path, "--restricted", code=SOON_GONE)) as terminal:
         terminal.wait_for("· applied")
-        terminal.send("2# typed by ada")
-        terminal.wait_for("not applied")
+        terminal.send("2# typed by ada", sees="not applied")
         until(lambda: terminal.process.poll() is not None)  # nothing is read, nothing answered
     drafts = [path.read_text() for path in tmp_path.rglob("drafts/*.json")]
     assert any("# typed by ada" in draft for draft in drafts)
@@ -178,8 +177,7 @@ def test_a_deaf_main_thread_does_not_outlive_its_terminal(tmp_path: Path, before
         with os.fdopen(os.dup(ours)) as terminal:  # to its end: who is still writing would fail
             assert terminal.readline() == "stuck\n"
         os.close(ours)
-        assert process.wait(PATIENCE) == 129
-        assert kept.read_text() == "kept"
+        assert (process.wait(PATIENCE), kept.read_text()) == (129, "kept")
     finally:
         process.kill()
         process.wait(PATIENCE)

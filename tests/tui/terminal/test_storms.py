@@ -60,7 +60,6 @@ def test_no_size_and_no_place_ends_the_game(storm: list[Event]) -> None:
         Terminal([*game, "--data-dir", folder], size=SIZE, env={"EDITOR": "true"}) as terminal,
     ):
         terminal.wait_for("· applied")
-        terminal.send(" ")
-        terminal.wait_for("RUNNING")
+        terminal.send(" ", sees="RUNNING")
         if goes_through(terminal, storm):
             terminal.press_until("\x1b?", lambda: "letters filter" in terminal.text)
