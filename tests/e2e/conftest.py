@@ -18,13 +18,7 @@ TYPED = "# an idea worth keeping"
 
 @dataclass(frozen=True)
 class Player:
-    """Somebody at a terminal with the game installed.
-
-    Attributes:
-        tmux: The terminal.
-        command: The installed command.
-        folder: Where the player keeps a level ``short.toml`` and a program ``ahead.l``.
-    """
+    """Somebody at a terminal with the game, a level ``short.toml`` and a program ``ahead.l``."""
 
     tmux: Tmux
     command: Path

@@ -26,13 +26,7 @@ set -g mouse on
 
 
 class Tmux:
-    """A tmux server of its own with one window, in which a shell waits.
-
-    Args:
-        folder: Where to keep its socket; the shell starts there.
-        columns: Width of the window.
-        lines: Height of the window.
-    """
+    """A tmux server of its own with one window, in which a shell waits in a folder."""
 
     def __init__(self, folder: Path, columns: int = 80, lines: int = 24) -> None:
         self.folder = folder

@@ -38,17 +38,7 @@ FIRST = 5
 
 @dataclass(frozen=True)
 class Mutant:
-    """A reference program with a bug.
-
-    Attributes:
-        kind: What sort of bug.
-        level: Where it is to be found.
-        program: The reference program.
-        line: Where the bug is.
-        old: What stood there.
-        new: What stands there now.
-        ticks: How long it is run.
-    """
+    """A reference program with a bug: in a line, something new stands for something old."""
 
     kind: str
     level: str
@@ -86,11 +76,7 @@ def diagnosis_of(level: str, text: str, ticks: int) -> Diagnosis:
 
 
 def rank(findings: tuple[Finding, ...], line: int) -> tuple[int, bool] | None:
-    """The place among the findings, from 1, of the first that names a line.
-
-    Returns:
-        The place, and whether that line is the finding's own; None if no finding names it.
-    """
+    """The place, from 1, of the first finding that names a line, and whether it is its own."""
     for number, finding in enumerate(findings, 1):
         spans = [span for span in (finding.span, *finding.others) if span is not None]
         if any(span.line == line for span in spans):
@@ -101,14 +87,7 @@ def rank(findings: tuple[Finding, ...], line: int) -> tuple[int, bool] | None:
 
 @dataclass(frozen=True)
 class Difference:
-    """The first tick in which a mutant decides otherwise than the reference program.
-
-    Attributes:
-        tick: The tick.
-        robot: A robot for which it does.
-        rows: What all robots sensed.
-        memories: What they remembered.
-    """
+    """The first tick in which a mutant decides otherwise than the reference program for a robot."""
 
     tick: int
     robot: str
@@ -143,13 +122,7 @@ def first_difference(mutant: Mutant) -> Difference | None:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found of a mutant.
-
-    Attributes:
-        line: It in one line, as the table has it.
-        by_diagnosis: Whether one of the first findings names the line of the bug.
-        by_either: Whether that or a nearest miss does.
-    """
+    """What was found of a mutant: its line of the table, and what names the line of the bug."""
 
     line: str
     by_diagnosis: bool

@@ -14,22 +14,14 @@ MARKS = ascii_letters + "".join(map(chr, range(0xC0, 0x800)))
 
 
 class Cell(NamedTuple):
-    """One cell of a screen.
-
-    Attributes:
-        text: Its character.
-        look: Foreground, background and attributes, in words.
-    """
+    """One cell of a screen: its character, and colours and attributes in words."""
 
     text: str
     look: str
 
 
 def cells_of(screen: pyte.Screen) -> list[list[Cell]]:
-    """The cells of a screen, line by line.
-
-    How long a thought took is written as ``0.0 ms``, because it is never the same.
-    """
+    """The cells of a screen, where how long a thought took is always ``0.0 ms``."""
     lines = []
     for y in range(screen.lines):
         row = _timeless([screen.buffer[y][x] for x in range(screen.columns)])

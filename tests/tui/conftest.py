@@ -18,6 +18,7 @@ from textual.document._history import EditHistory
 from textual.dom import DOMNode
 from textual.keys import _character_to_key
 from textual.pilot import Pilot
+from textual.widgets import Input
 
 from logical_robots_tui.game import Source, load_program, measuring
 from logical_robots_tui.player.opening import Opening
@@ -27,9 +28,11 @@ from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.inspector import pane as inspector_pane
 from logical_robots_tui.tui.inspector.pane import InspectorPane
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.world import load_level
+from tests.short import LEVEL
 from tests.virtual_time import VirtualClock, VirtualLoop, later, until, virtual_loop
 
 _PICTURE = 0.05  # seconds in which what has changed is laid out and drawn
@@ -72,17 +75,9 @@ Robot(robot_name:, desire:, memory: 1) :-
 """
 
 
-SHORT = """\
-title = "A short way"
+SHORT = (
+    """\
 idea = "Straight on is a way."
-cell = 5
-walls = '''
-############
-#..........#
-#..........#
-#..........#
-############
-'''
 briefing = "Bring Pip to the door."
 hints = ["It is not far.", "It is straight ahead.", "Just go."]
 lesson = \"\"\"
@@ -97,19 +92,50 @@ Robot(robot_name:, desire: 1) :- Sensor(robot_name:);
 further = "Be there in fewer ticks."
 starter = "obstacle-avoider"
 solution = "first-steps-starter"
+"""
+    + LEVEL
+)
+
+
+ROOM = """\
+# A room that is mine.
+title = "A room"
+cell = 10
+walls = '''
+############################
+#..........................#
+#..........................#
+#..........................#
+#..........................#
+#..........................#
+#..........................#
+#..........................#
+#..........................#
+############################
+'''
 
 [[robots]]
 name = "Pip"
-x = 12
-y = 12.5
+x = 40
+y = 50 # in the middle
+
+[[beacons]]
+name = "Lamp"
+x = 200
+y = 30
 
 [[areas]]
 name = "Door"
-x = 42
-y = 12.5
-radius = 6
+x = 240
+y = 50
+radius = 15
 goal_for = ["Pip"]
 """
+
+
+def key_event(key: str) -> events.Key:
+    """A key as a terminal reports it."""
+    return events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
 
 
 @dataclass(frozen=True)
@@ -158,9 +184,7 @@ class Opened:
         Each key is pressed after the last was answered.
         """
         for key in keys:
-            self.app.post_message(
-                events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
-            )
+            self.app.post_message(key_event(key))
             await self.handled()
             if self.app.backlog:
                 with self.impatient():
@@ -185,6 +209,28 @@ class Opened:
         """Click at what is drawn, as `Pilot.click` does."""
         await self.later(_PICTURE)
         await self.pilot.click(*where, **how)
+
+    async def mouse(
+        self, kind: type[events.MouseEvent], place: tuple[float, float], button: int = 1
+    ) -> None:
+        """Report the mouse at a place of the map; the pilot would wait for an idle processor."""
+        view = self.main.labyrinth.view
+        x, y = view.region.offset + cell_of(view, place)
+        button = 0 if kind is events.MouseMove else button
+        self.app.post_message(kind(None, x, y, 0, 0, button, False, False, False, x, y))
+        await self.handled()
+
+    async def drag(self, *places: tuple[float, float], button: int = 1) -> None:
+        """Drag along places of the map; one place is a click."""
+        await self.mouse(events.MouseDown, places[0], button)
+        for place in places[1:]:
+            await self.mouse(events.MouseMove, place)
+        await self.mouse(events.MouseUp, places[-1], button)
+
+    async def fill(self, text: str) -> None:
+        """Put a text into the first line of a dialog."""
+        self.app.screen.query_one(Input).value = text
+        await self.settled()
 
     async def until(self, condition: Callable[[], object]) -> None:
         """Let time pass until a condition holds, and stop it at that moment."""
@@ -249,6 +295,13 @@ class Opened:
 
     async def sees_no(self, text: str) -> None:
         await self.until(lambda: not self.shows(text))
+
+
+def cell_of(view: LabyrinthView, place: tuple[float, float]) -> tuple[int, int]:
+    """The column and row of the labyrinth that show a place of the map."""
+    cell = view.view and view.view.cell(*place)
+    assert cell, f"{place} is out of sight"
+    return cell[1], cell[0]
 
 
 def pytest_asyncio_loop_factories() -> dict[str, type[VirtualLoop]]:
@@ -358,6 +411,13 @@ def drawn_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def room_file(tmp_path: Path) -> Path:
+    path = tmp_path / "room.toml"
+    path.write_text(ROOM, "utf-8")
+    return path
+
+
+@pytest.fixture
 def data_dir(tmp_path: Path) -> Path:
     return tmp_path / "data"
 
@@ -400,9 +460,21 @@ async def opened(
         welcome=welcome,
         clock=VirtualClock(),
     )
+    async with showing(opening, size, settings, ready=ready) as game:
+        yield game
+
+
+@asynccontextmanager
+async def showing(
+    opening: Opening,
+    size: Size = (120, 40),
+    settings: Settings | None = None,
+    *,
+    ready: bool = True,
+) -> AsyncIterator[Opened]:
     app = LogicalRobotsApp(opening, settings=settings)
     async with app.run_test(size=size, notifications=True) as pilot:
-        game = Opened(app, pilot, data_dir)
+        game = Opened(app, pilot, opening.data_dir)
         if ready:
             await game.ready()
         yield game

@@ -12,11 +12,7 @@ GENTLY, MOST = 2.5, 12.0  # seconds waited per second of computing: some others,
 
 
 class Machine(Clock):
-    """A machine with a clock of its own, whose processors others take as much as a test wants.
-
-    Args:
-        tells: Whether it tells how long a thread waited for a processor.
-    """
+    """A machine with a clock of its own, whose processors others take as much as a test wants."""
 
     def __init__(self, *, tells: bool = True) -> None:
         self.time = self.busy = self.waited = 0.0

@@ -7,13 +7,12 @@ from textual import events
 from textual.widgets import Button, Input
 
 from logical_robots_tui.tui.layout.dialogs import LinePrompt, Question
-from tests.tui.conftest import CHARACTERS, Opened, opened
+from tests.tui.conftest import Opened, key_event, opened
 
 
 def press_at_once(game: Opened, *keys: str) -> None:
     for key in keys:
-        character = CHARACTERS.get(key, key if len(key) == 1 else None)
-        game.app.post_message(events.Key(key, character))
+        game.app.post_message(key_event(key))
 
 
 async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
@@ -32,7 +31,7 @@ async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
             game.app.push_screen(dialog)
             await game.until(lambda: isinstance(game.app.focused, Button | Input))
             press_at_once(game, "enter", "n")
-            await game.until(partial(is_at, game, tick))
+            await game.press(tick=tick)
 
         before = game.editor.text
         press_at_once(game, *"2x", "escape", *"1n")  # for a pane
@@ -43,10 +42,6 @@ async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
         await game.until(lambda: game.tick == 7)
         assert not game.main.editing.is_on
         assert game.main.editing.levels.edits.can_redo
-
-
-def is_at(game: Opened, tick: int) -> bool:
-    return game.tick == tick
 
 
 def holds(field: Input, text: str) -> bool:

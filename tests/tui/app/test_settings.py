@@ -90,13 +90,6 @@ async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: P
         await game.press("W", sees="A hint (^P)")
 
 
-@pytest.fixture
-def settings_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    file = tmp_path / "config" / "config.toml"
-    monkeypatch.setattr("logical_robots_tui.tui.app.app.settings_path", lambda: file)
-    return file
-
-
 async def change(game: Opened, name: str, *keys: str) -> None:
     await game.press("ctrl+p", sees="Find a command")
     await game.press(*"settings", "enter")
@@ -107,7 +100,11 @@ async def change(game: Opened, name: str, *keys: str) -> None:
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
-async def test_theme_and_setting_are_kept(data_dir: Path, settings_file: Path, size: Size) -> None:
+async def test_a_theme_is_previewed_and_it_and_settings_are_kept(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch, size: Size
+) -> None:
+    settings_file = data_dir / "config" / "config.toml"
+    monkeypatch.setattr("logical_robots_tui.tui.app.app.settings_path", lambda: settings_file)
     async with opened(data_dir, text=STILL, size=size, ready=True) as game:
         before, screen = game.app.theme, game.main
         command("theme").run(screen, screen.spawn)

@@ -83,8 +83,7 @@ async def test_the_line_helps_and_says_what_is_wrong_in_a_query(data_dir: Path, 
         await ask(game, "Sensor(robot_nam:)")
         await game.sees("Sensor has no column robot_nam.", "       ^^^^^^^^^")
         await game.sees("Did you mean robot_name?")
-        assert game.tick == 0
-        assert line(game).value == "Sensor(robot_nam:)"
+        assert (game.tick, line(game).value) == (0, "Sensor(robot_nam:)")
         line(game).value = "Sensor(r"
         await game.sees_no("Sensor has no column")
         await ask(game, 'x in ["a"], x.field == 2')

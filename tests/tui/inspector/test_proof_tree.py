@@ -45,8 +45,7 @@ def test_folds_are_exact_wherever_one_opens_and_closes() -> None:
     assert nodes(folds) == [*everything[:2], *everything[12:]]
     assert folds.parent(2) == 0
     folds.open(1)
-    assert nodes(folds) == everything
-    assert folds.parent(5) == 1
+    assert (nodes(folds), folds.parent(5)) == (everything, 1)
 
     # A player's folds stay when another tick has other values.
     folds.close(1)
@@ -79,11 +78,8 @@ def test_values_that_have_no_room_are_counted(width: int, depth: int) -> None:
     hidden = len(node.values) - len(shown) + node.more
     assert f"(and {hidden} more)" in text
     assert len(text) <= width
-
-
-def test_truths_are_not_numbers() -> None:
-    node = Node("value", "x > 2", values=(True, False, None))
-    assert "= true or false or null" in content(node, 80)
+    truths = Node("value", "x > 2", values=(True, False, None))
+    assert "= true or false or null" in content(truths, 80), "they are no numbers"
 
 
 def content(node: Node, width: int, depth: int = 0) -> str:

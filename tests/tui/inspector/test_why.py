@@ -60,8 +60,7 @@ async def test_one_key_says_why_in_a_tree_that_folds_and_stays_folded(data_dir: 
         await asked_why(game)
         assert game.inspector.inspected == "why"
         rules = [node for node in nodes(game) if node.kind == "rule"]
-        assert rules[0].said == "gives this row"
-        assert rules[-1].said == "gives no row"
+        assert (rules[0].said, rules[-1].said) == ("gives this row", "gives no row")
         await game.until(lambda: PROVED in told(game))
         await game.sees("✗ 4: Robot(")
         assert game.shows("✓ 2: Robot(")
@@ -284,8 +283,7 @@ async def test_other_values_show_where_rules_stop_and_nonsense_is_mended(data_di
 
         # The value under the cursor is selected.
         values = await prompted(game, "memory")
-        assert values.value == 'Robot(memory: "far")'
-        assert values.selected_text == '"far"'
+        assert (values.value, values.selected_text) == ('Robot(memory: "far")', '"far"')
         for nonsense, message in [
             ("Robot(memory: far + 1)", "This is not a value."),
             ("Robot(memory: ", "is never closed"),

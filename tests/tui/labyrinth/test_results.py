@@ -67,8 +67,7 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: Size) -> 
         await game.press("1", "m")
         told = [f"✓ {goal.words}", f"☐ {other.words}", "1,500●", "1,300●", "● your best"]
         told += [f"  {measures.ticks:,}" for measures in references_for(level).values()]
-        for words in told:
-            await game.sees(words)
+        await game.sees(*told)
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
         await game.press("m", "l", on=LevelScreen, sees=("1,500●", f"✓ {goal.words}"))
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())

@@ -8,38 +8,7 @@ from textual import events
 
 from logical_robots_tui.world import RobotState
 from tests.short import AHEAD
-from tests.tui.conftest import STILL, Opened, opened
-from tests.tui.level_editor.conftest import ROOM
-
-
-@pytest.fixture
-def room_file(tmp_path: Path) -> Path:
-    path = tmp_path / "room.toml"
-    path.write_text(ROOM, "utf-8")
-    return path
-
-
-def cell(game: Opened, point: tuple[float, float]) -> tuple[int, int]:
-    view = game.main.labyrinth.view.view
-    assert view is not None
-    found = view.cell(*point)
-    assert found is not None
-    return found[1], found[0]
-
-
-async def mouse(
-    game: Opened, kind: type[events.MouseEvent], point: tuple[float, float], button: int = 1
-) -> None:
-    x, y = game.main.labyrinth.view.region.offset + cell(game, point)
-    game.app.post_message(kind(None, x, y, 0, 0, button, False, False, False, x, y))
-    await game.handled()
-
-
-async def drag(game: Opened, *points: tuple[float, float], button: int = 1) -> None:
-    await mouse(game, events.MouseDown, points[0], button)
-    for point in points[1:]:
-        await mouse(game, events.MouseMove, point, button)
-    await mouse(game, events.MouseUp, points[-1], button)
+from tests.tui.conftest import STILL, cell_of, opened
 
 
 async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_file: Path) -> None:
@@ -51,14 +20,14 @@ async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_
 
         await game.press("space", until=lambda: game.tick > 2)
         before = view.view
-        await drag(game, (40, 50), (90, 60), (150, 60))
-        await game.until(lambda: robot().x > 140 and view.robot_at(*cell(game, (150, 60))))
+        await game.drag((40, 50), (90, 60), (150, 60))
+        await game.until(lambda: robot().x > 140 and view.robot_at(*cell_of(view, (150, 60))))
         assert game.session.running
         assert not game.main.editing.is_on
         assert view.view == before
         assert abs(robot().y - 60) < 8
         x = robot().x
-        await drag(game, (150, 60), (150, 80), button=3)
+        await game.drag((150, 60), (150, 80), button=3)
         await game.until(lambda: robot().angle > 1)
         assert robot().angle == pytest.approx(math.pi / 2, abs=0.4)
         assert robot().x == x
@@ -70,12 +39,12 @@ async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_
         # Empty ground, and a setting, drag the map.
         view.zoom(2, (40, 50))
         before = view.view
-        await drag(game, (80, 60), (70, 60))
+        await game.drag((80, 60), (70, 60))
         await game.until(lambda: view.view != before)
         assert robot().x == 40
         game.app.change_setting("drag_robots", False)
         before = view.view
-        await drag(game, (40, 50), (60, 50))
+        await game.drag((40, 50), (60, 50))
         await game.until(lambda: view.view != before)
         assert robot().x == 40
 
@@ -86,18 +55,18 @@ async def test_a_robot_pointed_at_shows_its_card(data_dir: Path, room_file: Path
         view, card = game.main.labyrinth.view, game.main.labyrinth.card
         assert not card.display
         x = game.session.frame.after.robots[0].x
-        await mouse(game, events.MouseMove, (x, 50))
+        await game.mouse(events.MouseMove, (x, 50))
         await game.until(lambda: card.display and game.shows("engines"))
         await game.sees("battery")
         assert view.selected is None
-        await mouse(game, events.MouseMove, (150, 80))
+        await game.mouse(events.MouseMove, (150, 80))
         await game.until(lambda: not card.display)
-        await mouse(game, events.MouseMove, (x, 50))
+        await game.mouse(events.MouseMove, (x, 50))
         await game.until(lambda: card.display)
         await game.press("M", until=lambda: view.overlay is not None)
         assert view.pointed is not None
         assert not card.display
-        await mouse(game, events.MouseMove, (150, 80))
+        await game.mouse(events.MouseMove, (150, 80))
         await game.until(lambda: view.pointed is None)
 
 
@@ -106,7 +75,7 @@ async def test_with_a_drag_no_victory_counts(data_dir: Path, room_file: Path, ti
     async with opened(data_dir, level=room_file, text=AHEAD, ready=True) as game:
         await game.press(*["n"] * ticks, tick=ticks)
         x = game.session.frame.after.robots[0].x
-        await drag(game, (x, 50), (100, 50), (200, 50))
+        await game.drag((x, 50), (100, 50), (200, 50))
         await game.until(lambda: game.session.frame.after.robots[0].x > 190)
         game.session.run_until(1000)
         await game.sees("a robot moved by hand")

@@ -14,7 +14,6 @@ from logical_robots_tui.tui.learning.reader import Hints
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from tests.tui.conftest import PAPER, opened
-from tests.tui.dialogs import fill
 from tests.virtual_time import Hold
 
 
@@ -28,7 +27,7 @@ async def test_late_saves_leave_no_dialogs(data_dir: Path, monkeypatch: pytest.M
     monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
     async with opened(data_dir) as game:
         await game.press("s", on=SaveAs)
-        await fill(game, "other")
+        await game.fill("other")
         saving = game.app.screen
         await game.press("enter", until=lambda: hold.has_begun)
         game.app.push_screen(Question("Above", "All of it?", [("yes", "Yes")]))
@@ -44,7 +43,7 @@ async def test_late_saves_leave_no_dialogs(data_dir: Path, monkeypatch: pytest.M
 async def test_a_long_line_is_seen_at_its_end_and_late_clicks_do_nothing(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("s", on=SaveAs)
-        await fill(game, "abcdefghij" * 10)
+        await game.fill("abcdefghij" * 10)
         await game.press("end", *"-end", sees="efghij-end")
         await game.press("escape")
         await game.ready()
@@ -92,7 +91,7 @@ async def test_a_choice_may_come_too_late(data_dir: Path, monkeypatch: pytest.Mo
     async with opened(data_dir, ready=True) as game:
         await game.press("o", on=Chooser)
         chooser = game.app.screen
-        await fill(game, "herd")
+        await game.fill("herd")
         await game.press("enter", until=lambda: hold.has_begun)
         assert isinstance(chooser, Chooser)
         chooser.action_leave()

@@ -36,8 +36,7 @@ async def test_the_inspector_is_as_high_as_its_list_until_a_page_needs_more(data
         await game.press("space", until=lambda: game.tick > 20)
         assert heights(game) == before, "or run"
         await game.press("space", "3", until=lambda: game.inspector.inspected == "robots")
-        assert await settled(game) == before
-        assert inspector == listed(game) + BORDER
+        assert (await settled(game), inspector) == (before, listed(game) + BORDER)
         await game.press("w", until=lambda: heights(game)[2] >= 18)
         await game.press("3", "home", until=lambda: game.inspector.inspected == "robots")
         x = round(game.session.frame.after.robots[0].x)

@@ -4,12 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.learning.reader import Reader
-from tests.tui.conftest import Opened, Size, opened
+from tests.tui.conftest import SHORT, Opened, Size, opened
 
 QUESTIONS = """\
 questions = [
@@ -21,15 +22,8 @@ questions = [
 
 @pytest.fixture
 def asking(short: Path) -> Path:
-    short.write_text(QUESTIONS + short.read_text("utf-8"), "utf-8")
+    short.write_text(QUESTIONS + SHORT, "utf-8")
     return short
-
-
-def gone(asking: Path) -> Path:
-    """The same, about a program that does not exist."""
-    text = asking.read_text("utf-8").replace("ticks = ", 'program = "nowhere", ticks = ')
-    asking.write_text(text, "utf-8")
-    return asking
 
 
 async def answer(game: Opened, query: str, *told: str) -> None:
@@ -91,8 +85,10 @@ async def test_answers_outlive_sessions_and_rows_are_scrolled(data_dir: Path, as
         assert isinstance(game.app.focused, QueryLine)
 
 
-async def test_a_program_that_is_missing_is_named(data_dir: Path, asking: Path) -> None:
-    async with opened(data_dir, level=gone(asking), ready=True) as game:
+async def test_a_program_that_is_missing_is_named(data_dir: Path, short: Path) -> None:
+    about_nothing = QUESTIONS.replace("ticks = ", 'program = "nowhere", ticks = ')
+    write_atomically(short, about_nothing + SHORT)
+    async with opened(data_dir, level=short, ready=True) as game:
         await begin(game)
         await game.sees("nowhere: There is no such program")
         await answer(game, "Robot", "nowhere: There is no such program")

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from textual import events
 from textual.screen import Screen
 from textual.widgets import TextArea
 
@@ -19,7 +18,6 @@ from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.session_state import Background
 from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 from logical_robots_tui.tui.level_editor.controller import LevelController
 from logical_robots_tui.world import Level, load_level
 from tests.short import AHEAD
@@ -28,46 +26,10 @@ from tests.virtual_time import VirtualClock, until, virtual_loop
 
 _BY_ID = {command.id: command for command in COMMANDS}
 
-ROOM = """\
-# A room that is mine.
-title = "A room"
-cell = 10
-walls = '''
-############################
-#..........................#
-#..........................#
-#..........................#
-#..........................#
-#..........................#
-#..........................#
-#..........................#
-#..........................#
-############################
-'''
-
-[[robots]]
-name = "Pip"
-x = 40
-y = 50 # in the middle
-
-[[beacons]]
-name = "Lamp"
-x = 200
-y = 30
-
-[[areas]]
-name = "Door"
-x = 240
-y = 50
-radius = 15
-goal_for = ["Pip"]
-"""
-
 
 @dataclass(frozen=True)
 class Studio:
     game: Opened
-    file: Path
 
     @property
     def controller(self) -> LevelController:
@@ -86,42 +48,12 @@ class Studio:
         """The level that the game runs in."""
         return self.game.session.level
 
-    async def press(self, *keys: str) -> None:
-        await self.game.press(*keys)
+    async def press(self, *keys: str, **awaited: Any) -> None:
+        await self.game.press(*keys, **awaited)
 
     async def do(self, *keys: str) -> None:
         await self.game.press(*keys)
         await self.game.settled()
-
-    async def drag(self, *points: tuple[float, float]) -> None:
-        """Drag with the left button along points of the map; one point is a click."""
-        await self._mouse(events.MouseDown, points[0])
-        for point in points[1:]:
-            await self._mouse(events.MouseMove, point)
-        await self._mouse(events.MouseUp, points[-1])
-
-    async def _mouse(self, kind: type[events.MouseEvent], point: tuple[float, float]) -> None:
-        """Move the mouse as a terminal reports it; the pilot would wait for an idle processor."""
-        cell = self.viewport.cell(*point)
-        assert cell is not None, f"{point} is out of sight"
-        region = self.game.main.labyrinth.view.region
-        x, y = region.x + cell[1], region.y + cell[0]
-        button = int(kind is not events.MouseMove)
-        self.game.app.post_message(kind(None, x, y, 0, 0, button, False, False, False, x, y))
-        await self.game.handled()
-
-    @property
-    def viewport(self) -> Viewport:
-        view = self.game.main.labyrinth.view.view
-        assert view is not None
-        return view
-
-
-@pytest.fixture
-def room_file(tmp_path: Path) -> Path:
-    path = tmp_path / "room.toml"
-    path.write_text(ROOM, "utf-8")
-    return path
 
 
 @pytest.fixture
@@ -134,10 +66,9 @@ def web_file(room_file: Path) -> Path:
 
 @asynccontextmanager
 async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studio]:
-    async with opened(data_dir, level=file, text=AHEAD, **more) as game:
-        await game.ready()
+    async with opened(data_dir, level=file, text=AHEAD, ready=True, **more) as game:
         await game.press("M", until=lambda: game.main.editing.is_on)
-        yield Studio(game, file)
+        yield Studio(game)
 
 
 def fill(form: Screen[Any], **values: str | bool) -> None:

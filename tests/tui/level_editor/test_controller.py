@@ -23,7 +23,8 @@ from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.world import change_state
 from tests.editing.making import room
 from tests.short import AHEAD
-from tests.tui.level_editor.conftest import ROOM, bench, said, say
+from tests.tui.conftest import ROOM
+from tests.tui.level_editor.conftest import bench, said, say
 from tests.virtual_time import Hold
 
 POINTS = st.tuples(st.integers(-5, 125).map(float), st.integers(-5, 85).map(float))
@@ -105,8 +106,7 @@ def test_several_turns_are_one_step_and_a_beacon_is_not_turned() -> None:
     editor.turn(1)
     editor.turn(1)
     assert editor.level.robots[0].angle == pytest.approx(math.pi / 6)
-    assert editor.undo() == "turn Ann"
-    assert editor.level.robots == level.robots
+    assert (editor.undo(), editor.level.robots) == ("turn Ann", level.robots)
     editor.select_next(1)
     editor.turn(1)
     assert complaints == ["Select a robot first."]

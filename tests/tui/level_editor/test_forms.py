@@ -21,8 +21,7 @@ TEAMS = 'team = "red"\n' + "".join(
 
 
 async def form(s: Studio, key: str, kind: type[SomeForm]) -> SomeForm:
-    await s.press(key)
-    await s.game.until(lambda: isinstance(s.game.app.screen, kind))
+    await s.press(key, on=kind)
     shown = s.game.app.screen
     assert isinstance(shown, kind)
     await s.game.until(lambda: shown.query("#take"))
@@ -49,8 +48,7 @@ async def test_an_area_is_typed_ticked_and_chosen(data_dir: Path, room_file: Pat
         await form(s, "i", ThingForm)
         await s.game.sees("[ ] robots can't drive into it")
         await s.press(*"Zoe", "tab", "tab", "tab", *"31")  # typing replaces what is there
-        await s.press("tab", "tab", "space")
-        await s.game.sees("[X] robots can't drive into it")
+        await s.press("tab", "tab", "space", sees="[X] robots can't drive into it")
         await s.press("shift+tab", "enter")
         await closed(s)
         area = s.level.areas[0]
@@ -59,8 +57,7 @@ async def test_an_area_is_typed_ticked_and_chosen(data_dir: Path, room_file: Pat
         shown.query_one("#name").focus()
         await is_in(s.game, "name")
         fill(shown, radius="wide")
-        await s.press("f2")
-        await s.game.sees("The radius must be a number")
+        await s.press("f2", sees="The radius must be a number")
         fill(shown, radius="22", impenetrable=False, off_beacon="Lamp")
         shown.query_one("#victory_robots", Ticks).toggle("Pip")
         press_at_once(s.game, "ctrl+u", *"Gate", "f2")  # what was typed before it is applied counts
@@ -74,8 +71,7 @@ async def test_properties_of_a_robot_and_a_level_are_set(data_dir: Path, room_fi
     replace_in(room_file, "x = 40", "x = 40.123456")
     replace_in(room_file, "y = 50 # in the middle", f"y = 50\n{TEAMS}")
     async with studio(data_dir, room_file, size=(80, 24)) as s:
-        await s.press("tab")
-        await s.game.sees("Robot Pip at 40.1, 50")
+        await s.press("tab", sees="Robot Pip at 40.1, 50")
         robot_form = await form(s, "i", ThingForm)
         assert robot_form.query_one("#x", Input).value == "40.12"
         assert robot_form.query_one("#team", Select).value == "red"
@@ -94,8 +90,7 @@ async def test_properties_of_a_robot_and_a_level_are_set(data_dir: Path, room_fi
         assert s.live.hints == ("Turn.", "Go on.")
         assert s.live.visibility == Visibility("own", "all")
         assert s.live.shared_names == ("Lamp", "red light")
-        await s.press("M")
-        await s.game.sees("What should happen to your changes")
+        await s.press("M", sees="What should happen to your changes")
         answers = ("Save", "Keep as a level", "Just for this game", "Throw away")
         await s.game.until(lambda: all(s.game.shows(f" {answer} ") for answer in answers))
 
@@ -104,8 +99,7 @@ async def test_properties_of_a_robot_and_a_level_are_set(data_dir: Path, room_fi
 async def test_a_form_moves_of_a_robot_only_what_changed(data_dir: Path, room_file: Path) -> None:
     async with studio(data_dir, room_file) as s:
         game, session = s.game, s.game.session
-        await s.press("N")
-        await game.until(lambda: game.tick == 10)
+        await s.press("N", until=lambda: game.tick == 10)
         await s.do("tab")
         before = session.frame.after.robots[0]
         assert before.x > 44
@@ -124,8 +118,7 @@ async def test_a_form_moves_of_a_robot_only_what_changed(data_dir: Path, room_fi
         assert (s.level.robots[0].x, s.level.robots[0].y) == (40, 60)
         shown = await form(s, "i", ThingForm)
         fill(shown, y="1e9")
-        await s.press("f2")
-        await game.until(lambda: shown.query_one("#complaint").display)
+        await s.press("f2", until=lambda: shown.query_one("#complaint").display)
         assert session.frame.after.robots[0] == after
 
 

@@ -17,8 +17,8 @@ from logical_robots_tui.tui.level_editor.panel import ToolLine
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.dynamics import RobotState
-from tests.tui.conftest import opened
-from tests.tui.level_editor.conftest import ROOM, bench, fill, replace_in, said, studio
+from tests.tui.conftest import ROOM, cell_of, opened
+from tests.tui.level_editor.conftest import bench, fill, replace_in, said, studio
 
 
 async def test_walls_are_painted_with_each_tool(data_dir: Path, room_file: Path) -> None:
@@ -95,8 +95,7 @@ async def test_things_are_placed_moved_deleted_and_undone(data_dir: Path, room_f
         await b.stroke((x, 50), (180, 60))
         assert bodies()[0].x > 170
         b.command("undo")  # it is back where it was taken
-        assert bodies()[0].x == x
-        assert b.level.robots[0].x == 40
+        assert (bodies()[0].x, b.level.robots[0].x) == (x, 40)
         b.command("redo")
         assert bodies()[0].x > 170
 
@@ -105,23 +104,22 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
     name = "Door to the other"  # there is no room for its place as well
     replace_in(room_file, "Door", name)
     async with studio(data_dir, room_file) as s:
-        await s.drag((40, 50), (60, 50))
+        await s.game.drag((40, 50), (60, 50))
         await s.game.settled()
-        assert s.level.robots[0].x == pytest.approx(60, abs=s.viewport.units * CELL_ASPECT)
+        view = s.game.main.labyrinth.view.view
+        assert view
+        assert s.level.robots[0].x == pytest.approx(60, abs=view.units * CELL_ASPECT)
         await s.press("u", "b")
-        await s.drag((100, 30), (100, 70))
+        await s.game.drag((100, 30), (100, 70))
         await s.game.until(lambda: s.live.walls[50, 100])
         assert s.level.walls[50, 100]
-        await s.press("u")
-        await s.game.until(lambda: s.controller.findings == [])
-        await s.drag((200, 30), (205, 30), (200, 40))
+        await s.press("u", until=lambda: s.controller.findings == [])
+        await s.game.drag((200, 30), (205, 30), (200, 40))
         await s.game.until(lambda: s.controller.findings)
-        await s.press("j")
-        await s.game.until(lambda: isinstance(s.game.app.screen, FindingList))
+        await s.press("j", on=FindingList)
         await s.game.sees("is inside a wall")
         s.editor.cursor = (0, 0)
-        await s.press("enter")
-        await s.game.until(lambda: s.editor.cursor == (200, 30))
+        await s.press("enter", until=lambda: s.editor.cursor == (200, 30))
         await s.do("u")
         s.editor.cursor = (140, 50)
         await s.do("enter", "right", "right", "down", "enter", "right")
@@ -146,14 +144,11 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
         await s.do("tab")
         assert s.editor.cursor == (40, 50)
         await s.do("enter", "right", "right", "enter", "right")
-        assert s.level.robots[0].x == 60
-        assert s.editor.edits.can_undo == "move"
+        assert (s.level.robots[0].x, s.editor.edits.can_undo) == (60, "move")
         await s.do("c", "shift+right", "enter", "enter")
         assert len(s.level.beacons) == 2
-        await s.press("tab")
-        await s.game.sees(f"Area {name}")
-        await s.press("tab", "x")
-        await s.game.sees("A level needs at least one robot")
+        await s.press("tab", sees=f"Area {name}")
+        await s.press("tab", "x", sees="A level needs at least one robot")
         lines = s.game.main.query_one(ToolLine).render().plain.splitlines()
         row = next(row for row, line in enumerate(lines) if "Fill" in line)
         await s.game.click(ToolLine, offset=(lines[row].index("Fill"), row))
@@ -164,7 +159,7 @@ async def test_the_mouse_draws_and_keys_alone_do_as_well(data_dir: Path, room_fi
         await s.do("z", "z")
         assert s.game.main.labyrinth.view.camera.zoom > 1
         await s.do(*["shift+right"] * 4)
-        assert s.viewport.cell(*s.editor.cursor) is not None
+        assert cell_of(s.game.main.labyrinth.view, s.editor.cursor)
         await s.press("o", "enter", "M")  # the key that ends editing keeps what was just placed
         await s.game.sees("Leave editing")
         assert len(s.level.robots) == 2
@@ -182,24 +177,19 @@ async def test_play_while_editing_loses_and_wins_nothing(data_dir: Path, room_fi
     async with studio(data_dir, room_file) as s:
         game, areas, beacons = s.game, len(s.level.areas), len(s.level.beacons)
         game.session.pace.speed = None
-        await s.press("c", "enter", "a", "enter", "s")
-        await game.sees("Saved as room")
+        await s.press("c", "enter", "a", "enter", "s", sees="Saved as room")
         assert s.controller.levels.is_saved
-        await s.press("t")
-        await game.until(lambda: game.tick > 1)
-        await s.press("t")
-        await game.until(lambda: game.main.editing.is_on and game.tick == 0)
+        await s.press("t", until=lambda: game.tick > 1)
+        await s.press("t", until=lambda: game.main.editing.is_on and game.tick == 0)
         assert (len(s.level.areas), len(s.level.beacons)) == (areas + 1, beacons + 1)
         assert s.controller.levels.is_saved
         await s.do("a", "enter", "escape", "h")
         assert len(s.level.areas) == areas + 1
-        await s.drag((240, 50), (80, 50))
-        await s.press("t")
-        await game.sees("Again")
+        await s.game.drag((240, 50), (80, 50))
+        await s.press("t", sees="Again")
         assert not game.main.editing.is_on
         assert game.main.recorder.record.state != "won"
-        await s.press("t")
-        await game.until(lambda: game.main.editing.is_on and game.tick == 0)
+        await s.press("t", until=lambda: game.main.editing.is_on and game.tick == 0)
         assert s.editor.edits.can_undo == "move"
         assert game.session.frame.after.robots[0].x == 40
 
@@ -208,12 +198,10 @@ async def test_a_victory_while_editing_is_told_afterwards(data_dir: Path, room_f
     replace_in(room_file, "x = 40", "x = 215")
     async with studio(data_dir, room_file) as s:
         game = s.game
-        await s.press("space")
-        await game.until(lambda: game.main.recorder.record.state == "won")
+        await s.press("space", until=lambda: game.main.recorder.record.state == "won")
         assert game.main.editing.is_on
         assert not isinstance(game.app.screen, Results)
-        await s.press("escape")
-        await game.until(lambda: isinstance(game.app.screen, Results))
+        await s.press("escape", on=Results)
         assert not game.main.editing.is_on
 
 
@@ -221,39 +209,27 @@ async def test_changes_are_kept_as_a_level_in_the_chooser(data_dir: Path, web_fi
     before = said(web_file)
     async with studio(data_dir, web_file, size=(80, 24)) as s:
         game = s.game
-        await s.drag((200, 30), (180, 30))
+        await s.game.drag((200, 30), (180, 30))
         for answer in ("escape", "s"):  # not to replace it, or to save it under another name
-            await s.press("s")
-            await game.sees("was not made by this game")
-            await s.press(answer)
-            await game.sees_no("was not made by this game")
+            await s.press("s", sees="was not made by this game")
+            await s.press(answer, sees_no="was not made by this game")
         await game.sees("Save the level as")
-        await s.press("enter")
-        await game.sees("Saved as garden-2.json")
+        await s.press("enter", sees="Saved as garden-2.json")
         await s.press("b")
-        await s.drag((100, 20), (100, 60))
-        await s.press("M")
-        await game.sees("What should happen to your changes")
-        await s.press("k")
-        await game.sees("Save the level as")
-        await game.until(lambda: game.app.screen.query("#name"))
+        await s.game.drag((100, 20), (100, 60))
+        await s.press("M", sees="What should happen to your changes")
+        await s.press("k", sees="Save the level as", until=lambda: game.app.screen.query("#name"))
         fill(game.app.screen, name="mine", title="Mine")
-        await s.press("enter")
-        await game.until(lambda: not game.main.editing.is_on)
+        await s.press("enter", until=lambda: not game.main.editing.is_on)
         kept = load_level(data_dir / "levels" / "mine.toml")
         assert kept.title == "Mine"
         assert kept.walls[40, 90:110].any()
-        assert said(web_file) == before
-        assert game.session.opened.source == kept.source
-        await s.press("l")
-        await game.until(lambda: isinstance(game.app.screen, LevelScreen))
-        await s.press(*"mine")
-        await game.sees("▸ Mine")
-        await s.press("ctrl+n")
-        await game.until(lambda: game.app.screen.query("#kind"))
+        assert (said(web_file), game.session.opened.source) == (before, kept.source)
+        await s.press("l", on=LevelScreen)
+        await s.press(*"mine", sees="▸ Mine")
+        await s.press("ctrl+n", until=lambda: game.app.screen.query("#kind"))
         fill(game.app.screen, kind="copy", original="mine")
-        await s.press("f2")
-        await game.until(lambda: game.main.editing.is_on)
+        await s.press("f2", until=lambda: game.main.editing.is_on)
         assert game.session.level.title == "Mine (copy)"
         assert np.array_equal(game.session.level.walls, kept.walls)
 
@@ -262,7 +238,7 @@ async def test_changes_are_kept_as_a_level_in_the_chooser(data_dir: Path, web_fi
 async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_file: Path) -> None:
     async with studio(data_dir, room_file) as s:
         await s.press("b")
-        await s.drag((100, 20), (100, 60))
+        await s.game.drag((100, 20), (100, 60))
         await s.game.settled()
     assert said(room_file) == ROOM
     async with opened(data_dir) as game:

@@ -10,7 +10,7 @@ from urllib.parse import quote
 import pytest
 from textual import events
 from textual.content import Content
-from textual.widgets import Input, OptionList
+from textual.widgets import Input, OptionList, Static
 
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.paths import ARENAS, shipped_folder
@@ -21,7 +21,6 @@ from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, STILL, Opened, opened, source_of
-from tests.tui.dialogs import complaint, fill
 from tests.virtual_time import Hold
 
 FIRST = list_levels()[0]
@@ -33,8 +32,9 @@ def is_at(game: Opened, level: str) -> bool:
 
 
 async def complains(game: Opened, text: str, why: str) -> None:
-    await fill(game, text)
-    await game.press("enter", until=lambda: why in complaint(game))
+    await game.fill(text)
+    complaint = game.app.screen.query_one("#complaint", Static)
+    await game.press("enter", until=lambda: complaint.display and why in str(complaint.visual))
 
 
 OUT_OF_REACH = (
@@ -58,7 +58,7 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         await game.press("l", on=LevelScreen)
         level = load_level(FIRST)
         await game.sees(level.title)
-        await fill(game, FIRST)
+        await game.fill(FIRST)
         await game.sees(level.idea)
         await game.press("enter", until=lambda: is_at(game, FIRST))
         assert game.app.screen is game.main
@@ -80,7 +80,7 @@ async def test_a_level_is_opened_by_its_path_or_dropping_it(data_dir: Path, tmp_
             await complains(game, str(bad), bad.name)
         for path, why in OUT_OF_REACH:
             await complains(game, path, why)
-        await fill(game, str(LEVELS / "team_goal.json"))
+        await game.fill(str(LEVELS / "team_goal.json"))
         await game.sees("Open the file")
         await game.press("enter", until=lambda: is_at(game, "team_goal"))
         assert game.editor.text == PAPER
@@ -100,7 +100,7 @@ async def test_programs_are_picked_or_dropped_and_text_kept(data_dir: Path, tmp_
             await complains(game, path, why)
         await game.press("escape", "2", *"hello", "escape", "space", until=lambda: game.tick > 2)
         await game.press("o", on=Chooser)
-        await fill(game, "obstacle")
+        await game.fill("obstacle")
         source = load_program("obstacle-avoider")
         await game.until(lambda: game.shows(source.text.splitlines()[0].lstrip("# ")[:20]))
         await game.press("enter", until=lambda: game.session.state.applied == source.text)
@@ -110,7 +110,7 @@ async def test_programs_are_picked_or_dropped_and_text_kept(data_dir: Path, tmp_
 
         await game.press("o", on=Chooser)
         await game.until(lambda: game.app.screen.query_one(OptionList).option_count > 1)
-        await fill(game, "mine")
+        await game.fill("mine")
         await game.press("enter", until=lambda: game.session.source.name == "mine")
         assert game.editor.text == "hello" + PAPER
         await game.sees("unsaved text of mine has been restored")
@@ -164,15 +164,14 @@ async def test_hurried_keys_save_just_once(data_dir: Path, monkeypatch: pytest.M
     async with opened(data_dir) as game:
         await game.press("2", "x", "f2", on=SaveAs)
         assert game.app.screen.query_one(Input).value == "mine"
-        await fill(game, "other")
+        await game.fill("other")
         await game.press("enter", until=lambda: begun)
         await game.press("enter", "escape")
         await game.settled()
         assert isinstance(game.app.screen, SaveAs)
         hold.release()
         await game.until(lambda: game.app.screen is game.main)
-        assert game.session.source.name == "other"
-        assert len(begun) == 1
+        assert (game.session.source.name, len(begun)) == ("other", 1)
         assert (data_dir / "programs" / "other.l").read_text() == "x" + PAPER
         assert (data_dir / "programs" / "mine.l").read_text() == PAPER
         assert "other" in list_programs(data_dir / "programs")
@@ -221,7 +220,7 @@ async def test_a_key_saves_one_s_own_and_asks_for_new_names(data_dir: Path, tmp_
             await game.until(partial(is_open, game, path))
             await game.press("s", on=SaveAs)
             assert game.app.screen.query_one(Input).value == ""
-            await fill(game, f"own{number}")
+            await game.fill(f"own{number}")
             own = data_dir / "programs" / f"own{number}.l"
             await game.press("enter", until=partial(is_open, game, own))
 

@@ -99,8 +99,7 @@ def names_on(cards: LevelCards) -> list[str]:
 async def test_cards_are_chosen_and_played(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     async with opened(data_dir, size=(80, 18)) as game:
         cards = await open_levels(game)
-        assert cards.across == 2
-        assert cards.chosen == 0
+        assert (cards.across, cards.chosen) == (2, 0)
         await game.press("right", until=lambda: cards.chosen == 1)
         await game.press("left", "left", until=lambda: cards.chosen == 0)
         await game.press("down", until=lambda: cards.chosen == 2)
@@ -175,16 +174,12 @@ def test_a_card_fills_its_room_whatever_it_tells(
         assert [strip.cell_length for strip in strips] == [width] * (rows + LINES_AROUND)
 
 
-def text_of(card: LevelCard, *, chosen: bool = False) -> str:
-    return "\n".join(strip.text for strip in card_strips(card, None, 40, 4, chosen))
+def test_a_card_tells_without_colour_that_it_is_chosen_or_why_it_can_not_be_used() -> None:
+    def text_of(card: LevelCard, *, chosen: bool = False) -> str:
+        return "\n".join(strip.text for strip in card_strips(card, None, 40, 4, chosen))
 
-
-def test_the_chosen_card_is_told_apart_without_colour() -> None:
     card = LevelCard(NAMES[0], load_level(NAMES[0]))
     assert text_of(card) != text_of(card, chosen=True)
-
-
-def test_a_level_that_can_not_be_used_says_why_on_its_card() -> None:
-    text = text_of(LevelCard("99-broken", complaint="This is not valid TOML."))
-    assert "99 broken" in text
-    assert "This is not valid TOML." in text
+    broken = text_of(LevelCard("99-broken", complaint="This is not valid TOML."))
+    assert "99 broken" in broken
+    assert "This is not valid TOML." in broken

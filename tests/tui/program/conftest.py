@@ -4,7 +4,6 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
-from textual import events
 from textual.app import ComposeResult
 from textual.pilot import Pilot
 
@@ -13,7 +12,7 @@ from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
-from tests.tui.conftest import CHARACTERS, Opened, Size
+from tests.tui.conftest import Opened, Size, key_event
 from tests.virtual_time import later, until, virtual_loop
 
 
@@ -68,8 +67,7 @@ class Desk:
     async def at_once(self, *keys: str) -> None:
         """Press keys without a pause between them, and wait until they have been answered."""
         for key in keys:
-            character = CHARACTERS.get(key, key if len(key) == 1 else None)
-            self.app.post_message(events.Key(key, character))
+            self.app.post_message(key_event(key))
         await virtual_loop().handled()
 
     async def until(self, condition: Callable[[], object]) -> None:

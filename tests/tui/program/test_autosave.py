@@ -9,7 +9,6 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from textual import events
 from textual.widgets import Button, Input
 
 from logical_robots_tui.game import Source, load_program
@@ -20,7 +19,7 @@ from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.program.controller import FileWatch
 from logical_robots_tui.tui.terminal.crash_report import BugReport
 from tests.terminal import Terminal
-from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, STILL, Opened, opened, source_of
+from tests.tui.conftest import LEVELS, PAPER, STILL, Opened, key_event, opened, source_of
 from tests.tui.program.conftest import PaneApp
 from tests.virtual_time import Hold
 from tests.virtual_time import until as virtual_until
@@ -62,10 +61,6 @@ async def asked(game: Opened, name: str = "mine") -> Question:
     return question
 
 
-async def at_the_game(game: Opened) -> None:
-    await game.until(lambda: game.app.screen is game.main)
-
-
 async def test_typed_text_is_on_disk_soon_and_offered_at_the_next_start(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("2", "x", until=lambda: list((data_dir / "drafts").glob("*.json")))
@@ -88,7 +83,7 @@ async def test_a_key_meant_for_the_game_is_no_answer_and_the_text_is_kept(data_d
         await game.press(*keys, sees_no="set it aside")
         question = await asked(game)
         for key in keys:
-            late = events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
+            late = key_event(key)
             late.time = question.answered_from - 0.001
             game.app.post_message(late)
         await game.handled()
@@ -97,7 +92,7 @@ async def test_a_key_meant_for_the_game_is_no_answer_and_the_text_is_kept(data_d
         assert question.focused.id == "answer-yes"
         await game.sees_no("hello")
         await game.press("escape")
-        await at_the_game(game)
+        await game.until(lambda: game.app.screen is game.main)
         await game.press("2", "x", "backspace", until=lambda: game.editor.text == PAPER)
     assert texts(data_dir) == ["hello" + PAPER]
 
@@ -142,7 +137,7 @@ async def test_a_question_waits_its_turn(data_dir: Path, monkeypatch: pytest.Mon
         await asked(game, "other")
         assert game.editor.text == "hello" + PAPER
         await game.press("n")
-        await at_the_game(game)
+        await game.until(lambda: game.app.screen is game.main)
         await game.settled()
         assert not game.shows("Continue with")
 
@@ -155,11 +150,11 @@ async def test_nobody_leaves_unasked_what_cannot_be_kept(data_dir: Path, tmp_pat
         for answer in ("s", "escape"):
             await game.press("q", sees="Your changes to “mine” are not saved and")
             await game.press(answer)
-            await at_the_game(game)
+            await game.until(lambda: game.app.screen is game.main)
         await game.press("s", on=SaveAs)
         game.app.screen.query_one(Input).value = str(tmp_path / "elsewhere.l")
         await game.press("enter")
-        await at_the_game(game)
+        await game.until(lambda: game.app.screen is game.main)
         await game.press("q", until=lambda: not game.app.is_running)
     assert (tmp_path / "elsewhere.l").read_text() == "x" + PAPER
 
@@ -172,7 +167,7 @@ async def test_who_does_not_want_what_cannot_be_kept_leaves(data_dir: Path) -> N
         game.main.action_command("quit")
         await game.sees("are not saved and can't be kept")
         await game.press("s")
-        await at_the_game(game)
+        await game.until(lambda: game.app.screen is game.main)
         await game.press("ctrl+c", "ctrl+c", on=Question)
         await game.press("l", until=lambda: not game.app.is_running)
 
@@ -319,5 +314,4 @@ async def test_the_disk_is_not_waited_for(data_dir: Path, monkeypatch: pytest.Mo
         finally:
             second.release()
         await game.until(looked.is_set)
-        assert game.editor.text == PAPER
-        assert game.session.source.path == other.path
+        assert (game.editor.text, game.session.source.path) == (PAPER, other.path)

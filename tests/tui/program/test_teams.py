@@ -1,15 +1,13 @@
 """Where several teams play: a tab for each program, and the mind of the robot looked at."""
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 
 from logical_robots_tui.player.drafts import Draft
 from logical_robots_tui.player.opening import Opening
-from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH
-from tests.tui.conftest import Opened, Size, source_of
+from tests.tui.conftest import Opened, Size, showing, source_of
 from tests.virtual_time import VirtualClock
 
 RED = """\
@@ -21,22 +19,15 @@ BLUE = RED.replace("Ahead", "Backward").replace("x == 1", "x == -1").replace("re
 SCORE = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
 
 
-@asynccontextmanager
-async def match(
+def match(
     data_dir: Path, size: Size = (120, 40), text: str = MATCH, *, same: bool = False
-) -> AsyncIterator[Opened]:
+) -> AbstractAsyncContextManager[Opened]:
     red = source_of(RED, data_dir / "programs", "redly")
     blue = red if same else source_of(BLUE, data_dir / "programs", "bluely")
-    sources = {"red": red, "blue": blue}
     file = data_dir / "match.toml"
     file.write_text(text, "utf-8")
-    app = LogicalRobotsApp(
-        Opening(level=load_level(file), sources=sources, data_dir=data_dir, clock=VirtualClock())
-    )
-    async with app.run_test(size=size, notifications=True) as pilot:
-        game = Opened(app, pilot, data_dir)
-        await game.ready()
-        yield game
+    sources = {"red": red, "blue": blue}
+    return showing(Opening(load_level(file), sources, data_dir, clock=VirtualClock()), size)
 
 
 async def test_a_chosen_robot_shows_its_program_until_the_match_is_over(data_dir: Path) -> None:
@@ -111,12 +102,10 @@ async def test_in_a_small_terminal_tabs_fit_and_the_others_can_be_hidden(data_di
         await game.sees("What the other teams think is hidden.")
         game.main.select("Bo")
         await game.sees("What blue thinks is hidden.")
-        assert game.editor.text == RED
-        assert game.main.inspector.robot == "Ada"
+        assert (game.editor.text, game.main.inspector.robot) == (RED, "Ada")
         game.main.action_command("hide_teams")
         game.main.action_command("next_team")
-        assert game.editor.text == BLUE
-        assert game.main.inspector.robot == "Bo"
+        assert (game.editor.text, game.main.inspector.robot) == (BLUE, "Bo")
 
 
 async def test_teams_with_one_file_have_texts_of_their_own(data_dir: Path) -> None:

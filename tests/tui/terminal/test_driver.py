@@ -16,9 +16,7 @@ from tests.tui.conftest import opened
 
 @pytest.mark.usefixtures("drawn_at_once")
 async def test_answers_decide_what_is_sent(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
-    written: list[str] = []
-    ended: list[int] = []
+    asked, written, ended = list[str](), list[str](), list[int]()
     async with opened(data_dir, ready=True) as game:
         await game.later(1)
         driver = type(game.app._driver)

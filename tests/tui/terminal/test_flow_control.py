@@ -13,17 +13,9 @@ from logical_robots_tui.tui.terminal.driver import InputFilter, Pasted, Unbracke
 def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[float, float]:
     """Send frames thirty times a second over a line; a terminal answers each at once.
 
-    There is nothing small among them, but for a question to measure.
-
-    Args:
-        rate: Of the line, in bytes a second.
-        way: Seconds from one end to the other.
-        frame: Bytes that differ after each thirtieth of a second; they add up to three frames.
-        seconds: How long.
-
-    Returns:
-        The longest time in seconds that a frame takes to the terminal, and frames a second, both
-        for the second half.
+    The line carries so many bytes a second and takes so many seconds from one end to the other; of
+    a frame so many bytes differ after each thirtieth of a second, up to three frames. Tell, for the
+    second half, the longest time that a frame takes to the terminal, and frames a second.
     """
     line, free_at, slowest, count = Line(), 0.0, 0.0, 0
     answers: list[float] = []

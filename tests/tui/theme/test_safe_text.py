@@ -28,8 +28,7 @@ def test_visible_text_moves_no_terminal_and_clipped_is_never_longer(text: str, w
 
 def test_control_characters_have_pictures() -> None:
     assert visible("a\x1b[31m\x00\x7f\t\u202e") == "a␛[31m␀␡␉\ufffd"
-    assert visible("a\tb\n", tabs=True) == "a\tb␊"
-    assert one_line("  a\n\n b\t c ") == "a b c"
+    assert (visible("a\tb\n", tabs=True), one_line("  a\n\n b\t c ")) == ("a\tb␊", "a b c")
 
 
 def test_values_are_written_as_a_program_would() -> None:

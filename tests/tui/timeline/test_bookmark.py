@@ -31,8 +31,7 @@ async def test_the_next_session_goes_on_there_with_any_program(data_dir: Path, s
         again = game.session.frame
         assert (again.after, again.memories) == (there.after, there.memories)
         assert game.session.state.applied == game.editor.text == STILL
-        assert game.session.source.name == "mine"
-        assert game.session.pace.speed == 160.0
+        assert (game.session.source.name, game.session.pace.speed) == ("mine", 160.0)
 
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         assert not isinstance(game.app.screen, Question)
@@ -88,5 +87,4 @@ async def test_an_older_version_s_bookmark_leads_to_its_tick_with_all_teams(data
         await game.press("enter", until=lambda: game.tick == 7 and not game.session.busy)
         assert [robot.x for robot in game.session.frame.after.robots] == [47, 39, 67]
         assert game.session.program is not None
-        assert game.session.program.texts == both
-        assert game.editor.text == COUNTER
+        assert (game.session.program.texts, game.editor.text) == (both, COUNTER)

@@ -8,21 +8,16 @@ from logical_robots_tui.tui.timeline.breakpoints import tick_of
 from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS, Scale, Span, track
 
 
-def nothing(_kind: MarkKind, _first: int, _last: int) -> bool:
-    return False
-
-
 def test_the_signs_can_be_told_apart_without_colours_and_are_one_column_wide() -> None:
     signs = [sign for sign, _, _ in (*SIGNS.values(), DIVERGENCE, *TRACKS)]
-    assert len(set(signs)) == len(signs)
-    assert set(SIGNS) == set(MARK_KINDS)
+    assert (len(set(signs)), set(SIGNS)) == (len(signs), set(MARK_KINDS))
     assert all(len(sign) == 1 for sign in signs)
 
 
 def test_the_past_the_known_and_the_other_future_look_different_and_where_one_stands() -> None:
-    line = track(Span(0, 5, 2, other_last=8, diverged=None), 12, nothing)
+    line = track(Span(0, 5, 2, other_last=8, diverged=None), 12, lambda *_: False)
     assert line.plain == "━━━───┄┄┄   "
-    line = track(Span(0, 5, 2), 12, nothing)
+    line = track(Span(0, 5, 2), 12, lambda *_: False)
     (reversed_,) = [span for span in line.spans if "reverse" in str(span.style)]
     assert (reversed_.start, reversed_.end) == (2, 3)
 

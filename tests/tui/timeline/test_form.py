@@ -14,8 +14,8 @@ from logical_robots_tui.tui.timeline.breakpoints import (
     BreakpointList,
     QuestionPrompt,
 )
-from tests.tui.conftest import Opened, Size
-from tests.tui.timeline.test_widget import playing
+from tests.tui.conftest import Opened, Size, opened
+from tests.tui.timeline.test_widget import TURNS
 from tests.virtual_time import Hold
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
@@ -32,7 +32,7 @@ async def search(game: Opened, question: str) -> None:
 async def test_the_ticks_in_which_a_question_holds_are_gone_through(
     data_dir: Path, short: Path, size: Size, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with playing(data_dir, short, size=size) as game:
+    async with opened(data_dir, level=short, text=TURNS, size=size, ready=True) as game:
         await game.run_until(12)
         # The first repetition asks for the question.
         await game.press("left_parenthesis", "semicolon", on=QuestionPrompt)
@@ -78,7 +78,7 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_a_breakpoint_is_made_of_known_names(data_dir: Path, short: Path, size: Size) -> None:
-    async with playing(data_dir, short, size=size) as game:
+    async with opened(data_dir, level=short, text=TURNS, size=size, ready=True) as game:
         await game.press("B", "a", on=BreakpointForm, sees="Sensor Memory Near Robot")
         await game.press("enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
         await game.press(*"Ner", "enter", sees="The program has no predicate Ner.")
@@ -118,7 +118,7 @@ async def test_a_breakpoint_is_made_of_known_names(data_dir: Path, short: Path, 
 
 
 async def test_the_last_question_is_stopped_at_and_pinned(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
+    async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
 
         async def ask(question: str) -> None:
             await game.press("slash", until=lambda: isinstance(game.main.focused, QueryLine))

@@ -1,7 +1,6 @@
 """Replays on the screen: saved from the timeline, and opened as a branch of their own."""
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 
 import pytest
@@ -10,23 +9,16 @@ from logical_robots_tui.cli.main import main
 from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game.replay import Replay, Stage, Text, load_replay
 from logical_robots_tui.player.opening import Opening, level_of, sources_of
-from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD
-from tests.tui.conftest import STILL, Opened, opened
+from tests.tui.conftest import STILL, Opened, opened, showing
 from tests.virtual_time import VirtualClock
 
 
-@asynccontextmanager
-async def played(replay: Replay, data_dir: Path) -> AsyncIterator[Opened]:
+def played(replay: Replay, data_dir: Path) -> AbstractAsyncContextManager[Opened]:
     level, sources = level_of(replay), sources_of(replay, data_dir / "programs")
-    opening = Opening(level, sources, data_dir, replay=replay, clock=VirtualClock())
-    app = LogicalRobotsApp(opening)
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
-        game = Opened(app, pilot, data_dir)
-        await game.ready()
-        yield game
+    return showing(Opening(level, sources, data_dir, replay=replay, clock=VirtualClock()))
 
 
 async def saved(game: Opened) -> Replay:

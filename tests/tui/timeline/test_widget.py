@@ -1,8 +1,5 @@
 """Travelling in time on the screen: each command, the mouse, and what is said in place."""
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -21,14 +18,6 @@ Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: sensor
 """
 
 
-@asynccontextmanager
-async def playing(
-    data_dir: Path, short: Path, text: str = TURNS, size: Size = (120, 40)
-) -> AsyncIterator[Opened]:
-    async with opened(data_dir, level=short, text=text, size=size, ready=True) as game:
-        yield game
-
-
 async def asked(game: Opened, key: str, text: str) -> None:
     await game.press(key, on=TickPrompt)
     await game.press(*text, "enter")
@@ -39,7 +28,7 @@ def line(game: Opened) -> str:
 
 
 async def test_one_goes_to_ticks_by_keys_and_by_their_number(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
+    async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
         await game.press("N", "n")  # a step pressed during ten takes none away
         await game.until(lambda: game.tick in (10, 11) and not game.session.busy)
         await game.press("left_parenthesis", tick=0)
@@ -77,7 +66,7 @@ async def test_one_goes_to_ticks_by_keys_and_by_their_number(data_dir: Path, sho
 async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(
     data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with playing(data_dir, short) as game:
+    async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
         await game.run_until(30)
         await game.click(Timeline, offset=(13, 0))
         await game.until(lambda: game.tick == 12)
@@ -85,7 +74,7 @@ async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(
         await game.until(lambda: game.tick == 20)
         for column, tick in ((6, 5), (60, 30)):
             await game.pilot.hover(Timeline, offset=(column, 0))
-            await game.until(partial(lambda tick: game.tick == tick, tick))
+            await game.press(tick=tick)
         await game.pilot.mouse_up(Timeline, offset=(60, 0))
         await game.pilot.hover(Timeline, offset=(4, 0))
         await game.click(Timeline, offset=(50, 0))
@@ -106,7 +95,7 @@ async def test_a_swarm_without_choice_is_counted(data_dir: Path, short: Path, si
     level = load_level("04-everybody-home")
     home = next(area for area in level.areas if area.victory_robots)
     there = {level.robots[0].name: (home.x, home.y, 0.0)}
-    async with playing(data_dir, short, size=size) as game:
+    async with opened(data_dir, level=short, text=TURNS, size=size, ready=True) as game:
         await game.app.main.player.library.open_level(level)
         await game.until(lambda: f" · 0/3 in {home.name}" in line(game))
         await game.until(lambda: game.session.game is not None)
@@ -120,7 +109,7 @@ async def test_a_swarm_without_choice_is_counted(data_dir: Path, short: Path, si
 
 
 async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short, text=STILL) as game:
+    async with opened(data_dir, level=short, text=STILL, ready=True) as game:
         await asked(game, "U", "5000")
         await game.until(lambda: game.tick > 5 and "RUNNING" in game.status)
         await game.press("space", until=lambda: not game.session.busy and "PAUSED" in game.status)
@@ -134,7 +123,7 @@ async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) ->
 
 @pytest.mark.slow
 async def test_marks_are_gone_to_one_after_the_other(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
+    async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
         await game.press("space", sees="Again")
         won_at = game.tick
         await game.press("escape", "left_parenthesis", "right_curly_bracket")
@@ -147,7 +136,7 @@ async def test_marks_are_gone_to_one_after_the_other(data_dir: Path, short: Path
 
 
 async def test_an_old_future_is_kept_compared_and_gone_over_to(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
+    async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
         await game.press("F", sees="There is no other branch yet")
         await game.run_until(30)
         await asked(game, "g", "10")
@@ -173,7 +162,7 @@ async def test_an_old_future_is_kept_compared_and_gone_over_to(data_dir: Path, s
 
 
 async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, short: Path) -> None:
-    async with playing(data_dir, short) as game:
+    async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Near"))
         await game.sees("The robots stop when Near has rows.")
         game.main.timeline_controller.add_breakpoint(Breakpoint("enters", "Door"))
@@ -208,7 +197,7 @@ async def test_a_notice_is_told_beside_its_tick(data_dir: Path, short: Path) -> 
     near, rule = TURNS.split("\n", 1)
     text = f"{near}\n{rule}{rule.replace('Sensor(robot_name:, sensor:)', 'Near(robot_name:)')}"
     text = text.replace("sensor.clock > 5", "1")
-    async with playing(data_dir, short, text=text) as game:
+    async with opened(data_dir, level=short, text=text, ready=True) as game:
         await game.run_until(13)
         await game.until(lambda: "tick 13  ! Robot has 2 rows for Pip, wh…" in line(game))
 

@@ -34,8 +34,6 @@ def test_a_strip_has_a_segment_for_each_style_and_a_blank_joins_its_neighbours()
     strip = row_of(("ab", 0xFF0000), ("  ", 0x0000FF), ("cd", 0xFF0000)).strip(0)
     assert [segment.text for segment in strip] == ["ab  cd"]
 
-
-def test_bold_cells_have_a_bold_style() -> None:
     cells = Cells.blank(1, 1)
     cells.put(0, 0, "x", 0xFFFFFF, 0, bold=True)
     assert cells.style[0, 0] & BOLD
@@ -44,16 +42,13 @@ def test_bold_cells_have_a_bold_style() -> None:
     assert segment.style.bold
 
 
-def test_changes_are_spans_of_rows() -> None:
+def test_changes_are_spans_of_rows_and_of_whole_characters() -> None:
     cells = Cells.blank(4, 10)
     later = cells.copy()
     assert later.changes(cells) == []
     for row, column in ((1, 3), (1, 7), (3, 0)):
         later.put(row, column, "x", 1, 0)
     assert later.changes(cells) == [(1, 3, 8), (3, 0, 1)]
-
-
-def test_a_wide_character_changes_as_a_whole() -> None:
     cells = Cells.blank(1, 6)
     cells.text[0, 2], cells.text[0, 3] = text_id("機"), CONTINUED
     later = cells.copy()

@@ -35,12 +35,9 @@ def test_a_ghost_is_one_faint_sign_where_the_robot_was() -> None:
         assert max(around) - min(around) <= (14 if view is NEAR else 0)
 
 
-def test_a_robot_covers_its_ghost() -> None:
+def test_a_ghost_under_a_robot_out_of_sight_or_nowhere_is_not_drawn() -> None:
     for look in (Look(drawing=drawing) for drawing in Drawing):
         assert not drawn(look, FAR, 83, 51).changes(drawn(look, FAR)), look.drawing
-
-
-def test_a_ghost_out_of_sight_or_nowhere_is_not_drawn() -> None:
     plain = drawn(Look(), NEAR)
     for x in (290.0, float("nan"), float("inf")):
         assert not drawn(Look(), NEAR, x, 150).changes(plain)

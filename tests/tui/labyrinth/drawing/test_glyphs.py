@@ -18,16 +18,13 @@ def test_every_glyph_is_one_cell_wide_and_has_a_row_of_its_own_in_the_legend() -
         assert cell_len(Drawing.QUADRANTS.glyphs.heading(angle)) == 1
 
 
-def test_blocks_are_all_shapes_of_their_dots_and_one_cell_wide() -> None:
+def test_blocks_are_all_shapes_of_their_dots_one_cell_wide_or_plain_ascii() -> None:
     for count, blocks in BLOCKS.items():
         assert len(set(blocks)) == len(blocks) == (2**count if count > 1 else 1)
         assert all(cell_len(char) == 1 for char in blocks)
     assert [BLOCKS[6][dots] for dots in (0b000011, 0b111110, 0b010101, 0b010110)] == [
         *("\N{BLOCK SEXTANT-12}", "\N{BLOCK SEXTANT-23456}", "▌", "\N{BLOCK SEXTANT-235}")
     ]
-
-
-def test_plain_characters_are_ascii() -> None:
     glyphs = [glyph for glyph, _, _ in legend(Drawing.ASCII)]
     assert "".join([*Drawing.ASCII.glyphs, *glyphs]).isascii()
 

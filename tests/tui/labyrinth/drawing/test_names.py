@@ -64,7 +64,7 @@ def test_names_avoid_each_other_and_the_robots() -> None:
         assert drawn.text(thing.x, thing.y) == ("→" if isinstance(thing, Robot) else "◆")
 
 
-def test_a_name_makes_way_for_a_robot_and_comes_back() -> None:
+def test_a_name_makes_way_for_a_robot_and_a_blocked_one_has_a_mark_behind_it() -> None:
     level = room(1000, 500, robots=(Robot("Ann", 100, 100),), beacons=(Beacon("lamp", 500, 250),))
     before = Drawn(level, look=NAMES, columns=100, rows=25)
     row = next(i for i, line in enumerate(before.lines) if "lamp" in line)
@@ -73,9 +73,6 @@ def test_a_name_makes_way_for_a_robot_and_comes_back() -> None:
     assert during.text(x, y) == "→"
     assert "lamp" in text(during)
     assert "lamp" not in during.lines[row]
-
-
-def test_a_blocked_robot_has_a_mark_behind_its_name() -> None:
     assert "Ann!" in text(Drawn(LONE, with_robot(start(LONE), blocked=True), NAMES))
 
 

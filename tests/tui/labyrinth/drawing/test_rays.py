@@ -34,21 +34,17 @@ def hits(*ends: tuple[float, str], degrees: float = 4) -> tuple[Level, Frame]:
 FAN = hits(*[(120.0, "none")] * 15)
 
 
-def test_the_end_of_a_ray_shows_what_was_hit() -> None:
+def test_the_end_of_a_ray_shows_what_was_hit_from_near_with_a_cross() -> None:
     for kind, glyph, colour, plain in (
         ("wall", "·", DARK.hit_wall, "x"),
         ("beacon", "◇", DARK.hit_beacon, "+"),
         ("robot", "•", DARK.hit_robot, "o"),
     ):
         drawn = Drawn(*hits((100, "none"), (120, kind), (100, "none")), MARKS)
-        assert drawn.text(420.5, 200.5) == glyph
-        assert drawn.ink(420.5, 200.5) == colour
+        assert (drawn.text(420.5, 200.5), drawn.ink(420.5, 200.5)) == (glyph, colour)
         assert sum(line.count(glyph) for line in drawn.lines) == 1
         drawn = Drawn(*hits((120, kind), (120, kind)), replace(MARKS, drawing=Drawing.ASCII))
         assert drawn.text(420.5, 200.5) == plain
-
-
-def test_from_near_a_wall_is_marked_with_a_cross() -> None:
     view = Viewport.fit(800, 400, 80, 20).zoomed(6).centred(310, 200)
     drawn = Drawn(*hits((100, "none"), (30, "wall"), (100, "none")), MARKS, view=view)
     assert drawn.text(330.5, 200.5) == "\N{MULTIPLICATION SIGN}"
@@ -83,15 +79,12 @@ def test_light_has_the_colour_of_the_robot_which_shines_brighter_when_it_is_sele
     assert chosen > red > other
 
 
-def test_each_ray_lights_its_own_direction() -> None:
+def test_each_ray_lights_its_own_direction_and_the_rim_of_the_wall_that_it_hits() -> None:
     scene = hits(*[(150.0, "none")] * 8, *[(30.0, "wall")] * 8)
     lit, dark = Drawn(*scene, RAYS), Drawn(*scene, BARE)
     left, right = (400, 170), (400, 231)  # Of the robot: y grows downwards.
     assert lit.tone(*left) != dark.tone(*left)
     assert lit.tone(*right) == dark.tone(*right)
-
-
-def test_the_rim_of_a_wall_is_lit_where_rays_hit_it() -> None:
     level = room(800, 400, 60, robots=(Robot("Ann", 640, 200, 0.0, "#ff4040"),))
     lit, dark = Drawn(level, look=RAYS), Drawn(level)
     assert lit.tone(743, 200)[0] > dark.tone(743, 200)[0] + 20
