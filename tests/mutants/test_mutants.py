@@ -5,16 +5,8 @@ from collections import Counter
 import pytest
 
 from tests.installed import CHECKOUT
-from tests.mutants.planted import (
-    FIRST,
-    MUTANTS,
-    Mutant,
-    diagnosis_of,
-    first_difference,
-    rank,
-    suggestions,
-    verdict,
-)
+from tests.mutants import planted
+from tests.mutants.planted import MUTANTS, Mutant
 
 KINDS = 10
 ENOUGH = 26
@@ -32,13 +24,13 @@ def test_there_are_three_mutants_of_each_kind_and_each_changes_one_line() -> Non
 
 def is_named(mutant: Mutant) -> bool:
     """Whether one of the first findings names the line of the bug, or a nearest miss does."""
-    found = diagnosis_of(mutant.level, mutant.text, mutant.ticks)
-    place = rank(found.findings, mutant.line)
-    if place is not None and place[0] <= FIRST:
+    found = planted.diagnosis_of(mutant.level, mutant.text, mutant.ticks)
+    place = planted.rank(found.findings, mutant.line)
+    if place is not None and place[0] <= planted.FIRST:
         return True
-    there = first_difference(mutant)
+    there = planted.first_difference(mutant)
     return there is not None and any(
-        each.span.line == mutant.line for each in suggestions(mutant, there)
+        each.span.line == mutant.line for each in planted.suggestions(mutant, there)
     )
 
 
@@ -49,7 +41,7 @@ def is_named(mutant: Mutant) -> bool:
     ids=lambda mutant: f"{mutant.kind} in {mutant.program}",
 )
 def test_a_bug_in_a_small_program_is_named(mutant: Mutant) -> None:
-    assert first_difference(mutant) is not None
+    assert planted.first_difference(mutant) is not None
     assert is_named(mutant)
 
 
@@ -57,6 +49,6 @@ def test_a_bug_in_a_small_program_is_named(mutant: Mutant) -> None:
 def test_of_thirty_bugs_most_are_named_and_the_page_says_which() -> None:
     """`python -m benchmarks.mutants` prints the table of the page anew."""
     page = (CHECKOUT / "docs" / "diagnose.md").read_text()
-    found = [verdict(number) for number in range(1, len(MUTANTS) + 1)]
+    found = [planted.verdict(number) for number in range(1, len(MUTANTS) + 1)]
     assert sum(each.by_either for each in found) >= ENOUGH
     assert [each.line for each in found if each.line not in page] == []

@@ -14,7 +14,7 @@ from textual.widgets._toast import Toast
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.world import list_levels
 from tests.game.playing import SLOW as ENDLESS
-from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, Opened, opened
+from tests.tui.conftest import SLOW, STILL, Opened, opened
 from tests.waiting import PATIENCE
 
 
@@ -186,12 +186,3 @@ async def test_messages_stand_apart_and_a_click_on_a_past_one_is_nothing(data_di
             await game.app.on_event(kind(None, x, y, 0, 0, 1, False, False, False, x, y))
         toast._parent = holder
         await game.press("n", tick=1)
-
-
-async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir: Path) -> None:
-    async with opened(data_dir, text=WRONG, ready=True) as game:
-        await game.press("space", sees="an error in line 3")
-        assert not game.session.busy
-        await game.write(PAPER)
-        await game.until(lambda: game.session.game is not None)
-        await game.press("1", "n", tick=1)

@@ -8,16 +8,9 @@ import pytest
 from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.player import settings
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
-from logical_robots_tui.player.settings import (
-    DrawingStyle,
-    Setting,
-    Settings,
-    Theme,
-    read_settings,
-    rows,
-    write_setting,
-)
+from logical_robots_tui.player.settings import Setting, Settings, read_settings, rows, write_setting
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.settings_screen import SettingsScreen, ThemeList, next_value
 from logical_robots_tui.tui.commands.keymap import command
@@ -29,8 +22,8 @@ from tests.tui.conftest import STILL, Opened, Size, opened
 
 
 def test_the_choices_are_what_the_screen_can_do() -> None:
-    assert get_args(Theme) == (NIGHT.name, *BUILTIN_THEMES)
-    assert get_args(DrawingStyle) == tuple(style.value for style in Drawing)
+    assert get_args(settings.Theme) == (NIGHT.name, *BUILTIN_THEMES)
+    assert get_args(settings.DrawingStyle) == tuple(style.value for style in Drawing)
 
 
 async def test_two_games_in_one_process_have_keys_of_their_own(data_dir: Path) -> None:

@@ -7,15 +7,8 @@ from pathlib import Path
 import pytest
 from textual.widgets import Input
 
-from logical_robots_tui.tui.inspector.table import (
-    RowOrder,
-    Rows,
-    ValueTable,
-    arrange,
-    as_csv,
-    as_json,
-    changed_cells,
-)
+from logical_robots_tui.tui.inspector import table as tables
+from logical_robots_tui.tui.inspector.table import RowOrder, Rows, ValueTable, arrange, as_csv
 from tests.short import AHEAD
 from tests.tui.conftest import Opened, opened
 
@@ -57,14 +50,14 @@ def test_csv_and_json_hold_every_value() -> None:
     assert lines[0] == ["robot_name", "n", "what"]
     assert json.loads(lines[1][2]) == {"a": [1]}
     assert lines[2][2] == "x,y"
-    assert json.loads(as_json(ROWS))[0] == {"robot_name": "Ada", "n": 2, "what": {"a": [1]}}
+    assert json.loads(tables.as_json(ROWS))[0] == {"robot_name": "Ada", "n": 2, "what": {"a": [1]}}
 
 
 def test_what_changed_since_the_tick_before() -> None:
     before = (("Ada", 1), ("Bo", 2))
-    assert changed_cells((("Bo", 2), ("Ada", 5)), before) == {(1, 1)}
-    assert changed_cells((("Ada", 1), ("Bo", 2), ("Cy", 3)), before) == {(2, 0), (2, 1)}
-    assert changed_cells(before, before) == frozenset()
+    assert tables.changed_cells((("Bo", 2), ("Ada", 5)), before) == {(1, 1)}
+    assert tables.changed_cells((("Ada", 1), ("Bo", 2), ("Cy", 3)), before) == {(2, 0), (2, 1)}
+    assert tables.changed_cells(before, before) == frozenset()
 
 
 TEXT = (

@@ -159,4 +159,4 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: Size) -> None:
 async def test_a_robot_without_decision_says_so(data_dir: Path) -> None:
     text = 'Robot(robot_name: "nobody", desire: {left_engine: 1, right_engine: 1}, memory: 1);'
     async with opened(data_dir, text=text, ready=True) as game:
-        await game.press("n", "a", until=lambda: game.tick == 1 and game.shows("undecided"))
+        await game.press("n", "a", tick=1, sees="undecided")

@@ -14,7 +14,8 @@ from textual.pilot import Pilot
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Camera, Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-from logical_robots_tui.world import Beacon, Level, Robot
+from logical_robots_tui.world import Beacon, Robot
+from tests.tui.conftest import Size
 from tests.tui.labyrinth.drawing.scenes import room, run, start, with_robot
 from tests.virtual_time import later, virtual_loop
 
@@ -57,13 +58,11 @@ def widths(view: LabyrinthView) -> list[int]:
 
 
 @asynccontextmanager
-async def bench(
-    size: tuple[int, int] = (80, 24), shown: Level = LEVEL
-) -> AsyncIterator[tuple[Bench, Recorder, Pilot[None]]]:
+async def bench(size: Size = (80, 24)) -> AsyncIterator[tuple[Bench, Recorder, Pilot[None]]]:
     app = Bench()
     async with app.run_test(size=size) as pilot:
         assert widths(app.view) == [app.view.size.width] * app.view.size.height
-        app.view.show(shown, start(shown))
+        app.view.show(LEVEL, start(LEVEL))
         await pilot.pause()
         yield app, app.view, pilot
 
@@ -76,6 +75,12 @@ async def test_a_frame_is_shown_whole_or_in_part_also_if_it_came_before_mounting
         assert "Ann" in text(view)
         assert "Bob" not in text(view)
         assert view.robot_at(39, 11) == "Ann"
+        name = "[b]x[/b]"  # which is no markup
+        renamed = replace(LEVEL, robots=(replace(ROBOTS[0], name=name),))
+        view.show(renamed, with_robot(start(renamed), x=500.0))
+        view.camera = Camera()
+        await pilot.pause()
+        assert name in text(view)
     app = Bench()
     app.view.show(LEVEL, start(LEVEL))
     async with app.run_test(size=(80, 24)):
@@ -97,7 +102,7 @@ async def test_only_changed_rows_are_refreshed() -> None:
 
 
 @pytest.mark.parametrize("first", [(1, 1), pytest.param((200, 60), marks=pytest.mark.slow)])
-async def test_any_size_is_drawn_at_first_and_after_another(first: tuple[int, int]) -> None:
+async def test_any_size_is_drawn_at_first_and_after_another(first: Size) -> None:
     async with bench(first) as (app, view, pilot):
         sizes = ((3, 2), (4, 3), (120, 40), (5, 4), (1, 1), (24, 8), (200, 60), (60, 20))
         for size in (first, *sizes):
@@ -144,15 +149,6 @@ async def test_switches_and_the_theme_change_the_picture() -> None:
             pictures.append(picture())
         assert len(set(pictures)) == len(pictures)
         assert text(view).isascii()
-
-
-async def test_names_are_not_markup() -> None:
-    name = "[b]x[/b]"
-    one = replace(LEVEL, robots=(replace(ROBOTS[0], name=name),))
-    async with bench(shown=one) as (_, view, pilot):
-        view.show(one, with_robot(start(one), x=500.0))
-        await pilot.pause()
-        assert name in text(view)
 
 
 async def test_without_colour_nothing_fails(monkeypatch: pytest.MonkeyPatch) -> None:

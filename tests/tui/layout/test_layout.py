@@ -9,14 +9,8 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-from logical_robots_tui.tui.layout.arrangement import (
-    Layout,
-    Needs,
-    Pane,
-    Shares,
-    grid_for,
-    layout_for,
-)
+from logical_robots_tui.tui.layout import arrangement
+from logical_robots_tui.tui.layout.arrangement import Layout, Needs, Pane, Shares, grid_for
 from logical_robots_tui.tui.layout.command_bar import PaneTabs
 from logical_robots_tui.tui.layout.dialogs import Listing
 from tests.tui.conftest import PAPER, Opened, opened
@@ -43,12 +37,12 @@ NEEDS = st.builds(
 
 @given(st.integers(1, 400), st.integers(1, 200))
 def test_every_size_has_an_arrangement(width: int, height: int) -> None:
-    assert (layout_for(width, height) is Layout.TINY) == (width < 40 or height < 12)
+    assert (arrangement.layout_for(width, height) is Layout.TINY) == (width < 40 or height < 12)
 
 
 @given(st.integers(110, 400), st.integers(24, 200), st.builds(Shares, WISHES, WISHES), NEEDS)
 def test_no_wish_makes_a_pane_vanish(width: int, height: int, wish: Shares, needs: Needs) -> None:
-    layout = layout_for(width, height)
+    layout = arrangement.layout_for(width, height)
     grid = grid_for(layout, width, height, wish, needs)
     assert 30 <= grid.program <= width - 30
     assert 6 <= grid.inspector <= height - 9

@@ -69,6 +69,16 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         await game.sees(level.briefing[:14])
         await game.press("space", until=lambda: game.tick > 0, sees_no="hides this")
 
+        # Another one begins at rest, and the last arena has no next.
+        await game.press(*["plus"] * 6, until=lambda: game.tick > 5)
+        await game.press("greater_than_sign", until=lambda: is_at(game, list_levels()[1]))
+        await game.until(lambda: game.session.state.phase == "applied")
+        assert game.tick == 0
+        assert not game.session.busy
+        file = shipped_folder("levels") / LAST_ARENA
+        await game.main.library.open_level(await asyncio.to_thread(load_level, file))
+        await game.press("greater_than_sign", sees="the last level")
+
 
 async def test_a_level_is_opened_by_its_path_or_dropping_it(data_dir: Path, tmp_path: Path) -> None:
     async with opened(data_dir, ready=True) as game:
@@ -137,18 +147,6 @@ async def test_the_next_level_follows_and_so_does_the_next_arena(data_dir: Path)
         file = shipped_folder("levels") / ARENAS / f"{last_but_one}.toml"
         await game.main.library.open_level(await asyncio.to_thread(load_level, file))
         await game.press("greater_than_sign", until=partial(is_at, game, last))
-
-
-async def test_a_level_begins_at_rest_and_the_last_arena_has_no_next(data_dir: Path) -> None:
-    async with opened(data_dir, ready=True) as game:
-        await game.press(*["plus"] * 6, "space", until=lambda: game.tick > 5)
-        await game.press("greater_than_sign", until=lambda: is_at(game, FIRST))
-        await game.until(lambda: game.session.state.phase == "applied")
-        assert game.tick == 0
-        assert not game.session.busy
-        file = shipped_folder("levels") / LAST_ARENA
-        await game.main.library.open_level(await asyncio.to_thread(load_level, file))
-        await game.press("greater_than_sign", sees="the last level")
 
 
 async def test_hurried_keys_save_just_once(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:

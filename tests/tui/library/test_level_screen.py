@@ -13,7 +13,6 @@ from textual.widgets import Input
 
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
-from logical_robots_tui.tui.library import level_screen as screen
 from logical_robots_tui.tui.library.cards import (
     DAILY,
     LINES_AROUND,
@@ -131,7 +130,7 @@ async def test_early_keys_cost_no_pictures(data_dir: Path, monkeypatch: pytest.M
         hold.here()
         return load_level(card.file or card.name)
 
-    monkeypatch.setattr(screen, "_level_of", slowly)
+    monkeypatch.setattr("logical_robots_tui.tui.library.level_screen._level_of", slowly)
     async with opened(data_dir) as game:
         try:
             await game.ready()

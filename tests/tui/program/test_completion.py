@@ -4,17 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.program.completion import (
-    Place,
-    Word,
-    call_before,
-    definitions,
-    help_on,
-    lines_of,
-    word_around,
-    word_before,
-    words_for,
-)
+from logical_robots_tui.tui.program import completion
+from logical_robots_tui.tui.program.completion import Place, Word, definitions, help_on, words_for
 from tests.mind.hostile.bounds import bounded_work
 from tests.tui.conftest import PAPER
 from tests.tui.program.conftest import writing
@@ -30,7 +21,7 @@ def test_words_that_fit_are_offered_and_after_a_dot_fields() -> None:
     assert "FreedomMotion" in names(PAPER, "  x = Fr")
     assert "Sqrt" in names(PAPER, "  x = Sq")
     assert "Sensor" in names("", "Se")
-    assert word_before("  x = Fr") == "Fr"
+    assert completion.word_before("  x = Fr") == "Fr"
     assert {"forward_distance", "forward_object"} <= set(names("", "sensor.forw"))
     assert "Sqrt" not in names("", "sensor.")
     assert "angle" not in names("", "sensor.")
@@ -76,7 +67,7 @@ def test_the_call_is_the_innermost_that_is_open() -> None:
         ("x = (1 + ", ""),
         ("A(b: [c, {d: ", "A"),
     ]:
-        assert call_before(before) == name
+        assert completion.call_before(before) == name
 
 
 @pytest.mark.parametrize(
@@ -86,18 +77,18 @@ def test_a_long_line_is_read_in_time(piece: str, end: str, pytestconfig: pytest.
     is_long = pytestconfig.option.all
     text = piece * ((150_000 if is_long else 30_000) // len(piece)) + end
     with bounded_work(10.0 if is_long else 2.0):
-        call_before(text)
-        word_before(text)
+        completion.call_before(text)
+        completion.word_before(text)
         words_for(text, Place(0, len(text)))
-        word_around(text, len(text))
+        completion.word_around(text, len(text))
 
 
 @given(st.text(), st.integers(0, 20))
 def test_any_text_is_looked_at_without_harm(text: str, column: int) -> None:
     definitions(text)
     words_for(text, Place(0, column))
-    call_before(text)
-    assert word_around(text, column) in text
+    completion.call_before(text)
+    assert completion.word_around(text, column) in text
 
 
 @pytest.mark.parametrize("width", [34, 74, 90])
@@ -106,7 +97,7 @@ def test_nothing_that_is_said_of_a_word_is_cut(width: int) -> None:
         Word("Least", "Least(x, y, ...)", "the least of its arguments"),
         Word("Long", f"Long({', '.join('abcdefghijklm')})", "what has a long shape " * 3),
     ]
-    for word, line in zip(words, lines_of(words, width), strict=True):
+    for word, line in zip(words, completion.lines_of(words, width), strict=True):
         assert word.told.strip() in " ".join(line.plain.split())
         assert all(len(row.rstrip()) <= width for row in line.plain.split("\n"))
 

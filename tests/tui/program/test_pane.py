@@ -93,6 +93,8 @@ async def test_a_mistake_is_marked_there_and_the_last_good_program_runs_on(data_
 async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir: Path) -> None:
     async with opened(data_dir, text=WRONG, size=(80, 24), ready=True) as game:
         await game.until(lambda: title(game) == "Program · 1 error · mine")
+        await game.press("space", sees="an error in line 3")
+        assert not game.session.busy
         await game.press("ctrl+g", until=lambda: game.editor.cursor_location[0] == 2)
         assert game.main.focused is game.editor
         await game.sees("✗ line 3")
@@ -102,7 +104,8 @@ async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir:
         await game.until(lambda: game.editor.cursor_location[0] == 2)
         await game.sees("3✗")
         await game.apply(STILL)
-        await game.until(lambda: not game.shows("✗"))
+        await game.press("escape", "n", tick=1, sees_no="✗")
+        await game.press("2")
         await game.write(STILL + "A(x) :- Nowhere(x);\n")
         await game.until(lambda: game.session.state.phase == "mistake" and game.shows("✗ line 3"))
         assert "Nowhere" in game.session.state.mistakes[0].message

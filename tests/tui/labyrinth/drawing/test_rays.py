@@ -6,16 +6,8 @@ import pytest
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look, Palette, Viewport
 from logical_robots_tui.world import Beacon, Level, Robot
-from tests.tui.labyrinth.drawing.scenes import (
-    BARE,
-    Drawn,
-    apart,
-    contrast,
-    room,
-    seeing,
-    start,
-    with_robot,
-)
+from tests.tui.labyrinth.drawing import scenes
+from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, apart, contrast, room, seeing, start
 
 RAYS, MARKS = replace(BARE, rays=True), replace(BARE, marks=True)
 SCENE = room(800, 400, 20, robots=(Robot("Ann", 300.5, 200.5, 0.0, "#ff4040"),))
@@ -93,7 +85,7 @@ def test_each_ray_lights_its_own_direction_and_the_rim_of_the_wall_that_it_hits(
 
 def test_rays_start_where_the_robot_sensed() -> None:
     level, frame = FAN
-    moved = with_robot(frame, x=100.0, y=60.0, angle=2.0)
+    moved = scenes.with_robot(frame, x=100.0, y=60.0, angle=2.0)
     lit, dark = Drawn(level, moved, RAYS), Drawn(level, moved, BARE)
     assert apart(lit.tone(360, 203), dark.tone(360, 203)) > 20
     assert lit.tone(100, 100) == dark.tone(100, 100)
