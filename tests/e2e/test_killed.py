@@ -1,11 +1,11 @@
 """Two games on one folder, killed at random moments: nothing that was acknowledged is lost."""
 
-import random
 import re
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -33,9 +33,7 @@ KEEPS = """if True:
 """
 
 
-def killed(
-    commands: Sequence[Sequence[object]], chance: random.Random, typed: str = ""
-) -> list[str]:
+def killed(commands: Sequence[Sequence[object]], chance: Random, typed: str = "") -> list[str]:
     """What several processes said until they were killed at a random moment, all at once."""
     processes = [
         subprocess.Popen(
@@ -64,7 +62,7 @@ def killed(
 @pytest.mark.slow
 @pytest.mark.parametrize("rounds", [8, pytest.param(20, marks=pytest.mark.proof)])
 def test_drafts_programs_and_versions_outlive_many_kills(rounds: int, tmp_path: Path) -> None:
-    chance = random.Random(19)
+    chance = Random(19)
     for _ in range(rounds):
         commands = [[sys.executable, "-c", KEEPS, tmp_path, name] for name in ("ada", "ben")]
         said = killed(commands, chance)
@@ -92,7 +90,7 @@ def test_drafts_programs_and_versions_outlive_many_kills(rounds: int, tmp_path: 
 @pytest.mark.slow
 @pytest.mark.parametrize("rounds", [2, pytest.param(20, marks=pytest.mark.proof)])
 def test_what_two_games_said_to_have_kept_is_kept(rounds: int, tmp_path: Path) -> None:
-    chance = random.Random(rounds)
+    chance = Random(rounds)
     level, program = tmp_path / "short.toml", tmp_path / "ahead.l"
     level.write_text(LEVEL)
     program.write_text(AHEAD)

@@ -16,9 +16,7 @@ STEPS = 10
 
 
 def bars(shown: Shown) -> list[Widget]:
-    return [
-        shown.game.main.query_one(kind) for kind in (StatusLine, PaneTabs, Timeline, CommandBar)
-    ]
+    return [shown.game.main.query_one(bar) for bar in (StatusLine, PaneTabs, Timeline, CommandBar)]
 
 
 async def compare_panes(shown: Shown) -> None:

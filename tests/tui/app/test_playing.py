@@ -22,9 +22,7 @@ async def test_the_robots_run_faster_and_slower_pause_restart_and_step(data_dir:
     async with opened(data_dir) as game:
         assert "40/s" in game.status
         await game.press("space")  # before the program is compiled
-        await game.until(
-            lambda: game.tick > 3 and game.session.running and "RUNNING" in game.status
-        )
+        await game.until(lambda: game.tick > 3 and game.session.running and game.shows("RUNNING"))
         await game.press("space", until=lambda: "PAUSED" in game.status)
         stopped_at = game.tick
         assert f"tick {stopped_at}" in game.status

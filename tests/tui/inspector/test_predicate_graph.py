@@ -38,9 +38,7 @@ async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) ->
         assert view.middle == "Robot", "the page of robots is no predicate"
         await game.sees("nobody     • Robot ─┬▶ • Speed", "╰▶ • Near")
         await game.press("right", "down", "right")
-        await game.until(
-            lambda: view.middle == "Near" and "─┼▶ • Near ──▶ • Ahead" in game.screen()
-        )
+        await game.until(lambda: view.middle == "Near" and game.shows("─┼▶ • Near ──▶ • Ahead"))
         assert [name in view.plain for name in ("Speed", "Slow", "Robot")] == [True] * 3
         await game.press("right", until=lambda: view.chosen == "Ahead")
         speed = next(n for n, line in enumerate(view.plain.splitlines()) if "Speed" in line)

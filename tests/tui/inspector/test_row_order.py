@@ -60,10 +60,7 @@ def test_what_changed_since_the_tick_before() -> None:
     assert tables.changed_cells(before, before) == frozenset()
 
 
-TEXT = (
-    "Near(robot_name:, clock: sensor.clock, list: [1, 2]) :- Sensor(robot_name:, sensor:);\n"
-    + AHEAD
-)
+TEXT = "Near(robot_name:, t: sensor.clock, list: [1]) :- Sensor(robot_name:, sensor:);\n" + AHEAD
 
 
 def table(game: Opened) -> ValueTable:

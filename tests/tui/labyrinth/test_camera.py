@@ -21,9 +21,7 @@ _sizes = st.tuples(st.integers(1, 300), st.integers(1, 100))
 
 
 @given(_cameras, _sizes, st.integers(0, 99), st.integers(0, 299))
-def test_a_cell_shows_its_place_undistorted(
-    camera: Camera, size: Size, row: int, column: int
-) -> None:
+def test_cells_show_places_undistorted(camera: Camera, size: Size, row: int, column: int) -> None:
     view = camera.viewport(LEVEL, *size)
     x, y = view.position(0, 0)
     assert view.position(0, 2)[0] - x == pytest.approx(view.position(1, 0)[1] - y)

@@ -39,6 +39,7 @@ async def stay(game: Opened) -> None:
 
 async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, ready=True) as game:
+        await game.press("v", sees="No earlier versions yet")
         await game.press("h", sees_no="straight ahead", sees=("It is not far.", "2 more"))
         await game.press("h", sees="It is straight ahead.")
         await stay(game)
@@ -159,15 +160,6 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
         await stay(game)
         closed.set()
         await game.sees("of 20 varied starts")
-
-
-async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short: Path) -> None:
-    text = load_program("first-steps-starter").text
-    async with opened(data_dir, level=short, text=text, ready=True) as game:
-        await game.press("v", sees="No earlier versions yet")
-        await game.press(*["plus"] * 6, "space", sees="Won by a reference program")
-    assert record_of(data_dir).record(str(short)).state == "started"
-    assert versions(data_dir, short) == []
 
 
 async def test_applied_programs_and_the_starter_come_back(data_dir: Path, short: Path) -> None:

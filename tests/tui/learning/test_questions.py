@@ -42,17 +42,13 @@ async def test_a_lesson_leads_to_questions(data_dir: Path, asking: Path, size: S
     async with opened(data_dir, level=asking, size=size, ready=True) as game:
         await begin(game)
         await game.sees("Questions · A short way · 0 of 2 answered", "FreedomMotion, Robot.")
-        many = "1 < 2, " * 10
-        await answer(
-            game, f"Here(robot_name:) :- Sensor(robot_name:), {many}Sensr(x:)", "you mean Sensor?"
-        )
+        query = f"Here(robot_name:) :- Sensor(robot_name:), {'1 < 2, ' * 10}Sensr(x:)"
+        await answer(game, query, "you mean Sensor?")
         lines = game.screen().splitlines()
         (place,) = (n for n, line in enumerate(lines) if "^^^^^" in line)
         assert lines[place - 1].index("Sensr") == lines[place].index("^^^^^")
-        await answer(
-            game, 'Here(name: "Ann");', "At tick 0 your only row is wrong; 1 row is expected."
-        )
-        assert game.app.screen.query_one(ValueTable).all.rows == (("Ann",),)
+        await answer(game, 'Here(n: "A");', "At tick 0 your only row is wrong; 1 row is expected")
+        assert game.app.screen.query_one(ValueTable).all.rows == (("A",),)
         await answer(game, "Sensor(robot_name:", "      ^", "is never closed")
         await answer(game, "Sensor(robot_name:)", "Right at ticks 0 and 2.", "1 of 2 answered")
         await game.sees("1 of 2 ✓  Who is there?")

@@ -37,10 +37,7 @@ async def complains(game: Opened, text: str, why: str) -> None:
     await game.press("enter", until=lambda: complaint.display and why in str(complaint.visual))
 
 
-OUT_OF_REACH = (
-    ("/tmp/" + "x" * 300 + ".toml", "can't be read"),
-    ("~nobody-here/x.toml", "no such home"),
-)
+OUT_OF_REACH = (("/" + "x" * 300 + ".toml", "can't be read"), ("~no-one/x.toml", "no such home"))
 AS_PASTED = ("{}", " {} ", "'{}'", "'{}' ", "{escaped}"), ("{escaped} ", '"{}"', "file://{url}")
 
 

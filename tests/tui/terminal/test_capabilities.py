@@ -75,6 +75,4 @@ def test_all_keys_work_in_gnu_screen(tmp_path: Path) -> None:
             terminal.send("q")
             assert terminal.finish() == 0
     finally:
-        subprocess.run(
-            ["screen", "-S", "game", "-X", "quit"], env=env, check=False, timeout=PATIENCE
-        )
+        subprocess.run(["screen", "-S", "game", "-X", "quit"], env=env, timeout=PATIENCE)

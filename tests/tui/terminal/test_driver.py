@@ -20,9 +20,7 @@ async def test_answers_decide_what_is_sent(data_dir: Path, monkeypatch: pytest.M
     async with opened(data_dir, ready=True) as game:
         await game.later(1)
         driver = type(game.app._driver)
-        monkeypatch.setattr(
-            driver, "ask", lambda _, question: asked.append(question), raising=False
-        )
+        monkeypatch.setattr(driver, "ask", lambda _, text: asked.append(text), raising=False)
         monkeypatch.setattr(driver, "write", lambda _, text: written.append(text))
         monkeypatch.setattr(driver, "silence", 0.0, raising=False)
         monkeypatch.setattr(sparing, "ListeningDriver", driver)

@@ -9,11 +9,8 @@ from logical_robots_tui.game import EVENTS, Breakpoint, Pin
 from logical_robots_tui.mind import Mind
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.timeline.breakpoints import (
-    BreakpointForm,
-    BreakpointList,
-    QuestionPrompt,
-)
+from logical_robots_tui.tui.timeline import breakpoints
+from logical_robots_tui.tui.timeline.breakpoints import BreakpointForm, BreakpointList
 from tests.tui.conftest import Opened, Size, opened
 from tests.tui.timeline.test_widget import TURNS
 from tests.virtual_time import Hold
@@ -23,7 +20,7 @@ AT = f"{CLOCK}t in [3, 4, 9]"
 
 
 async def search(game: Opened, question: str) -> None:
-    await game.press("Q", on=QuestionPrompt)
+    await game.press("Q", on=breakpoints.QuestionPrompt)
     game.app.screen.query_one(Input).value = question
     await game.press("enter")
 
@@ -35,7 +32,7 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
     async with opened(data_dir, level=short, text=TURNS, size=size, ready=True) as game:
         await game.run_until(12)
         # The first repetition asks for the question.
-        await game.press("left_parenthesis", "semicolon", on=QuestionPrompt)
+        await game.press("left_parenthesis", "semicolon", on=breakpoints.QuestionPrompt)
         await game.press("escape", until=lambda: game.app.screen is game.main)
         assert game.tick == 0
 

@@ -1,6 +1,6 @@
 """Whatever there is to draw, the picture is whole."""
 
-import math
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -14,9 +14,7 @@ from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look,
 from logical_robots_tui.world import Area, AreaState, Beacon, Level, Robot, RobotState, WorldState
 from tests.tui.labyrinth.drawing.scenes import draws_as_anew, room, run, seeing, with_active
 
-_numbers = st.one_of(
-    st.floats(-300, 600), st.sampled_from((math.nan, math.inf, -math.inf, 1e300, 0.0))
-)
+_numbers = st.one_of(st.floats(-300, 600), st.sampled_from((nan, inf, -inf, 1e300, 0.0)))
 _names = st.one_of(
     st.text(max_size=12),
     st.sampled_from(("機械人形", "👩\u200d🚀", "a\x1b[2J", "\u202eabc", "é" * 30)),
@@ -47,9 +45,7 @@ def scenes(draw: st.DrawFn) -> tuple[Level, Frame]:
     )
     robots, areas = draw(st.lists(a_robot, max_size=4)), draw(st.lists(an_area, max_size=4))
     things = tuple(robots), tuple(draw(st.lists(a_beacon))), tuple(areas)
-    level = Level(
-        "weird", "Weird", width, height, walls < draw(st.sampled_from((0, 0.3, 1))), *things
-    )
+    level = Level("odd", "Odd", width, height, walls < draw(st.sampled_from((0, 0.3, 1))), *things)
     states = tuple(
         RobotState(robot.name, robot.x, robot.y, robot.angle, 1.0, blocked=blocked, dead=dead)
         for robot in robots
