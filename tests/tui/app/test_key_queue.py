@@ -42,15 +42,10 @@ async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
         await game.until(lambda: game.tick == 7)
         assert not game.main.editing.is_on
         assert game.main.editing.levels.edits.can_redo
+    assert not game.app.screen_stack
+    for event in (events.Key("x", "x"), events.Paste("x")):  # while the game ends
+        await game.app.on_event(event)
 
 
 def holds(field: Input, text: str) -> bool:
     return field.value == text
-
-
-async def test_what_is_typed_while_the_game_ends_is_no_error(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-    assert not game.app.screen_stack
-    for event in (events.Key("x", "x"), events.Paste("x")):
-        await game.app.on_event(event)

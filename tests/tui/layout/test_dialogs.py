@@ -10,21 +10,25 @@ from textual.widgets import Input, OptionList
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.commands.help import Palette
 from logical_robots_tui.tui.layout.dialogs import Question
-from logical_robots_tui.tui.learning.reader import Hints
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from tests.tui.conftest import PAPER, opened
 from tests.virtual_time import Hold
 
 
-async def test_late_saves_leave_no_dialogs(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    hold = Hold()
+async def test_saves_and_choices_come_late(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    hold, choice = Hold(), Hold()
 
     def save_slowly(path: Path, text: str) -> None:
         hold.here()
         path.write_text(text)
 
+    def take(shelf: ProgramShelf, name: str) -> Source:
+        choice.here()
+        return load_program(name, shelf.own)
+
     monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
+    monkeypatch.setattr(ProgramShelf, "take", take)
     async with opened(data_dir) as game:
         await game.press("s", on=SaveAs)
         await game.fill("other")
@@ -37,6 +41,19 @@ async def test_late_saves_leave_no_dialogs(data_dir: Path, monkeypatch: pytest.M
         await save.wait()
         await game.press("y", until=lambda: game.app.screen is saving)
         await game.press("escape", until=lambda: game.app.screen is game.main)
+
+        # A choice that comes when the dialog is left already is too late.
+        await game.ready()
+        await game.press("o", on=Chooser)
+        chooser = game.app.screen
+        await game.fill("herd")
+        await game.press("enter", until=lambda: choice.has_begun)
+        assert isinstance(chooser, Chooser)
+        chooser.action_leave()
+        choice.release()
+        await game.until(lambda: game.app.screen is game.main and not chooser.is_attached)
+        await game.press("n", tick=1)
+        assert game.session.source.name == "mine"
     assert (data_dir / "programs" / "other.l").read_text() == PAPER
 
 
@@ -65,37 +82,3 @@ async def test_a_long_line_is_seen_at_its_end_and_late_clicks_do_nothing(data_di
             game.app.post_message(kind(None, 1, 1, 0, 0, 1, False, False, False, 1, 1))
         await game.until(lambda: game.app.screen is game.main)
         await game.press("n", tick=1)
-
-
-async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, ready=True) as game:
-        await game.press("h", on=Hints)
-        hints = game.app.screen
-        hints.dismiss()
-        await game.until(lambda: not hints.query("#hints"))
-        await game.app.run_action("more", hints)
-        await hints.run_action("more")
-        await game.settled()
-        assert game.app.screen is game.main
-        assert game.main.recorder.record.hints == 1
-
-
-async def test_a_choice_may_come_too_late(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    hold = Hold()
-
-    def take(shelf: ProgramShelf, name: str) -> Source:
-        hold.here()
-        return load_program(name, shelf.own)
-
-    monkeypatch.setattr(ProgramShelf, "take", take)
-    async with opened(data_dir, ready=True) as game:
-        await game.press("o", on=Chooser)
-        chooser = game.app.screen
-        await game.fill("herd")
-        await game.press("enter", until=lambda: hold.has_begun)
-        assert isinstance(chooser, Chooser)
-        chooser.action_leave()
-        hold.release()
-        await game.until(lambda: game.app.screen is game.main and not chooser.is_attached)
-        await game.press("n", tick=1)
-        assert game.session.source.name == "mine"

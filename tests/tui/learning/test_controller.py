@@ -1,4 +1,4 @@
-"""Hints, the lesson, the reference program, results, and earlier versions."""
+"""Hints, the lesson, the reference program, results to keep and share, and earlier versions."""
 
 import asyncio
 from pathlib import Path
@@ -8,6 +8,7 @@ from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import load_program, measuring
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
+from logical_robots_tui.tui.commands.general import copy_result
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.learning.reader import Hints, Reader
 from logical_robots_tui.tui.library.chooser import Chooser
@@ -39,7 +40,15 @@ async def stay(game: Opened) -> None:
 
 async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, ready=True) as game:
-        await game.press("v", sees="No earlier versions yet")
+        await game.press("h", on=Hints)
+        hints = game.app.screen
+        hints.dismiss()
+        await game.until(lambda: not hints.query("#hints"))
+        await game.app.run_action("more", hints)  # which reveals nothing any more
+        await hints.run_action("more")
+        await game.settled()
+        assert game.app.screen is game.main
+        assert game.main.recorder.record.hints == 1
         await game.press("h", sees_no="straight ahead", sees=("It is not far.", "2 more"))
         await game.press("h", sees="It is straight ahead.")
         await stay(game)
@@ -75,7 +84,15 @@ async def test_a_level_without_texts_says_so_and_another_brings_a_program(data_d
 async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, short: Path) -> None:
     solution = load_program("first-steps-starter").text.splitlines()[0]
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
+        copy_result(game.main)
+        await game.sees("win this level first")
+        game.main.action_command("questions")
+        await game.sees("This level has no questions.")
         await game.press("t", sees="A rule with one case", sees_no="Further")
+        await game.press("enter")
+        await game.settled()
+        assert isinstance(game.app.screen, Reader)
+        await game.sees_no("questions")
         await stay(game)
         for answer in "ny":
             await game.press("W", on=Question)
@@ -85,6 +102,10 @@ async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, sho
         await stay(game)
         await win(game)
         await stay(game)
+        await game.until(lambda: game.main.recorder.latest is not None)
+        copy_result(game.main)
+        copied = game.app.clipboard
+        assert copied.startswith("Logical Robots · A short way · 49 ticks · 11 symbols · ")
         await game.press("t", sees="Be there in fewer ticks.")
         assert isinstance(game.app.screen, Reader)
         await game.press("space", until=lambda: game.app.screen is game.main)

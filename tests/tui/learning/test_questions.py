@@ -9,7 +9,6 @@ from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
-from logical_robots_tui.tui.learning.reader import Reader
 from tests.tui.conftest import SHORT, Opened, Size, opened
 
 QUESTIONS = """\
@@ -88,14 +87,3 @@ async def test_a_program_that_is_missing_is_named(data_dir: Path, short: Path) -
         await begin(game)
         await game.sees("nowhere: There is no such program")
         await answer(game, "Robot", "nowhere: There is no such program")
-
-
-async def test_a_lesson_without_questions_offers_none(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, ready=True) as game:
-        game.main.action_command("questions")
-        await game.sees("This level has no questions.")
-        await game.press("t", sees="A rule with one case")
-        await game.press("enter")
-        await game.settled()
-        assert isinstance(game.app.screen, Reader)
-        await game.sees_no("questions")

@@ -49,8 +49,28 @@ async def drop(game: Opened, form: str, file: Path, until: Callable[[], bool]) -
     await game.press("enter", until=until)
 
 
-async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: Path) -> None:
+async def test_levels_are_dropped_named_picked_or_come_next(data_dir: Path, tmp_path: Path) -> None:
     async with opened(data_dir, ready=True) as game:
+        await game.press("l", on=LevelScreen)
+        for number, content in enumerate((None, b"", b"\xff\x00rubbish", b"{}", b"cell = 'x'")):
+            bad = tmp_path / f"bad{number}.toml"
+            if content is not None:
+                bad.write_bytes(content)
+            await complains(game, str(bad), bad.name)
+        for path, why in OUT_OF_REACH:
+            await complains(game, path, why)
+        await game.fill(str(LEVELS / "team_goal.json"))
+        await game.sees("Open the file")
+        await game.press("enter", until=lambda: is_at(game, "team_goal"))
+        assert game.editor.text == PAPER
+        await game.press("n", tick=1)
+        for number, form in enumerate(AS_PASTED[0]):  # the dialog for programs takes the others
+            file = tmp_path / f"from the web {number}.json"
+            file.write_bytes((LEVELS / "team_goal.json").read_bytes())
+            await game.press("l", on=LevelScreen)
+            await drop(game, form, file, partial(is_at, game, file.stem))
+
+        # One that is picked from the list brings its starter.
         await game.press("n", tick=1)
         await game.press("l", on=LevelScreen)
         level = load_level(FIRST)
@@ -75,28 +95,6 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         file = shipped_folder("levels") / LAST_ARENA
         await game.main.library.open_level(await asyncio.to_thread(load_level, file))
         await game.press("greater_than_sign", sees="the last level")
-
-
-async def test_a_level_is_opened_by_its_path_or_dropping_it(data_dir: Path, tmp_path: Path) -> None:
-    async with opened(data_dir, ready=True) as game:
-        await game.press("l", on=LevelScreen)
-        for number, content in enumerate((None, b"", b"\xff\x00rubbish", b"{}", b"cell = 'x'")):
-            bad = tmp_path / f"bad{number}.toml"
-            if content is not None:
-                bad.write_bytes(content)
-            await complains(game, str(bad), bad.name)
-        for path, why in OUT_OF_REACH:
-            await complains(game, path, why)
-        await game.fill(str(LEVELS / "team_goal.json"))
-        await game.sees("Open the file")
-        await game.press("enter", until=lambda: is_at(game, "team_goal"))
-        assert game.editor.text == PAPER
-        await game.press("n", tick=1)
-        for number, form in enumerate(AS_PASTED[0]):  # the dialog for programs takes the others
-            file = tmp_path / f"from the web {number}.json"
-            file.write_bytes((LEVELS / "team_goal.json").read_bytes())
-            await game.press("l", on=LevelScreen)
-            await drop(game, form, file, partial(is_at, game, file.stem))
 
 
 async def test_programs_are_picked_or_dropped_and_text_kept(data_dir: Path, tmp_path: Path) -> None:

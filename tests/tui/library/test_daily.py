@@ -1,4 +1,4 @@
-"""The labyrinth of the day on the screen, and a result to share."""
+"""The labyrinth of the day on the screen, and a result in words."""
 
 from datetime import date
 from pathlib import Path
@@ -7,10 +7,8 @@ import pytest
 
 from logical_robots_tui.game.victory import result_line
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.tui.commands.general import copy_result
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.world import load_level
-from tests.short import AHEAD
 from tests.tui.conftest import opened
 
 
@@ -26,18 +24,6 @@ async def test_today_s_labyrinth_is_opened_in_the_chosen_size_or_not(data_dir: P
             await game.press(key, until=lambda: game.app.screen is game.main)
         await game.until(lambda: game.session.level.name == today)
         await game.sees("Everybody has this labyrinth today.")
-
-
-async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
-        copy_result(game.main)
-        await game.sees("win this level first")
-        await game.press(*["plus"] * 6, "space")
-        await game.until(lambda: game.main.recorder.latest is not None)
-        copy_result(game.main)
-        assert game.app.clipboard.startswith(
-            "Logical Robots · A short way · 49 ticks · 11 symbols · "
-        )
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,9 @@ def line(game: Opened) -> str:
     return game.main.query_one(Timeline).render().plain
 
 
-async def test_one_goes_to_ticks_by_keys_and_by_their_number(data_dir: Path, short: Path) -> None:
+async def test_one_goes_to_ticks_by_keys_by_their_number_and_by_mouse(
+    data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
         await game.press("N", "n")  # a step pressed during ten takes none away
         await game.until(lambda: game.tick in (10, 11) and not game.session.busy)
@@ -52,22 +54,7 @@ async def test_one_goes_to_ticks_by_keys_and_by_their_number(data_dir: Path, sho
         await game.press("escape", until=lambda: game.app.screen is game.main)
         assert game.tick == 30
 
-        # The timeline is driven with keys.
-        await game.press("T", until=lambda: game.main.timeline.has_focus)
-        ticks = {"left": 29, "pageup": 19, "right": 20, "home": 0, "pagedown": 10, "end": 30}
-        for key, tick in ticks.items():
-            await game.press(key, tick=tick)
-        game.main.labyrinth.view.selected = "Pip"
-        await game.press("up", tick=6)
-        await game.press("down", sees="Nothing happened after tick 6")
-        await game.press("escape", until=lambda: game.main.labyrinth.has_focus)
-
-
-async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(
-    data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
-        await game.run_until(30)
+        # So do a click and a drag on the timeline.
         await game.click(Timeline, offset=(13, 0))
         await game.until(lambda: game.tick == 12)
         await game.pilot.mouse_down(Timeline, offset=(21, 0))
@@ -83,11 +70,23 @@ async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(
 
         # A drag there and back counts before it is drawn.
         await game.until(lambda: "tick 30 of 30" in line(game))
-        monkeypatch.setattr(Timeline, "show", lambda *_: None)
-        await game.pilot.mouse_down(Timeline, offset=(6, 0))
-        await game.until(lambda: game.tick == 5)
-        await game.pilot.hover(Timeline, offset=(31, 0))
-        await game.until(lambda: game.tick == 30)
+        with monkeypatch.context() as patch:
+            patch.setattr(Timeline, "show", lambda *_: None)
+            await game.pilot.mouse_down(Timeline, offset=(6, 0))
+            await game.until(lambda: game.tick == 5)
+            await game.pilot.hover(Timeline, offset=(31, 0))
+            await game.until(lambda: game.tick == 30)
+            await game.pilot.mouse_up(Timeline, offset=(31, 0))
+
+        # The timeline is driven with keys.
+        await game.press("T", until=lambda: game.main.timeline.has_focus)
+        ticks = {"left": 29, "pageup": 19, "right": 20, "home": 0, "pagedown": 10, "end": 30}
+        for key, tick in ticks.items():
+            await game.press(key, tick=tick)
+        game.main.labyrinth.view.selected = "Pip"
+        await game.press("up", tick=6)
+        await game.press("down", sees="Nothing happened after tick 6")
+        await game.press("escape", until=lambda: game.main.labyrinth.has_focus)
 
 
 @pytest.mark.parametrize("size", [pytest.param((120, 40), marks=pytest.mark.slow), (80, 24)])
@@ -207,6 +206,7 @@ async def test_nothing_of_this_hurts_before_there_is_a_program(data_dir: Path, s
         await game.press("N", "P", "left_parenthesis", "right_parenthesis", "g", "U", "F", "C")
         await game.press("left_curly_bracket", "right_curly_bracket", "w")
         await game.sees("There is no program yet.", "There is no program to query yet.")
+        await game.press("v", sees="No earlier versions yet")
         assert game.tick == 0
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Near"))
         assert list(game.session.breakpoints) == [Breakpoint("rows", "Near")]
