@@ -11,7 +11,6 @@ from tests.e2e.tmux import PROMPT, place_of
 from tests.short import AHEAD
 from tests.waiting import until
 
-STILL = AHEAD.replace("0.5", "0")
 SLOW = """\
 N(x) :- x in Range(3000);
 Big(s? += a * b) distinct :- N(a), N(b), N(c);
@@ -41,7 +40,7 @@ def test_a_level_is_cut_off_goes_on_exactly_there_and_is_won(player: Player) -> 
 @pytest.mark.slow
 def test_robots_run_and_step_another_level_is_chosen_and_the_game_left(player: Player) -> None:
     tmux = player.tmux
-    (player.folder / "ahead.l").write_text(STILL)
+    (player.folder / "ahead.l").write_text(AHEAD.replace("0.5", "0"))
     player.play_short_way()
     for number in (1, 2, 3):
         player.press("n", tick=number)

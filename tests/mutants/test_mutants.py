@@ -8,15 +8,13 @@ from tests.installed import CHECKOUT
 from tests.mutants import planted
 from tests.mutants.planted import MUTANTS, Mutant
 
-KINDS = 10
-ENOUGH = 26
 SMALL = ("02-open-space", "03-the-long-hall")
 """Levels in which a mutant is diagnosed at once."""
 
 
 def test_there_are_three_mutants_of_each_kind_and_each_changes_one_line() -> None:
     assert set(Counter(mutant.kind for mutant in MUTANTS).values()) == {3}
-    assert len({mutant.kind for mutant in MUTANTS}) == KINDS
+    assert len({mutant.kind for mutant in MUTANTS}) == 10
     for mutant in MUTANTS:
         assert mutant.new in mutant.text
         assert mutant.old != mutant.new
@@ -50,5 +48,5 @@ def test_of_thirty_bugs_most_are_named_and_the_page_says_which() -> None:
     """`python -m benchmarks.mutants` prints the table of the page anew."""
     page = (CHECKOUT / "docs" / "diagnose.md").read_text()
     found = [planted.verdict(number) for number in range(1, len(MUTANTS) + 1)]
-    assert sum(each.by_either for each in found) >= ENOUGH
+    assert sum(each.by_either for each in found) >= 26
     assert [each.line for each in found if each.line not in page] == []

@@ -21,14 +21,6 @@ SLOW_FOR_MANY = ("empty records", "empty lists", "many numbers", "what can't be 
 ADDRESSES = 2 * 1024**3  # as in restricted mode
 
 
-def leave_room(terminal: Terminal, room: int) -> None:
-    """Let the game have so many more bytes of address space, and none beyond."""
-    # The last bound stays where it was, and can be returned to.
-    resource.prlimit(
-        terminal.game, resource.RLIMIT_AS, (memory_use(terminal.game, "VmSize") + room, ADDRESSES)
-    )
-
-
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     ("work", "room"),
@@ -41,7 +33,9 @@ def test_restricted_games_out_of_memory_lose_nothing(work: str, room: int, tmp_p
         terminal.send("2", sees="Leave")
         terminal.send("# typed by ada", sees="not applied")
         playing = terminal.game
-        leave_room(terminal, room * MIB)
+        # The last bound stays where it was, and can be returned to.
+        most = memory_use(playing, "VmSize") + room * MIB
+        resource.prlimit(playing, resource.RLIMIT_AS, (most, ADDRESSES))
         if work == "draw":
             terminal.resize(1000, 400)
         else:

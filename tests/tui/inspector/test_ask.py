@@ -102,8 +102,6 @@ SLOW = (
     "Sensor(sensor:), a in sensor.radar, b in sensor.radar, c in sensor.radar, d in sensor.radar, "
     "e in sensor.radar, a.distance + b.distance + c.distance + d.distance + e.distance < 0"
 )
-
-
 LATE = "0 < 0"
 
 

@@ -72,10 +72,6 @@ async def pointed_at(game: Opened, text: str, kind: str = "") -> None:
     view.action_move(places()[0] - view.lines.index(view.line))
 
 
-TO_SEEN = ("end",)
-"""Keys to the last line of the tree, which is the field `seen` of the memory afterwards."""
-
-
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
 async def test_a_field_is_followed_to_where_it_was_set_and_back(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text=PHASES, size=size) as game:
@@ -86,7 +82,7 @@ async def test_a_field_is_followed_to_where_it_was_set_and_back(data_dir: Path, 
         await game.press("less_than_sign", sees="Put the cursor on a value")
 
         game.inspector.open("decision")
-        await followed(game, *TO_SEEN)
+        await followed(game, "end")  # the field `seen` of the memory afterwards
         assert game.inspector.inspected == "origin"
         plain = links(game).plain.splitlines()
         assert plain[:4] == [

@@ -67,15 +67,10 @@ def table(game: Opened) -> ValueTable:
     return game.main.query_one("#rows", ValueTable)
 
 
-async def inspected(game: Opened) -> None:
-    await game.ready()
-    game.inspector.inspect("Near")
-    await game.until(lambda: len(table(game).shown.rows) == 3)
-
-
 async def test_keys_save_copy_sort_filter_turn_and_search_rows(data_dir: Path) -> None:
-    async with opened(data_dir, level="team_goal", text=TEXT) as game:
-        await inspected(game)
+    async with opened(data_dir, level="team_goal", text=TEXT, ready=True) as game:
+        game.inspector.inspect("Near")
+        await game.until(lambda: len(table(game).shown.rows) == 3)
         (data_dir / "rows").write_text("a file in the way")
         await game.press("S", sees="can't be saved")
         (data_dir / "rows").unlink()

@@ -57,11 +57,6 @@ def view(game: Opened) -> WatchView:
     return game.main.query_one(WatchView)
 
 
-def line_of(game: Opened, words: str) -> int:
-    lines = view(game).plain.splitlines()
-    return next(number for number, line in enumerate(lines) if words in line)
-
-
 async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
     await game.until(lambda: name in [p.name for p in game.session.predicates])
     game.inspector.open(name)
@@ -107,7 +102,7 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         await game.until(lambda: f"··┼{'─' * 10}┼{'─' * 27}" in view(game).plain)
 
         # A click on a line goes to its tick, and keys to where a value changes.
-        row = line_of(game, "Late: rows")
+        row = next(n for n, s in enumerate(view(game).plain.splitlines()) if "Late: rows" in s)
         await game.click(WatchView, offset=(2 + 20, row + 1 - view(game).scroll_offset.y))
         await game.until(lambda: game.tick == 20)
         await game.until(lambda: view(game).plain.splitlines()[row].endswith(" 0"))

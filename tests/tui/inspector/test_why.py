@@ -13,9 +13,7 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
 from tests.tui.conftest import Opened, opened
 
-TALL = (100, 54)
-"""A terminal in which a whole proof has room."""
-
+TALL = (100, 54)  # in which a whole proof has room
 TWO_RULES = """\
 Speed(d) = 0.5 :- d > 20;
 Robot(robot_name:, desire: {left_engine: Speed(d), right_engine: 1}, memory: "far") :-
@@ -24,7 +22,6 @@ Robot(robot_name:, desire:, memory:) :-
   Sensor(robot_name:, sensor:), d == sensor.forward_distance, d <= 20,
   memory == "near", desire == {left_engine: 0, right_engine: 0};
 """
-
 CALL = "left_engine: Speed(d)"
 PROVED = "Speed(d) = 0.5 :- d > 20"
 
@@ -137,20 +134,14 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
         await game.press("e", "x", until=lambda: game.editor.text == edited)
 
 
-def chain(depth: int, conditions: int) -> str:
-    many = "".join(f", c > {-n}" for n in range(1, conditions + 1))
-    return "\n".join(
-        [
-            *(f"Deep{n}(c) :- Deep{n + 1}(c){many};" for n in range(1, depth)),
-            f"Deep{depth}(c) :- c >= 0;",
-            "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: 1) :-",
-            f"  Sensor(robot_name:, sensor:), c == sensor.clock, Deep1(c){many};",
-        ]
-    )
-
-
 async def test_what_is_expanded_deep_down_stays_so_in_another_tick(data_dir: Path) -> None:
-    async with opened(data_dir, text=chain(3, conditions=9), size=(120, 24)) as game:
+    many = "".join(f", c > {-n}" for n in range(1, 10))
+    text = (
+        f"Deep1(c) :- Deep2(c){many};\nDeep2(c) :- Deep3(c){many};\nDeep3(c) :- c >= 0;\n"
+        "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: 1) :-\n"
+        f"  Sensor(robot_name:, sensor:), c == sensor.clock, Deep1(c){many};"
+    )
+    async with opened(data_dir, text=text, size=(120, 24)) as game:
         await asked_why(game)
         assert "Deep3(c)" not in told(game)
         lines = [line for n in range(1, 3) for line in (f"Deep{n}(c)", f"Deep{n}(c) :-")]

@@ -16,7 +16,6 @@ from tests.short import AHEAD
 from tests.tui.conftest import SHORT, Size, opened
 
 THREE = [Measures(100, 1, 300.0), Measures(200, 5, 250.4), Measures(150, 9, 350.0)]
-GOALS = [SecondGoal("symbol", 11), SecondGoal("blocked")]
 SIZES = [pytest.param((80, 24), marks=pytest.mark.slow), (120, 40)]
 
 
@@ -50,7 +49,7 @@ def test_equal_references_are_one_mark_and_without_any_there_is_no_scale() -> No
 
 
 def test_second_goals_are_ticked_when_they_are_reached() -> None:
-    lines = goal_lines(GOALS, ["never blocked"])
+    lines = goal_lines([SecondGoal("symbol", 11), SecondGoal("blocked")], ["never blocked"])
     assert [line.plain for line in lines] == ["☐ at most 11 symbols", "✓ never blocked"]
     assert list(goal_lines([], ["never blocked"])) == []
 

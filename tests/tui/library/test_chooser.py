@@ -24,7 +24,6 @@ from tests.tui.conftest import LEVELS, PAPER, STILL, Opened, opened, source_of
 from tests.virtual_time import Hold
 
 FIRST = list_levels()[0]
-LAST_ARENA = f"{ARENAS}/{list_arenas()[-1]}.toml"
 
 
 def is_at(game: Opened, level: str) -> bool:
@@ -92,7 +91,7 @@ async def test_levels_are_dropped_named_picked_or_come_next(data_dir: Path, tmp_
         await game.until(lambda: game.session.state.phase == "applied")
         assert game.tick == 0
         assert not game.session.busy
-        file = shipped_folder("levels") / LAST_ARENA
+        file = shipped_folder("levels") / ARENAS / f"{list_arenas()[-1]}.toml"
         await game.main.library.open_level(await asyncio.to_thread(load_level, file))
         await game.press("greater_than_sign", sees="the last level")
 

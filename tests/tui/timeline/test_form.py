@@ -15,8 +15,7 @@ from tests.tui.conftest import Opened, Size, opened
 from tests.tui.timeline.test_widget import TURNS
 from tests.virtual_time import Hold
 
-CLOCK = "Sensor(sensor:), t == sensor.clock, "
-AT = f"{CLOCK}t in [3, 4, 9]"
+AT = "Sensor(sensor:), t == sensor.clock, t in [3, 4, 9]"
 
 
 async def search(game: Opened, question: str) -> None:
