@@ -29,11 +29,7 @@ __all__ = [
 ]
 
 HEAD = "    kind               program               line  differs  findings  named by   nearest"
-"""The head of the table of verdicts."""
-
-
-FIRST = 5
-"""So many findings are read before one gives up."""
+FIRST = 5  # findings are read before one gives up
 
 
 @dataclass(frozen=True)
@@ -56,10 +52,8 @@ class Mutant:
         return "\n".join(lines)
 
 
-MUTANTS = [
-    Mutant(**each)
-    for each in tomllib.loads(Path(__file__).with_name("mutants.toml").read_text())["mutant"]
-]
+_TABLE = tomllib.loads(Path(__file__).with_name("mutants.toml").read_text())
+MUTANTS = [Mutant(**row) for row in _TABLE["mutant"]]
 
 
 @cache
@@ -135,7 +129,7 @@ def verdict(number: int) -> Verdict:
     found = diagnosis_of(mutant.level, mutant.text, mutant.ticks)
     place = rank(found.findings, mutant.line)
     nearest = suggestions(mutant, there) if there is not None else []
-    named = [each for each in nearest if each.span.line == mutant.line]
+    named = [miss for miss in nearest if miss.span.line == mutant.line]
     by_diagnosis = place is not None and place[0] <= FIRST
     how = f"{place[0]} {'itself' if place[1] else 'places'}" if place else "-"
     line = (
@@ -154,5 +148,5 @@ def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
     with closing(Mind(program, **visibility)) as mind:
         explainer = Explainer(mind, there.robot, there.rows, there.memories)
         for predicate in program.needed:
-            found += [each for _, each in explainer.nearest(Ask(predicate))]
+            found += [miss for _, miss in explainer.nearest(Ask(predicate))]
     return found

@@ -8,8 +8,7 @@ from tests.installed import CHECKOUT
 from tests.mutants import planted
 from tests.mutants.planted import MUTANTS, Mutant
 
-SMALL = ("02-open-space", "03-the-long-hall")
-"""Levels in which a mutant is diagnosed at once."""
+SMALL = ("02-open-space", "03-the-long-hall")  # where a mutant is diagnosed at once
 
 
 def test_there_are_three_mutants_of_each_kind_and_each_changes_one_line() -> None:
@@ -28,7 +27,7 @@ def is_named(mutant: Mutant) -> bool:
         return True
     there = planted.first_difference(mutant)
     return there is not None and any(
-        each.span.line == mutant.line for each in planted.suggestions(mutant, there)
+        miss.span.line == mutant.line for miss in planted.suggestions(mutant, there)
     )
 
 
@@ -47,6 +46,6 @@ def test_a_bug_in_a_small_program_is_named(mutant: Mutant) -> None:
 def test_of_thirty_bugs_most_are_named_and_the_page_says_which() -> None:
     """`python -m benchmarks.mutants` prints the table of the page anew."""
     page = (CHECKOUT / "docs" / "diagnose.md").read_text()
-    found = [planted.verdict(number) for number in range(1, len(MUTANTS) + 1)]
-    assert sum(each.by_either for each in found) >= 26
-    assert [each.line for each in found if each.line not in page] == []
+    verdicts = [planted.verdict(number) for number in range(1, len(MUTANTS) + 1)]
+    assert sum(verdict.by_either for verdict in verdicts) >= 26
+    assert [verdict.line for verdict in verdicts if verdict.line not in page] == []

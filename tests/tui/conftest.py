@@ -353,11 +353,9 @@ def _loading(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) ->
 def _quick_run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a quick run the screen does no more than a test asks for.
 
-    Style sheets are parsed once, a style that a widget has already is not set again, and nothing is
-    drawn until a test looks. That is most of what these tests would do. It changes no order in
-    which things happen, because the clock stands still while something is parsed or drawn. With
-    ``--all`` all of it is done, and `tests/snapshots` and `tests/e2e` always look at what a
-    terminal shows.
+    Style sheets are parsed once, a style is not set again, and nothing is drawn until a test looks.
+    That changes no order in which things happen, because the clock stands still meanwhile. With
+    ``--all`` all of it is done; `tests/snapshots` and `tests/e2e` look at what a terminal shows.
     """
     if not request.config.option.all:
         monkeypatch.setattr(Stylesheet, "parse", _parsed_once)

@@ -239,21 +239,13 @@ def test_lines_go_a_step_to_the_right_and_back_as_far_as_they_can() -> None:
     assert shift_lines(shift_lines(lines, back=False), back=True) == lines
 
 
-@pytest.mark.parametrize(
-    ("after", "rows"),
-    [
-        ("new a b c", [1, 2, 3]),
-        ("a new b c", [0, 2, 3]),
-        ("a b2 c", [0, 1, 2]),
-        ("a b1 b2 c", [0, 1, 3]),
-        ("a c", [0, None, 1]),
-        ("a bc", [0, 1, 1]),
-        ("x y", [None, None, None]),
-        ("", [None, None, None]),
-    ],
-)
-def test_lines_are_found_again_after_a_change(after: str, rows: list[int | None]) -> None:
-    assert follow_rows(range(3), ["a", "b", "c"], after.split()) == rows
+def test_lines_are_found_again_after_a_change() -> None:
+    for after, rows in (
+        *(("new a b c", [1, 2, 3]), ("a new b c", [0, 2, 3]), ("a b2 c", [0, 1, 2])),
+        *(("a b1 b2 c", [0, 1, 3]), ("a c", [0, None, 1]), ("a bc", [0, 1, 1])),
+        *(("x y", [None, None, None]), ("", [None, None, None])),
+    ):
+        assert follow_rows(range(3), ["a", "b", "c"], after.split()) == rows, after
 
 
 @given(LINES, LINES)
@@ -273,19 +265,17 @@ def test_a_wrapped_line_has_its_sign_only_where_it_begins(row: int | None, told:
     assert (found.text, found.cell_length) == (told, line.cell_length)
 
 
-@pytest.mark.parametrize(
-    ("column", "excerpt", "line", "marked"),
-    [
-        (3, "Bat", "a Bat(x)", "Bat"),
-        (3, "", "a Bat(x)", "Bat"),
-        (6, "gone", "a Bat(x)", "("),
-        (9, "", "a Bat(x)", ")"),
-    ],
-)
-def test_what_is_wrong_is_underlined(column: int, excerpt: str, line: str, marked: str) -> None:
-    mark = mark_of(Diagnostic(1, column, "wrong", excerpt=excerpt), line)
-    assert line[mark.start : mark.stop] == marked
-    assert mark.is_wrong
+def test_what_is_wrong_is_underlined() -> None:
+    line = "a Bat(x)"
+    for column, excerpt, marked in (
+        (3, "Bat", "Bat"),
+        (3, "", "Bat"),
+        (6, "gone", "("),
+        (9, "", ")"),
+    ):
+        mark = mark_of(Diagnostic(1, column, "wrong", excerpt=excerpt), line)
+        assert line[mark.start : mark.stop] == marked
+        assert mark.is_wrong
 
 
 def test_a_predicate_is_renamed_where_it_is_used_and_nowhere_else() -> None:
@@ -296,18 +286,9 @@ def test_a_predicate_is_renamed_where_it_is_used_and_nowhere_else() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("wanted", "place", "found"),
-    [
-        ("b", (0, 0), (0, 2)),
-        ("b", (0, 2), (1, 0)),
-        ("b", (1, 0), (0, 2)),
-        ("B", (0, 0), (1, 0)),
-        ("", (0, 0), None),
-        ("z", (0, 0), None),
-    ],
-)
-def test_what_is_looked_for_is_found_again_from_the_top(
-    wanted: str, place: tuple[int, int], found: tuple[int, int] | None
-) -> None:
-    assert find_after("a b c\nB", wanted, place) == found
+def test_what_is_looked_for_is_found_again_from_the_top() -> None:
+    for wanted, place, expected in (
+        *(("b", (0, 0), (0, 2)), ("b", (0, 2), (1, 0)), ("b", (1, 0), (0, 2))),
+        *(("B", (0, 0), (1, 0)), ("", (0, 0), None), ("z", (0, 0), None)),
+    ):
+        assert find_after("a b c\nB", wanted, place) == expected

@@ -12,8 +12,7 @@ from tests.terminal import Terminal
 
 SIZE = (100, 30)
 ONE_FRAME = 0.02  # seconds, so that a size finds a picture half drawn
-Event: TypeAlias = "tuple[int, int] | str"
-"""A size, or what a terminal sends."""
+Event: TypeAlias = "tuple[int, int] | str"  # a size, or what a terminal sends
 
 sizes = st.tuples(st.integers(1, 240), st.integers(1, 80))
 places = st.one_of(st.integers(0, 130), st.integers(0, 70_000))

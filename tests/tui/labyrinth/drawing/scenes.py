@@ -12,8 +12,7 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, luminance
 from logical_robots_tui.values import Desire, SensorRow
 from logical_robots_tui.world import Level, Robot, RobotState, World
 
-BARE = Look(rays=False, marks=False, names=False)
-"""Nothing but what stands there."""
+BARE = Look(rays=False, marks=False, names=False)  # nothing but what stands there
 
 
 def room(

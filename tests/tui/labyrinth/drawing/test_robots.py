@@ -7,8 +7,8 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import luminance
 from logical_robots_tui.world import Robot
 from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, apart, room, start, with_robot
 
+# A robot is about a cell.
 LEVEL = room(1200, 600, 20, robots=(Robot("Ann", 603, 303, 0.0, "#4a9eff"),))
-"""A level in which a robot is about a cell."""
 FRAME = start(LEVEL)
 AFAR = Viewport.fit(1200, 600, 80, 20)
 NEAR = AFAR.zoomed(20).centred(603, 303)
