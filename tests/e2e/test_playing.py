@@ -8,7 +8,6 @@ import pytest
 from logical_robots_tui import list_levels, load_level
 from tests.e2e.conftest import TYPED, Player, Seat, tick_on
 from tests.e2e.tmux import PROMPT, place_of
-from tests.short import AHEAD
 from tests.waiting import until
 
 SLOW = """\
@@ -38,14 +37,9 @@ def test_a_level_is_cut_off_goes_on_exactly_there_and_is_won(player: Player) -> 
 
 
 @pytest.mark.slow
-def test_robots_run_and_step_another_level_is_chosen_and_the_game_left(player: Player) -> None:
+def test_a_terminal_is_resized_another_level_chosen_and_the_game_left(player: Player) -> None:
     tmux = player.tmux
-    (player.folder / "ahead.l").write_text(AHEAD.replace("0.5", "0"))
     player.play_short_way()
-    for number in (1, 2, 3):
-        player.press("n", tick=number)
-    player.press("p", tick=2)
-    player.press("r", tick=0)
     tmux.click("Step")
     player.wait_for_tick(1)
     tmux.resize(20, 5)
@@ -53,11 +47,6 @@ def test_robots_run_and_step_another_level_is_chosen_and_the_game_left(player: P
     tmux.resize(120, 40)
     player.wait_for_tick(1)
     tmux.wait_for("Inspector")
-    tmux.press("Space")
-    tmux.wait_until(lambda screen: "RUNNING" in screen and tick_on(screen) >= 3, "tick 3")
-    tmux.press("Space")
-    paused = tick_on(tmux.wait_for("PAUSED"))
-    player.press("n", tick=paused + 1)
 
     title = load_level(list_levels()[1]).title
     tmux.press("l", sees=title)
