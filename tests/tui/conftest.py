@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import Any, TypeAlias
+from typing import TypeAlias, TypedDict, Unpack
 
 import pytest
 from textual import _time, events
@@ -18,6 +18,7 @@ from textual.document._history import EditHistory
 from textual.dom import DOMNode
 from textual.keys import _character_to_key
 from textual.pilot import Pilot
+from textual.widget import Widget
 from textual.widgets import Input
 
 from logical_robots_tui.game import Source, load_program, measuring
@@ -40,6 +41,9 @@ _PICTURE = 0.05  # seconds in which what has changed is laid out and drawn
 CHARACTERS = {_character_to_key(sign): sign for sign in " .,+->?[](){}/"}
 CHARACTERS |= {"enter": "\r", "tab": "\t"}
 Size: TypeAlias = tuple[int, int]  # columns and lines
+at_both_sizes = pytest.mark.parametrize(
+    "size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)], ids=["80x24", "120x40"]
+)
 LEVELS = Path(__file__).parents[1] / "conformance" / "levels"
 
 PAPER = """\
@@ -138,6 +142,16 @@ def key_event(key: str) -> events.Key:
     return events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
 
 
+class Awaited(TypedDict, total=False):
+    """What is to follow from something: a tick, words, a screen, or something else."""
+
+    tick: int
+    sees: str | tuple[str, ...]
+    sees_no: str
+    on: type
+    until: Callable[[], object]
+
+
 @dataclass(frozen=True)
 class Opened:
     """The game on a screen in memory, in which time passes only while a test waits."""
@@ -170,25 +184,16 @@ class Opened:
     def status(self) -> str:
         return self.main.query_one(StatusLine).render().plain
 
-    async def press(
+    async def wait(
         self,
-        *keys: str,
+        *,
         tick: int | None = None,
         sees: str | tuple[str, ...] = (),
         sees_no: str | None = None,
         on: type | None = None,
         until: Callable[[], object] | None = None,
     ) -> None:
-        """Press keys as a terminal reports them, and wait until all that is to follow is so.
-
-        Each key is pressed after the last was answered.
-        """
-        for key in keys:
-            self.app.post_message(key_event(key))
-            await self.handled()
-            if self.app.backlog:
-                with self.impatient():
-                    await self.until(lambda: not self.app.backlog)
+        """Wait until all that is to follow is so."""
         texts = (sees,) if isinstance(sees, str) else sees
         if texts or any(wanted is not None for wanted in (tick, sees_no, on, until)):
             await self.until(
@@ -201,14 +206,36 @@ class Opened:
                 )
             )
 
+    async def press(self, *keys: str, **awaited: Unpack[Awaited]) -> None:
+        """Press keys as a terminal reports them, each after the last was answered, and wait."""
+        for key in keys:
+            self.app.post_message(key_event(key))
+            await self.handled()
+            if self.app.backlog:
+                with self.impatient():
+                    await self.until(lambda: not self.app.backlog)
+        await self.wait(**awaited)
+
+    async def command(self, name: str, **awaited: Unpack[Awaited]) -> None:
+        """Give a command as the palette does, and wait."""
+        self.main.action_command(name)
+        await self.wait(**awaited)
+
+    async def resize(self, columns: int, lines: int, **awaited: Unpack[Awaited]) -> None:
+        await self.pilot.resize_terminal(columns, lines)
+        await self.wait(**awaited)
+
     async def handled(self) -> None:
         """Wait until what was sent to the game is handled, but for what threads work on."""
         await virtual_loop().handled()
 
-    async def click(self, *where: Any, **how: Any) -> None:
-        """Click at what is drawn, as `Pilot.click` does."""
+    async def click(
+        self, *where: str | type[Widget] | Widget, offset: Size = (0, 0), **awaited: Unpack[Awaited]
+    ) -> None:
+        """Click at what is drawn, and wait."""
         await self.later(_PICTURE)
-        await self.pilot.click(*where, **how)
+        await self.pilot.click(where[0] if where else None, offset=offset)
+        await self.wait(**awaited)
 
     async def mouse(
         self, kind: type[events.MouseEvent], place: tuple[float, float], button: int = 1
@@ -273,9 +300,10 @@ class Opened:
         if not inspector_pane._LOADING_DELAY:
             await self.until(lambda: self.inspector.query("PredicatePage"))
 
-    async def write(self, text: str) -> None:
+    async def write(self, text: str, **awaited: Unpack[Awaited]) -> None:
+        """Put a text into the editor as a paste, apply it, and wait."""
         self.editor.put(text)
-        await self.press("f4")
+        await self.press("f4", **awaited)
 
     async def apply(self, text: str) -> None:
         await self.write(text)

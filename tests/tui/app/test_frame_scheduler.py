@@ -55,11 +55,8 @@ def test_frame_rates_give_way_gently_then_further_and_recover(machine: Machine) 
     assert machine.frames_per_second(0.0) == pytest.approx(30, rel=0.02)
 
 
-def test_what_little_everybody_waits_costs_no_frame(machine: Machine) -> None:
+def test_neither_short_waits_nor_one_picture_that_was_held_up_cost_frames(machine: Machine) -> None:
     assert machine.frames_per_second(0.2) == pytest.approx(30)
-
-
-def test_one_picture_that_was_held_up_changes_little(machine: Machine) -> None:
     machine.frames_per_second(0.0)
     machine.draw(MOST)
     assert machine.rate.spacing < 0.05

@@ -18,7 +18,7 @@ from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.theme.themes import NIGHT
-from tests.tui.conftest import STILL, Opened, Size, opened
+from tests.tui.conftest import STILL, Opened, Size, at_both_sizes, opened
 
 
 def test_the_choices_are_what_the_screen_can_do() -> None:
@@ -92,7 +92,7 @@ async def change(game: Opened, name: str, *keys: str) -> None:
     await game.until(lambda: game.app.screen is game.main)
 
 
-@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
+@at_both_sizes
 async def test_a_theme_is_previewed_and_it_and_settings_are_kept(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch, size: Size
 ) -> None:

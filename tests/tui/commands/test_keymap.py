@@ -24,6 +24,12 @@ def test_a_command_has_the_keys_that_it_is_given(tmp_path: Path) -> None:
         "restart": (),
         "definition": ("ctrl+right_square_bracket",),
     }
+    # What is printed sets the same.
+    key_map = KeyMap(COMMANDS, {"step": ("percent_sign",), "restart": ()})
+    table = "\n".join(key_map.as_toml()).removeprefix("[keys]\n")
+    read = keys(tmp_path, table)
+    assert not read.complaints
+    assert read.keys == {name: entry.keys for name, entry in key_map.changeable.items()}
 
 
 def test_a_command_without_a_key_is_found_where_the_palette_is() -> None:
@@ -35,14 +41,6 @@ def test_a_command_without_a_key_is_found_where_the_palette_is() -> None:
     assert said("{rename} {hint} {brush} {step}", wanted) == "F9 F9 F9 n"
     assert said("{rename} {palette}", {"palette": ()}) == "Commands Commands"
     assert said("{rename} {step}", {}) == "^P n"
-
-
-def test_what_is_printed_sets_the_same_keys(tmp_path: Path) -> None:
-    known = KeyMap(COMMANDS, {"step": ("percent_sign",), "restart": ()})
-    table = "\n".join(known.as_toml()).removeprefix("[keys]\n")
-    found = keys(tmp_path, table)
-    assert not found.complaints
-    assert found.keys == {name: entry.keys for name, entry in known.changeable.items()}
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.theme.themes import INK
-from tests.tui.conftest import Size, opened
+from tests.tui.conftest import Size, at_both_sizes, opened
 from tests.waiting import PATIENCE
 
 SCREEN = [entry for entry in COMMANDS if entry.scope == "screen"]
@@ -110,9 +110,7 @@ async def test_the_bar_fits_in_80_columns_and_a_click_on_it_is_the_command(data_
         assert "Quit" not in bar.render().plain
 
 
-@pytest.mark.parametrize(
-    "size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)], ids=["80x24", "120x40"]
-)
+@at_both_sizes
 async def test_the_palette_colours_keys_and_finds_commands(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, size=size, ready=True) as game:
         await game.press("2", "ctrl+p", sees="Find a command")
@@ -179,13 +177,11 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
             await leave()
             await begin(entry)
             await leave()
-            game.main.action_command(entry.id)
-            await game.until(partial(lambda by_key: state() == by_key, by_key))
+            await game.command(entry.id, until=partial(lambda by_key: state() == by_key, by_key))
             assert editor.has_focus
             editor.completion.close()
             await leave()
-        game.main.action_command("copy")
-        await game.sees("Select something to copy first.")
+        await game.command("copy", sees="Select something to copy first.")
 
 
 async def test_the_help_lists_every_command_and_begins_with_what_is_in_use(data_dir: Path) -> None:
@@ -230,11 +226,9 @@ async def test_a_click_chooses_a_robot_and_q_or_two_ctrl_c_leave_the_game(data_d
         await game.sees("robot  ")
         places = product(range(view.size.width), range(view.size.height))
         place = next(place for place in places if view.robot_at(*place) == "R")
-        await game.click(LabyrinthView, offset=place)
-        await game.until(lambda: view.selected == "R")
+        await game.click(LabyrinthView, offset=place, until=lambda: view.selected == "R")
         await game.sees('R remembers ""')
-        await game.click("#robots", offset=(3, 2))
-        await game.until(lambda: view.selected == "Q")
+        await game.click("#robots", offset=(3, 2), until=lambda: view.selected == "Q")
         await game.press("ctrl+q", "ctrl+c", sees="^C again to quit, or q")
         assert game.app.is_running
         await game.press("ctrl+c", until=lambda: not game.app.is_running)

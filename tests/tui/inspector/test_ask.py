@@ -2,6 +2,7 @@
 
 import asyncio
 from pathlib import Path
+from typing import Unpack
 
 import pytest
 from textual.widgets import Static
@@ -12,18 +13,18 @@ from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.short import AHEAD
-from tests.tui.conftest import Opened, Size, opened
+from tests.tui.conftest import Awaited, Opened, Size, at_both_sizes, opened
 
 
 def line(game: Opened) -> QueryLine:
     return game.main.query_one(QueryLine)
 
 
-async def ask(game: Opened, query: str) -> None:
+async def ask(game: Opened, query: str, **awaited: Unpack[Awaited]) -> None:
     if not line(game).has_focus:
         await game.press("slash", until=lambda: line(game).has_focus)
     line(game).value = query
-    await game.press("enter")
+    await game.press("enter", **awaited)
 
 
 def answered(game: Opened) -> str:
@@ -36,37 +37,30 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         # It can be typed before the page for it is loaded.
         await game.press("slash", *"Robot", "enter", sees="Ask · tick 0 · 1 row")
-        await ask(game, "Sensor(sensor:), clock == 100 + sensor.clock")
-        await game.sees(" 100 ")
+        await ask(game, "Sensor(sensor:), clock == 100 + sensor.clock", sees=" 100 ")
         await game.press("escape", "n", sees=("Ask · tick 1 · 1 row", " 101 "))
 
         # An answer stands with its own question while another one is typed.
-        await ask(game, "1000 + 1")
-        await game.sees("1001")
+        await ask(game, "1000 + 1", sees="1001")
         line(game).value = "1000 + 5"
         await game.sees("1000 + 5", "1001")
         assert answered(game) == "1000 + 1"
-        await ask(game, "2 + 2")
-        await game.sees("       4")
+        await ask(game, "2 + 2", sees="       4")
         for key, earlier in (("up", "2 + 2"), ("up", "1000 + 1")):
             await game.press(key)
             await game.settled()
             assert line(game).value == earlier
         await game.press("down", "down", until=lambda: line(game).value == "")
 
-        await ask(game, "x in Range(1001)")
-        await game.sees("first 1,000 rows, there are more: / narrows down")
+        await ask(game, "x in Range(1001)", sees="first 1,000 rows, there are more: / narrows down")
         table = game.main.query_one("#answer", ValueTable)
         table.action_go(10_000, 0)
         await game.sees("there are more rows than these first 1,000")
-        await ask(game, "x in Range(1001), x > 990")
-        await game.sees("Ask · tick 1 · 10 rows")
+        await ask(game, "x in Range(1001), x > 990", sees="Ask · tick 1 · 10 rows")
         assert not table.missing
 
 
-@pytest.mark.parametrize(
-    "size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)], ids=["80x24", "120x40"]
-)
+@at_both_sizes
 async def test_the_line_helps_and_says_what_is_wrong_in_a_query(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text="Lighthouse(1);\n" + AHEAD, size=size, ready=True) as game:
         await game.press("slash", sees="sensor.forward_distance < 60")
@@ -86,10 +80,8 @@ async def test_the_line_helps_and_says_what_is_wrong_in_a_query(data_dir: Path, 
         assert (game.tick, line(game).value) == (0, "Sensor(robot_nam:)")
         line(game).value = "Sensor(r"
         await game.sees_no("Sensor has no column")
-        await ask(game, 'x in ["a"], x.field == 2')
-        await game.sees("neither a record nor a list")
-        await ask(game, "x in [1], x > 2")
-        await game.sees("No rows.")
+        await ask(game, 'x in ["a"], x.field == 2', sees="neither a record nor a list")
+        await ask(game, "x in [1], x > 2", sees="No rows.")
 
         # The bar is clicked while one types.
         line(game).value = ""
@@ -115,10 +107,8 @@ async def test_a_question_can_be_stopped(data_dir: Path, monkeypatch: pytest.Mon
 
     monkeypatch.setattr(Inquiry, "ask", late)
     async with opened(data_dir, text=AHEAD, ready=True) as game:
-        await ask(game, "1000 + 1")
-        await game.sees("1001")
-        await ask(game, LATE)
-        await game.sees(" s  esc here stops it")
+        await ask(game, "1000 + 1", sees="1001")
+        await ask(game, LATE, sees=" s  esc here stops it")
         screen = game.screen()
         assert any(sign in screen for sign in "▖▘▝▗")
         assert "1001" not in screen, "an old answer stands under a new question"
@@ -127,21 +117,18 @@ async def test_a_question_can_be_stopped(data_dir: Path, monkeypatch: pytest.Mon
         await game.press("escape", sees="Stopped after ")
         assert line(game).has_focus
         assert line(game).value == LATE
-        await ask(game, "1000 + 2")
-        await game.sees("1002")
+        await ask(game, "1000 + 2", sees="1002")
 
         # Escape stops it from the list, too, also when the program is really at work.
         with game.impatient():
-            await ask(game, SLOW)
-            await game.sees("esc here stops it")
+            await ask(game, SLOW, sees="esc here stops it")
         game.inspector.enter()
         await game.press("escape", sees="Stopped after ")
         assert game.inspector.has_focus_within
         await game.press("escape", until=lambda: game.main.labyrinth.has_focus)
 
         # Another question does not wait for the answer.
-        await ask(game, LATE)
-        await game.sees("esc here stops it")
+        await ask(game, LATE, sees="esc here stops it")
         await ask(game, "t == 700 + Max{sensor.clock :- Sensor(sensor:)}")
         await game.sees("Ask · tick 0 · 1 row")
         await game.press("escape", "n", sees=("701", "Ask · tick 1 · 1 row"))

@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-import pytest
-
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
-from tests.tui.conftest import Opened, Size, opened
+from tests.tui.conftest import Opened, Size, at_both_sizes, opened
 
 LATE = """\
 Robot(robot_name:, desire: {left_engine: 0.2, right_engine: 0.2}, memory: "") :-
@@ -19,12 +17,11 @@ def page(game: Opened) -> DiagnosisPage:
     return game.main.query_one(DiagnosisPage)
 
 
-@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
+@at_both_sizes
 async def test_a_run_is_scanned_and_a_finding_leads_to_its_tick(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text=LATE, size=size, ready=True) as game:
         await game.run_until(4)
-        game.main.action_command("diagnose")
-        await game.until(lambda: page(game).view.has_focus)
+        await game.command("diagnose", until=lambda: page(game).view.has_focus)
         await game.sees("Scan the run up to tick 4", "enter Scan")
         await game.press("enter", until=lambda: page(game).found is not None)
         assert game.inspector.inspected == "diagnosis"

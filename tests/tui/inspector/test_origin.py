@@ -15,7 +15,7 @@ from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from logical_robots_tui.values import Value
-from tests.tui.conftest import Opened, Size, opened
+from tests.tui.conftest import Opened, Size, at_both_sizes, opened
 from tests.virtual_time import Hold
 
 PHASES = """\
@@ -72,7 +72,7 @@ async def pointed_at(game: Opened, text: str, kind: str = "") -> None:
     view.action_move(places()[0] - view.lines.index(view.line))
 
 
-@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
+@at_both_sizes
 async def test_a_field_is_followed_to_where_it_was_set_and_back(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text=PHASES, size=size) as game:
         await at_tick(game, 9)

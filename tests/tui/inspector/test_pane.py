@@ -2,6 +2,7 @@
 
 import asyncio
 from pathlib import Path
+from typing import Unpack
 
 import pytest
 from textual.widgets import OptionList
@@ -15,7 +16,7 @@ from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import PAPER, SLOW, STILL, Opened, Size, opened
+from tests.tui.conftest import PAPER, SLOW, STILL, Awaited, Opened, Size, at_both_sizes, opened
 
 MORE = (
     PAPER
@@ -37,10 +38,11 @@ def listed(game: Opened) -> list[str]:
     return [str(options.get_option_at_index(i).prompt) for i in range(options.option_count)]
 
 
-async def inspect(game: Opened, name: str) -> None:
+async def inspect(game: Opened, name: str, **awaited: Unpack[Awaited]) -> None:
     options = choice(game)
     await game.until(lambda: any(name in entry for entry in listed(game)))
     options.highlighted = options.get_option_index(name)
+    await game.wait(**awaited)
 
 
 def test_every_page_is_registered_once_under_the_name_of_its_module() -> None:
@@ -54,8 +56,7 @@ async def test_the_inspector_follows_a_run(data_dir: Path, monkeypatch: pytest.M
     monkeypatch.setattr(pane, "_LOADING_DELAY", 3600.0)
     text = f"{MORE}Idle(x) = x + 1;\nLate(x) :- Sensor(sensor:), sensor.clock > 0, x in [1, 2];\n"
     async with opened(data_dir, text=text, ready=True) as game:
-        await inspect(game, "Ray")
-        await game.sees("Ray · tick 0 · 31 rows")
+        await inspect(game, "Ray", sees="Ray · tick 0 · 31 rows")
 
         # Inputs and predicates are listed with their kind, and with their number of rows.
         await game.until(lambda: any(_is_counted(entry, "Late", "0 ") for entry in listed(game)))
@@ -73,8 +74,7 @@ async def test_the_inspector_follows_a_run(data_dir: Path, monkeypatch: pytest.M
         await game.sees("Odd · tick 0 · 1 row", "[bold]x[/bold]", "{a: 1, b: [1, 2]}")
         assert game.shows("0.3 ")
         assert "\x1b" not in game.screen()
-        await inspect(game, "Idle")
-        await game.sees("Idle · tick 0 · 0 calls of Solo")
+        await inspect(game, "Idle", sees="Idle · tick 0 · 0 calls of Solo")
 
         # A decision is told on one page.
         game.inspector.inspect("decision")
@@ -101,8 +101,7 @@ async def test_the_inspector_follows_a_run(data_dir: Path, monkeypatch: pytest.M
         await game.press("n", until=lambda: game.tick == 3 and not table.shown.changed)
         await game.press("p", "p", "p", sees="Seen · tick 0 · 1 row")
 
-        await inspect(game, "Names")
-        await game.until(lambda: game.editor.selected_text == "Names")
+        await inspect(game, "Names", until=lambda: game.editor.selected_text == "Names")
         await game.press("K", sees=("SQLite's plan for Names", "Milliseconds"))
         await game.press("escape", sees_no="SQLite's plan for Names")
 
@@ -113,10 +112,8 @@ async def test_the_inspector_follows_a_run(data_dir: Path, monkeypatch: pytest.M
         await game.press("space", sees=f"Ray · tick {game.tick} · ")
 
         # A predicate that is gone shows again when it is back.
-        await game.write(PAPER)
-        await game.sees("no predicate Ray")
-        await game.write(text)
-        await game.sees("31 rows")
+        await game.write(PAPER, sees="no predicate Ray")
+        await game.write(text, sees="31 rows")
 
 
 def _is_counted(entry: str, name: str, count: str) -> bool:
@@ -136,8 +133,7 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
             assert game.shows(words)
         await game.press("n", sees="Robots · tick 1")
 
-        await inspect(game, "Half")
-        await game.sees("Half · tick 1 · 2 calls of P")
+        await inspect(game, "Half", sees="Half · tick 1 · 2 calls of P")
         table = game.main.query_one("#rows", ValueTable)
         assert table.shown.columns == ("x", "value")
         assert sorted(row[:2] for row in table.shown.rows) == [(1, 0.5), (2, 1)]
@@ -160,13 +156,11 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
 async def test_a_table_is_walked_by_key_and_click_and_shows_whole_values(data_dir: Path) -> None:
     async with opened(data_dir, text=MORE, size=(80, 24), ready=True) as game:
         await game.press("3")
-        await inspect(game, "Sensor")
-        await game.sees("robot_name")
+        await inspect(game, "Sensor", sees="robot_name")
         await game.press("enter", "right", sees=("sensor = {", "forward_distance:"))
         await game.sees('forward_object: "none"')
         game.inspector.enter()
-        await inspect(game, "Ray")
-        await game.sees("31 rows")
+        await inspect(game, "Ray", sees="31 rows")
         await game.press("enter", "down", "down", "right")
         table = game.main.query_one("#rows", ValueTable)
         third = table.pointed
@@ -211,11 +205,10 @@ async def run_beside(game: Opened, slow: str) -> None:
     await game.ready()
     await inspect(game, slow)
     await game.press("space", until=lambda: game.tick > 3)
-    await inspect(game, "Sensor")
-    await game.sees("Sensor · 1 row")
+    await inspect(game, "Sensor", sees="Sensor · 1 row")
 
 
-@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
+@at_both_sizes
 async def test_notices_are_shown_under_the_robots(data_dir: Path, size: Size) -> None:
     nobody = 'Robot(robot_name: "Solo", desire: {left_engine: 0.1, right_engine: null});\n'
     async with opened(data_dir, text=nobody, size=size, ready=True) as game:
@@ -233,6 +226,5 @@ async def test_pages_load_and_tell_minds(data_dir: Path, monkeypatch: pytest.Mon
         await game.later(0.3)
         assert game.inspector.query(PredicatePage)
         await game.ready()
-        await inspect(game, "Clock")
-        await game.sees("in the mind of")
+        await inspect(game, "Clock", sees="in the mind of")
         await game.until(lambda: all(game.shows(name) for name in "PQR"))

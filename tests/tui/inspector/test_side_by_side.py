@@ -24,8 +24,7 @@ ROBOTS, DECISION, ROWS = (page.__name__ for page in (RobotsPage, DecisionPage, P
 async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", text=MORE, size=WIDE, ready=True) as game:
         await game.press("n", "3", until=lambda: pages(game) == [ROBOTS, DECISION])
-        await inspect(game, "Names")
-        await game.until(lambda: pages(game) == [ROWS, DECISION])
+        await inspect(game, "Names", until=lambda: pages(game) == [ROWS, DECISION])
         await game.sees("Decision of P · tick 1", "Names · tick 1 · 3 rows")
         await game.press("n", sees=("Decision of P · tick 2", "Names · tick 2 · 3 rows"))
 
@@ -42,7 +41,7 @@ async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_
         await game.press("enter", until=lambda: game.app.screen is not game.main)
         await game.sees("Decision of Q")
         await game.press("escape", until=lambda: game.app.screen is game.main)
-        await game.pilot.resize_terminal(120, 40)
+        await game.resize(120, 40)
         await game.until(lambda: pages(game) == [ROWS] and game.shows("Names · tick 2 · 3 rows"))
         await game.sees_no("Decision of")
         assert game.inspector.inspected == "Names"
@@ -50,14 +49,13 @@ async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_
         assert game.main.focused.id == "choice"
 
         # The selection and the focus survive other sizes.
-        await inspect(game, "Ray")
-        await game.sees("Ray · tick 2 · 93 rows")
+        await inspect(game, "Ray", sees="Ray · tick 2 · 93 rows")
         await game.press("enter", "down", "down")
         table = game.main.query_one("#rows", ValueTable)
         await game.until(lambda: table.pointed is not None and table.pointed[1] is not None)
         place = table.place
         for size, shown in [((80, 24), [ROWS]), (WIDE, [ROWS, DECISION]), ((120, 40), [ROWS])]:
-            await game.pilot.resize_terminal(*size)
+            await game.resize(*size)
             await game.until(lambda shown=shown: pages(game) == shown)  # type: ignore[misc] # once a turn
             assert game.inspector.inspected == "Ray"
             assert table.has_focus

@@ -113,11 +113,9 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         await game.until(lambda: game.shows('"late"') or game.shows(" late "))
 
         # A program without the predicate says so in place; the pin is still there afterwards.
-        await game.write(PAPER)
-        await game.until(lambda: "no predicate Late" in view(game).plain)
+        await game.write(PAPER, until=lambda: "no predicate Late" in view(game).plain)
         await game.sees("by the current program")
-        await game.write(TEXT)
-        await game.until(lambda: line in view(game).plain)
+        await game.write(TEXT, until=lambda: line in view(game).plain)
         await game.sees_no("by the current program")
 
         # Another drawing has nothing to do with it, but plain characters have.

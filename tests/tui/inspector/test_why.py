@@ -215,8 +215,7 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         await game.press("escape")
 
         # A ray is not brought out in another tick, even if the proof is hidden by then.
-        await game.pilot.resize_terminal(80, 40)
-        await game.until(lambda: labyrinth.highlighted is not None)
+        await game.resize(80, 40, until=lambda: labyrinth.highlighted is not None)
         await game.press("1", "n", until=lambda: game.tick == 2 and labyrinth.highlighted is None)
 
 

@@ -65,8 +65,7 @@ async def test_the_briefing_finds_its_place_at_any_size(data_dir: Path, size: Si
     async with opened(data_dir, level=file, text=STILL, size=size, ready=True) as game:
         await game.until(partial(shows_beside_the_map, game))
         for other in (*SIZES, (140, 45), (80, 24), (120, 40)):
-            await game.pilot.resize_terminal(*other)
-            await game.until(partial(shows_beside_the_map, game))
+            await game.resize(*other, until=partial(shows_beside_the_map, game))
         await game.press("b")
         await game.until(lambda: not game.main.briefing.is_open and not game.shows("t lesson"))
         for key in "bkk":

@@ -53,14 +53,12 @@ def test_zooming_has_ends_and_panning_never_loses_the_map(
         assert 0 <= panned.y <= 400
 
 
-def test_zooming_out_all_the_way_shows_the_whole_labyrinth_again() -> None:
+def test_zooming_out_all_the_way_shows_the_whole_labyrinth_and_following_is_calm() -> None:
     view = Camera().viewport(LEVEL, 80, 20)
     near = Camera().zoomed(2, view, (700, 300))
     assert near.sight is Sight.FREE
     assert near.zoomed(-2, near.viewport(LEVEL, 80, 20)) == Camera()
-
-
-def test_a_followed_robot_may_move_a_little_before_the_view_does() -> None:
+    # A followed robot may move a little before the view does.
     camera = Camera(Sight.FOLLOW, 3, 400, 200)
     view = camera.viewport(LEVEL, 80, 20)
     assert camera.following(405, 200, view) is camera
@@ -76,9 +74,7 @@ def test_the_fit_is_in_the_middle_and_as_large_as_it_goes_and_outside_of_it_is_n
     for x, y in ((-0.1, 50), (50, 100.1), (math.nan, 50), (math.inf, 50)):
         assert view.cell(x, y) is None
     assert Viewport(10, 10, 0, 0, 1).cell(math.nan, 1) is None
-
-
-def test_zooming_keeps_the_middle_and_centring_keeps_the_length() -> None:
+    # Zooming keeps the middle, and centring the length of a unit.
     view = Viewport.fit(300, 200, 90, 30)
     near = view.zoomed(3)
     assert near.units == pytest.approx(view.units / 3)

@@ -40,9 +40,7 @@ def test_a_scale_goes_from_the_best_reference_to_the_worst_and_holds_ones_own_ma
     better, *_, worse = scales(0, None, 450)
     assert better.startswith(f"{ticks}●─────────┼────┼────┼")
     assert worse.startswith(f"{distance}┼────┼────┼─────────●")
-
-
-def test_equal_references_are_one_mark_and_without_any_there_is_no_scale() -> None:
+    # Equal references are one mark, and without any there is no scale.
     (_, size, _) = scale_lines([THREE[0]] * 3, Bests())
     assert size.plain == "size       ┼────────────────────  1"
     assert list(scale_lines([], Bests(1, 1, 1.0))) == []

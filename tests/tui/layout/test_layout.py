@@ -106,7 +106,7 @@ async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
 
         # No title hides another tab.
         for width in (80, 60, 44):
-            await game.pilot.resize_terminal(width, 24)
+            await game.resize(width, 24)
             game.main.arrangement.panes[1].note(
                 "1 error, the old version is still running · a-name-of-24-characters*"
             )
@@ -128,11 +128,8 @@ async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_
         choice.action_page_down()
         assert choice.highlighted == 2, "a list without room has no pages"
         await game.press("space", until=lambda: game.tick > 2)
-        await game.pilot.resize_terminal(80, 24)
-        await game.sees("1 Map")
-        await game.sees_no("needed")
-        await game.pilot.resize_terminal(90, 60)
-        await game.until(lambda: shown(game) == ALL)
+        await game.resize(80, 24, sees="1 Map", sees_no="needed")
+        await game.resize(90, 60, until=lambda: shown(game) == ALL)
         tops = [pane.region.y for pane in game.main.query(Pane)]
         assert tops == sorted(set(tops)), "in a high terminal one is below the other"
         assert {pane.region.width for pane in game.main.query(Pane)} == {90}
@@ -196,8 +193,7 @@ async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) ->
             ((40, 12), ["editor"]),
             ((300, 80), ALL),
         ]:
-            await game.pilot.resize_terminal(*size)
-            await game.until(partial(shows_just, game, panes))
+            await game.resize(*size, until=partial(shows_just, game, panes))
             assert game.editor is editor
             assert game.editor.text == text
             assert game.editor.selection == Selection((1, 2), (2, 1))

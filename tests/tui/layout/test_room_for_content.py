@@ -41,8 +41,7 @@ async def test_the_inspector_is_as_high_as_its_list_until_a_page_needs_more(data
         await game.press("3", "home", until=lambda: game.inspector.inspected == "robots")
         x = round(game.session.frame.after.robots[0].x)
         assert not game.shows(f"x {x}   y "), "the table has room for it"
-        await game.pilot.resize_terminal(80, 24)
-        await game.sees(f"x {x}   y ")
+        await game.resize(80, 24, sees=f"x {x}   y ")
 
 
 async def test_a_page_keeps_its_room_and_a_level_has_its_own_unless_chosen(data_dir: Path) -> None:

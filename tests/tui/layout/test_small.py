@@ -25,7 +25,7 @@ PARTS = 10  # one of them in a quick run
 
 async def through_all(game: Opened, sizes: list[tuple[int, int]]) -> None:
     for size in sizes:
-        await game.pilot.resize_terminal(*size)
+        await game.resize(*size)
         await game.settled()
         assert game.app._exception is None, size
 
@@ -40,7 +40,7 @@ async def test_the_game_opens_in(size: Size, data_dir: Path, short: Path) -> Non
 
 
 async def give(game: Opened, command: str, sizes: list[tuple[int, int]]) -> None:
-    await game.pilot.resize_terminal(*sizes[0])
+    await game.resize(*sizes[0])
     await game.app.run_action(f"screen.command('{command}')")
     await game.handled()
     await through_all(game, sizes)

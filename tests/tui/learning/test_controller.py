@@ -55,9 +55,7 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         await game.main.library.open_level(load_level(short))
         await game.until(lambda: game.main.recorder.record.hints == 2)
         await game.press("h", sees_no="Just go.", sees=("It is straight ahead.", "h next hint"))
-        await game.click("#more")
-        await game.sees("There are no more.")
-        await game.sees_no("h next hint")
+        await game.click("#more", sees="There are no more.", sees_no="h next hint")
         await game.press("h", "t", sees="Lesson · ")
         await game.press("q", "h", "h", "q", until=lambda: game.app.screen is game.main)
     assert record_of(data_dir).record(str(short)).hints == 3
@@ -86,8 +84,7 @@ async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, sho
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         copy_result(game.main)
         await game.sees("win this level first")
-        game.main.action_command("questions")
-        await game.sees("This level has no questions.")
+        await game.command("questions", sees="This level has no questions.")
         await game.press("t", sees="A rule with one case", sees_no="Further")
         await game.press("enter")
         await game.settled()
@@ -167,12 +164,10 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
 
     monkeypatch.setattr(measuring, "measure", measure_then)
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
-        game.main.action_command("stop_measuring")
-        await game.sees("No robustness test is running.")
+        await game.command("stop_measuring", sees="No robustness test is running.")
         await win(game)
         await game.sees("varied starts tried: ")
-        game.main.action_command("stop_measuring")
-        await game.until(lambda: game.main.recorder.trial is None)
+        await game.command("stop_measuring", until=lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"
         assert game.main.recorder.record.bests.wins is None
         await stay(game)
@@ -198,7 +193,7 @@ async def test_applied_programs_and_the_starter_come_back(data_dir: Path, short:
         assert game.editor.text == AHEAD
         game.editor.undo()
         assert game.editor.text == STILL
-        assert versions(data_dir, short) == [AHEAD, STILL]
+        await game.until(lambda: versions(data_dir, short) == [AHEAD, STILL])
 
         await game.press("2", "x", "escape")
         await game.until(lambda: sorted(game.editor.text) == sorted(f"x{STILL}"))

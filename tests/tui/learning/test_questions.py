@@ -9,7 +9,7 @@ from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import SHORT, Opened, Size, opened
+from tests.tui.conftest import SHORT, Opened, Size, at_both_sizes, opened
 
 QUESTIONS = """\
 questions = [
@@ -36,7 +36,7 @@ async def begin(game: Opened) -> None:
     await game.press("enter", sees="1 of 2  Who is there?")
 
 
-@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
+@at_both_sizes
 async def test_a_lesson_leads_to_questions(data_dir: Path, asking: Path, size: Size) -> None:
     async with opened(data_dir, level=asking, size=size, ready=True) as game:
         await begin(game)
@@ -70,8 +70,7 @@ async def test_answers_outlive_sessions_and_rows_are_scrolled(data_dir: Path, as
     async with opened(data_dir, level=asking, size=(80, 24), ready=True) as game:
         recorder: ProgressRecorder = game.main.recorder
         await game.until(lambda: recorder.record.answers)
-        game.main.action_command("questions")
-        await game.sees("1 of 2 answered", "2 of 2  How far?")
+        await game.command("questions", sees=("1 of 2 answered", "2 of 2  How far?"))
         rays = "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar"
         await answer(game, rays, "all its 31 rows are wrong")
         table = game.app.screen.query_one(ValueTable)

@@ -40,11 +40,10 @@ async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: Size) ->
 async def test_one_goes_back_and_on_and_other_keys_do_what_they_always_do(data_dir: Path) -> None:
     async with opened(data_dir, welcome=True) as game:
         await game.sees("1 of 4")
-        await game.click(Tour)
-        await game.sees("2 of 4")
+        await game.click(Tour, sees="2 of 4")
         await game.press("left", "left", sees="1 of 4")
         await game.press("enter")
-        await game.pilot.resize_terminal(80, 24)
+        await game.resize(80, 24)
         await game.until(lambda: game.main.region.contains_region(game.main.query_one(Tour).region))
         await game.ready()
         await game.press("n", tick=1)
@@ -70,6 +69,5 @@ async def test_it_is_shown_when_asked_for_and_skipped_even_before_it_stands(data
         assert game.main.focused is game.main.labyrinth
         game.main.tour.begin()
         await game.sees("1 of 4")
-        await game.pilot.resize_terminal(20, 5)
-        await game.until(lambda: not is_shown(game))
+        await game.resize(20, 5, until=lambda: not is_shown(game))
     assert is_seen(data_dir)

@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import pytest
 from textual.screen import Screen
@@ -21,7 +21,7 @@ from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.level_editor.controller import LevelController
 from logical_robots_tui.world import Level, load_level
 from tests.short import AHEAD
-from tests.tui.conftest import Opened, opened, source_of
+from tests.tui.conftest import Awaited, Opened, opened, source_of
 from tests.virtual_time import VirtualClock, until, virtual_loop
 
 _BY_ID = {command.id: command for command in COMMANDS}
@@ -48,7 +48,7 @@ class Studio:
         """The level that the game runs in."""
         return self.game.session.level
 
-    async def press(self, *keys: str, **awaited: Any) -> None:
+    async def press(self, *keys: str, **awaited: Unpack[Awaited]) -> None:
         await self.game.press(*keys, **awaited)
 
     async def do(self, *keys: str) -> None:

@@ -107,8 +107,7 @@ async def test_cards_are_chosen_and_played(data_dir: Path, monkeypatch: pytest.M
         await game.press(*["pageup"] * len(NAMES), until=lambda: cards.chosen == 0)
         assert cards.scroll_offset.y == 0
         for size in ((80, 24), (200, 60), (20, 8), (120, 40)):
-            await game.pilot.resize_terminal(*size)
-            await game.until(partial(fits, cards, NAMES[0]))
+            await game.resize(*size, until=partial(fits, cards, NAMES[0]))
             assert game.app.screen.query_one(Input).has_focus
         lines = range(cards.size.height)
         before = [cards.render_line(line).text for line in lines]

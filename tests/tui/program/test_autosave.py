@@ -91,8 +91,7 @@ async def test_a_key_meant_for_the_game_is_no_answer_and_the_text_is_kept(data_d
         assert isinstance(question.focused, Button)
         assert question.focused.id == "answer-yes"
         await game.sees_no("hello")
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
         await game.press("2", "x", "backspace", until=lambda: game.editor.text == PAPER)
     assert texts(data_dir) == ["hello" + PAPER]
 
@@ -136,8 +135,7 @@ async def test_a_question_waits_its_turn(data_dir: Path, monkeypatch: pytest.Mon
         await game.press("escape")
         await asked(game, "other")
         assert game.editor.text == "hello" + PAPER
-        await game.press("n")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press("n", until=lambda: game.app.screen is game.main)
         await game.settled()
         assert not game.shows("Continue with")
 
@@ -149,12 +147,10 @@ async def test_nobody_leaves_unasked_what_cannot_be_kept(data_dir: Path, tmp_pat
         await game.press("y", "backspace", "escape", "n", tick=1)
         for answer in ("s", "escape"):
             await game.press("q", sees="Your changes to “mine” are not saved and")
-            await game.press(answer)
-            await game.until(lambda: game.app.screen is game.main)
+            await game.press(answer, until=lambda: game.app.screen is game.main)
         await game.press("s", on=SaveAs)
         game.app.screen.query_one(Input).value = str(tmp_path / "elsewhere.l")
-        await game.press("enter")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.press("enter", until=lambda: game.app.screen is game.main)
         await game.press("q", until=lambda: not game.app.is_running)
     assert (tmp_path / "elsewhere.l").read_text() == "x" + PAPER
 
@@ -164,10 +160,8 @@ async def test_who_does_not_want_what_cannot_be_kept_leaves(data_dir: Path) -> N
         (data_dir / "drafts").write_text("in the way")
         await game.press("M", until=lambda: game.main.editing.is_on)
         await game.press("b", "enter", sees="The edited level can't be kept on disk")
-        game.main.action_command("quit")
-        await game.sees("are not saved and can't be kept")
-        await game.press("s")
-        await game.until(lambda: game.app.screen is game.main)
+        await game.command("quit", sees="are not saved and can't be kept")
+        await game.press("s", until=lambda: game.app.screen is game.main)
         await game.press("ctrl+c", "ctrl+c", on=Question)
         await game.press("l", until=lambda: not game.app.is_running)
 
@@ -177,7 +171,7 @@ async def test_our_mistakes_keep_the_text(data_dir: Path, monkeypatch: pytest.Mo
         async with opened(data_dir) as game:
             await game.press("2", *"hello", until=lambda: game.editor.text.startswith("hello"))
             monkeypatch.setattr(LabyrinthView, "look_at_next", lambda self: 1 / 0)
-            game.main.action_command("map")
+            await game.command("map")
             await game.press("f", until=lambda: not game.app.is_running)
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
     assert isinstance(game.app.mistake, ZeroDivisionError)

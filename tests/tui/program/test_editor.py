@@ -157,8 +157,7 @@ async def test_a_text_is_found_replaced_and_renamed_as_one_edit(data_dir: Path) 
         editor = game.editor
 
         async def ask(command: str, shown: str, *keys: str) -> None:
-            game.main.action_command(command)
-            await game.sees(shown)
+            await game.command(command, sees=shown)
             await game.press(*keys)
 
         await game.press("2", "f3", sees="Find in the program")
@@ -230,9 +229,7 @@ def test_a_new_line_is_indented_as_what_is_before_it_asks() -> None:
     assert indentation_after("\tB(x),") == "\t"
     with bounded_work(2.0):
         assert indentation_after(" " * 300_000) == " " * 300_000
-
-
-def test_lines_go_a_step_to_the_right_and_back_as_far_as_they_can() -> None:
+    # Lines go a step to the right, and back as far as they can.
     lines = ["a", "", "  b", " c", "\td"]
     assert shift_lines(lines, back=False) == ["  a", "", "    b", "   c", "  \td"]
     assert shift_lines(lines, back=True) == ["a", "", "b", "c", "d"]

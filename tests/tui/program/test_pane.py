@@ -12,7 +12,7 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.player.opening import Permissions
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
-from tests.tui.conftest import PAPER, STILL, WRONG, Opened, Size, opened
+from tests.tui.conftest import PAPER, STILL, WRONG, Opened, Size, at_both_sizes, opened
 from tests.tui.program.conftest import title
 
 ORDERED = STILL.replace("memory: 1", "memory: {order: 1}")
@@ -40,14 +40,11 @@ async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked(data
         await game.press("f8")
         await game.until(lambda: game.session.frame.memories == {"Solo": "I am a robot"})
         await game.press("x", until=lambda: game.editor.text == PAPER + "x")
-        game.main.action_command("revert")
-        await game.until(lambda: game.editor.text == STILL)
+        await game.command("revert", until=lambda: game.editor.text == STILL)
         await game.press("ctrl+z", until=lambda: game.editor.text == PAPER + "x")
 
 
-@pytest.mark.parametrize(
-    "size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)], ids=["80x24", "120x40"]
-)
+@at_both_sizes
 async def test_letters_right_behind_the_editor_s_key_are_typed(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text="", size=size) as game:
         for letter in "2squid":
@@ -64,8 +61,7 @@ async def test_letters_right_behind_the_editor_s_key_are_typed(data_dir: Path, s
 async def test_a_mistake_is_marked_there_and_the_last_good_program_runs_on(data_dir: Path) -> None:
     async with opened(data_dir, ready=True) as game:
         await game.press("2")
-        await game.write(WRONG)
-        await game.until(lambda: game.session.state.phase == "mistake")
+        await game.write(WRONG, until=lambda: game.session.state.phase == "mistake")
         mistake = game.session.state.mistakes[0]
         assert mistake.line == 3
         await game.sees("✗ line 3", "3✗")
@@ -100,8 +96,7 @@ async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir:
         await game.sees("✗ line 3")
         await game.press("escape", "2", "ctrl+home", "up", "up")
         await game.until(lambda: game.editor.cursor_location[0] == 0)
-        await game.click("MistakeStrip")
-        await game.until(lambda: game.editor.cursor_location[0] == 2)
+        await game.click("MistakeStrip", until=lambda: game.editor.cursor_location[0] == 2)
         await game.sees("3✗")
         await game.apply(STILL)
         await game.press("escape", "n", tick=1, sees_no="✗")
@@ -114,8 +109,7 @@ async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir:
         assert "Robot" in game.session.state.mistakes[0].message
         many = "".join(f"P{number}(x) :- Nowhere{number}(x);\n" for number in range(5))
         await game.press("ctrl+home")
-        await game.write(many + STILL)
-        await game.until(lambda: len(game.session.state.mistakes) > 3)
+        await game.write(many + STILL, until=lambda: len(game.session.state.mistakes) > 3)
         line = game.session.state.mistakes[-1].line
         await game.until(lambda: not game.shows(f"line {line},"))
         game.editor.move_cursor((line - 1, 0))
@@ -148,8 +142,7 @@ async def test_what_is_applied_last_wins(data_dir: Path, monkeypatch: pytest.Mon
         await game.apply(STILL)
         await game.press("f8", until=lambda: game.session.frame.memories == {"Solo": 1})
         monkeypatch.setattr("logical_robots_tui.game.compile_program", compile_slowly)
-        await game.write(PAPER)
-        await game.until(begun.is_set)
+        await game.write(PAPER, until=begun.is_set)
         await game.press("2", "ctrl+z", "ctrl+r")  # back to what the robots think with
         await game.until(lambda: game.session.state.phase == "applied")
         go_on.set()
@@ -167,7 +160,7 @@ async def test_what_is_copied_is_in_a_file(data_dir: Path, monkeypatch: pytest.M
         await game.press("2", "f6", "ctrl+c", until=copied.exists, sees="Kept in")
         first = STILL.splitlines()[0]
         assert game.app.clipboard == copied.read_text("utf-8").strip() == first
-        game.main.action_command("select_all")
+        await game.command("select_all")
         await game.press("ctrl+x", until=lambda: copied.read_text("utf-8") == STILL)
         assert game.editor.text == ""
         await game.press("ctrl+v", until=lambda: game.editor.text == STILL)
@@ -187,10 +180,8 @@ async def test_long_lines_are_wrapped_unless_the_player_wants_them_cut(data_dir:
         await game.sees("nonsense(")  # its start is not scrolled away
         await game.sees("last")
         assert not game.editor.show_horizontal_scrollbar
-        game.main.action_command("wrap")
-        await game.until(lambda: not game.shows("last"))
-        game.main.action_command("wrap")
-        await game.sees("last")
+        await game.command("wrap", until=lambda: not game.shows("last"))
+        await game.command("wrap", sees="last")
         await game.write(f"A(1);\nB({'1, ' * 80}1) :- ;\n")
         await game.until(lambda: game.session.state.phase == "mistake" and game.shows("2✗"))
         assert game.screen().count("2✗") == 1
@@ -251,8 +242,7 @@ async def test_mistakes_are_marked_when_the_keys_rest_and_can_be_reached(data_di
 
 
 async def sees_warning(game: Opened, text: str, warning: str) -> None:
-    await game.write(text)
-    await game.until(lambda: game.session.state.applied == text and game.shows(warning))
+    await game.write(text, until=lambda: game.session.state.applied == text and game.shows(warning))
     assert title(game).startswith("Program · applied, 1 warning")
 
 

@@ -72,8 +72,7 @@ async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Pat
         game.main.select("Ada")
         await game.press("f4", until=lambda: game.main.session.state.phase == "applied")
         game.main.select("Bo")
-        await game.write(changed)
-        await game.until(lambda: game.main.session.state.phase == "applied")
+        await game.write(changed, until=lambda: game.main.session.state.phase == "applied")
         program = game.main.session.program
         assert program is not None
         assert program.texts == {"red": RED + "# mine\n", "blue": changed}
@@ -95,16 +94,14 @@ async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Pat
 async def test_in_a_small_terminal_tabs_fit_and_the_others_can_be_hidden(data_dir: Path) -> None:
     async with match(data_dir, size=(80, 24)) as game:
         await game.press("2", sees=" red   blue ")
-        game.main.action_command("next_team")
-        await game.sees("Backward(x) :- x == -1;", "blue: bluely")
-        game.main.action_command("next_team")
-        game.main.action_command("hide_teams")
-        await game.sees("What the other teams think is hidden.")
+        await game.command("next_team", sees=("Backward(x) :- x == -1;", "blue: bluely"))
+        await game.command("next_team")
+        await game.command("hide_teams", sees="What the other teams think is hidden.")
         game.main.select("Bo")
         await game.sees("What blue thinks is hidden.")
         assert (game.editor.text, game.main.inspector.robot) == (RED, "Ada")
-        game.main.action_command("hide_teams")
-        game.main.action_command("next_team")
+        await game.command("hide_teams")
+        await game.command("next_team")
         assert (game.editor.text, game.main.inspector.robot) == (BLUE, "Bo")
 
 

@@ -40,14 +40,11 @@ def test_nothing_waits_for_long_and_on_a_line_that_is_only_long_many_frames_are_
     assert frames > 15
 
 
-def test_a_terminal_that_never_answers_is_not_waited_for() -> None:
+def test_a_line_waits_for_no_silent_terminal_or_lost_answer_and_is_measured_anew() -> None:
     line = Line()
     for turn in range(5):
         assert line.is_free
         line.sent(1000, turn / 30)
-
-
-def test_a_lost_answer_is_given_up_after_a_while_and_a_long_line_is_measured_anew() -> None:
     line = Line()
     line.sent(1000, 0.0)
     line.answered(0.01)

@@ -89,8 +89,7 @@ def test_of_what_comes_in_as_much_is_taken_as_is_of_use() -> None:
             heard.take(chunk)
         assert (heard.pasted, heard.keys, heard.answers) == (pasted, keys, answers)
 
-
-def test_a_paste_that_is_never_ended_is_ended_by_a_key_after_a_silence() -> None:
+    # A paste that is never ended is ended by a key after a silence.
     found = Input().take(b"\x1b[200~" + b"x" * 3_000_000)
     assert (found.pasted, found.keys) == ([], [])
     found.now += 0.5

@@ -45,7 +45,7 @@ def test_private_methods_take_what_the_game_gives() -> None:
         assert list(inspect.signature(method).parameters) == parameters, name
 
 
-async def test_private_attributes_are_there() -> None:
+async def test_private_attributes_and_modules_are_there() -> None:
     app: App[None] = App()
     async with app.run_test():
         things: list[object] = [app, app.screen, OptionList(), Widget()]
@@ -53,9 +53,6 @@ async def test_private_attributes_are_there() -> None:
             thing = next(thing for thing in things if isinstance(thing, owner))
             missing = [name for name in names if not hasattr(thing, name)]
             assert not missing, f"Textual has moved {missing} of {owner.__name__}"
-
-
-async def test_private_modules_hold_what_the_terminal_needs() -> None:
     assert "\x1b[A" in _ansi_sequences.ANSI_SEQUENCES_KEYS
     for name in ("ChopsUpdate", "CompositorUpdate", "LayoutUpdate"):
         assert inspect.isclass(getattr(_compositor, name))

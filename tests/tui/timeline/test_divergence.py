@@ -46,9 +46,7 @@ def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() ->
         "  there  line 31  Drive(robot_name:) :- Steer()",
         "  ~Fresh(robot_name:) holds there and not here.",
     ]
-
-
-def test_a_value_a_failed_step_and_nothing_are_told_apart() -> None:
+    # A value, a failed step and nothing are told apart.
     asked, read = Ask("Robot", {}), Node("read", "memory.n", values=(3,))
     value = derivation(Comparison("Ada", ProofDifference("value", asked, read, None)))
     assert value.plain.splitlines()[1:] == ["  here   memory.n = 3", "  there  missing here"]

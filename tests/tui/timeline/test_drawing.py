@@ -20,9 +20,7 @@ def test_the_past_the_known_and_the_other_future_look_different_and_where_one_st
     line = track(Span(0, 5, 2), 12, lambda *_: False)
     (reversed_,) = [span for span in line.spans if "reverse" in str(span.style)]
     assert (reversed_.start, reversed_.end) == (2, 3)
-
-
-def test_of_several_marks_in_a_column_the_most_telling_is_shown() -> None:
+    # Of several marks in a column the most telling is shown.
     marks = {"memory": {0, 1, 2, 3, 4}, "notice": {1, 4}, "victory": {4}, "breakpoint": {2}}
 
     def has(kind: MarkKind, first: int, last: int) -> bool:

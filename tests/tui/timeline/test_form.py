@@ -11,7 +11,7 @@ from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.timeline import breakpoints
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointForm, BreakpointList
-from tests.tui.conftest import Opened, Size, opened
+from tests.tui.conftest import Opened, Size, at_both_sizes, opened
 from tests.tui.timeline.test_widget import TURNS
 from tests.virtual_time import Hold
 
@@ -24,7 +24,7 @@ async def search(game: Opened, question: str) -> None:
     await game.press("enter")
 
 
-@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
+@at_both_sizes
 async def test_the_ticks_in_which_a_question_holds_are_gone_through(
     data_dir: Path, short: Path, size: Size, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -72,7 +72,7 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
         await game.sees_no("No tick after")
 
 
-@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.slow)])
+@at_both_sizes
 async def test_a_breakpoint_is_made_of_known_names(data_dir: Path, short: Path, size: Size) -> None:
     async with opened(data_dir, level=short, text=TURNS, size=size, ready=True) as game:
         await game.press("B", "a", on=BreakpointForm, sees="Sensor Memory Near Robot")

@@ -45,7 +45,7 @@ async def test_runs_are_saved_and_opened_again(data_dir: Path, short: Path, tmp_
 
         await game.apply(AHEAD)
         await game.press("escape", "r")
-        game.main.action_command("open_replay")
+        await game.command("open_replay")
         await game.until(lambda: isinstance(game.app.screen, Chooser) and game.shows("5 ticks"))
         await game.press("enter", sees="Replay of 5 ticks")
         await game.until(lambda: game.tick == replay.last and not game.session.busy)

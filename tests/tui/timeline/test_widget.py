@@ -1,6 +1,7 @@
 """Travelling in time on the screen: each command, the mouse, and what is said in place."""
 
 from pathlib import Path
+from typing import Unpack
 
 import pytest
 from textual.widgets import Input, OptionList
@@ -9,7 +10,7 @@ from logical_robots_tui.game import Breakpoint
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointList, TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import load_level
-from tests.tui.conftest import STILL, Opened, Size, opened
+from tests.tui.conftest import STILL, Awaited, Opened, Size, at_both_sizes, opened
 
 TURNS = """\
 Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 12;
@@ -18,9 +19,9 @@ Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: sensor
 """
 
 
-async def asked(game: Opened, key: str, text: str) -> None:
+async def asked(game: Opened, key: str, text: str, **awaited: Unpack[Awaited]) -> None:
     await game.press(key, on=TickPrompt)
-    await game.press(*text, "enter")
+    await game.press(*text, "enter", **awaited)
 
 
 def line(game: Opened) -> str:
@@ -40,23 +41,18 @@ async def test_one_goes_to_ticks_by_keys_by_their_number_and_by_mouse(
         await game.until(lambda: "tick 21 of 21" in line(game))
 
         # A tick that is not there says which are, and one into the past is refused.
-        await asked(game, "g", "300")
-        await game.sees("The history holds ticks 0 to 21, not 300.")
+        await asked(game, "g", "300", sees="The history holds ticks 0 to 21, not 300.")
         game.app.screen.query_one(Input).value = "-8"
         await game.press("enter", until=lambda: game.app.screen is game.main and game.tick == 13)
-        await asked(game, "g", "soon")
-        await game.sees("A tick is a number")
+        await asked(game, "g", "soon", sees="A tick is a number")
         await game.press("escape")
-        await asked(game, "U", "30")
-        await game.until(lambda: game.tick == 30 and not game.session.busy)
-        await asked(game, "U", "9")
-        await game.sees("The robots are already at tick 30.")
+        await asked(game, "U", "30", until=lambda: game.tick == 30 and not game.session.busy)
+        await asked(game, "U", "9", sees="The robots are already at tick 30.")
         await game.press("escape", until=lambda: game.app.screen is game.main)
         assert game.tick == 30
 
         # So do a click and a drag on the timeline.
-        await game.click(Timeline, offset=(13, 0))
-        await game.until(lambda: game.tick == 12)
+        await game.click(Timeline, offset=(13, 0), until=lambda: game.tick == 12)
         await game.pilot.mouse_down(Timeline, offset=(21, 0))
         await game.until(lambda: game.tick == 20)
         for column, tick in ((6, 5), (60, 30)):
@@ -64,8 +60,7 @@ async def test_one_goes_to_ticks_by_keys_by_their_number_and_by_mouse(
             await game.press(tick=tick)
         await game.pilot.mouse_up(Timeline, offset=(60, 0))
         await game.pilot.hover(Timeline, offset=(4, 0))
-        await game.click(Timeline, offset=(50, 0))
-        await game.sees("Tick 49 is not in history")
+        await game.click(Timeline, offset=(50, 0), sees="Tick 49 is not in history")
         assert game.tick == 30
 
         # A drag there and back counts before it is drawn.
@@ -89,7 +84,7 @@ async def test_one_goes_to_ticks_by_keys_by_their_number_and_by_mouse(
         await game.press("escape", until=lambda: game.main.labyrinth.has_focus)
 
 
-@pytest.mark.parametrize("size", [pytest.param((120, 40), marks=pytest.mark.slow), (80, 24)])
+@at_both_sizes
 async def test_a_swarm_without_choice_is_counted(data_dir: Path, short: Path, size: Size) -> None:
     level = load_level("04-everybody-home")
     home = next(area for area in level.areas if area.victory_robots)
@@ -109,8 +104,7 @@ async def test_a_swarm_without_choice_is_counted(data_dir: Path, short: Path, si
 
 async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text=STILL, ready=True) as game:
-        await asked(game, "U", "5000")
-        await game.until(lambda: game.tick > 5 and "RUNNING" in game.status)
+        await asked(game, "U", "5000", until=lambda: game.tick > 5 and "RUNNING" in game.status)
         await game.press("space", until=lambda: not game.session.busy and "PAUSED" in game.status)
 
         # The timeline is drawn once for ticks that change nothing in it.
@@ -138,8 +132,7 @@ async def test_an_old_future_is_kept_compared_and_gone_over_to(data_dir: Path, s
     async with opened(data_dir, level=short, text=TURNS, ready=True) as game:
         await game.press("F", sees="There is no other branch yet")
         await game.run_until(30)
-        await asked(game, "g", "10")
-        await game.until(lambda: game.tick == 10)
+        await asked(game, "g", "10", until=lambda: game.tick == 10)
         await game.write(TURNS.replace("sensor.clock > 5", "sensor.clock > 15"))
         await game.until(lambda: game.session.state.phase == "applied")
         await game.press("escape", "n", tick=11, until=lambda: "┄" in line(game))

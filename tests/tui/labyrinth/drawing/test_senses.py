@@ -46,13 +46,11 @@ def row_of(sign: str, shown: Sequence[str]) -> int:
 def test_each_robot_has_its_name_and_sees_others_by_theirs() -> None:
     shown = "".join(lines(LEVEL, 100, 30))
     assert [shown.count(name) for name in ("Ann", "Bob", "lamp")] == [1, 2, 2]
-
-
-def test_what_stands_to_the_right_is_drawn_to_the_right() -> None:
+    # What stands to the right is drawn to the right.
     lone = room(robots=(Robot("Ann", 200, 100, 0.0),), beacons=(Beacon("lamp", 230, 130),))
-    shown = lines(lone, 60, 30)
-    lamp, arrow = row_of("◆", shown), row_of("↑", shown)
-    assert shown[lamp].index("◆") > shown[arrow].index("↑")
+    scene = lines(lone, 60, 30)
+    lamp, arrow = row_of("◆", scene), row_of("↑", scene)
+    assert scene[lamp].index("◆") > scene[arrow].index("↑")
     assert lamp < arrow
 
 
