@@ -35,10 +35,6 @@ class Player:
     def wait_for_tick(self, tick: int) -> str:
         return self.tmux.wait_until(lambda screen: tick_on(screen) == tick, f"tick {tick}")
 
-    def press(self, *keys: str, tick: int) -> None:
-        self.tmux.press(*keys)
-        self.wait_for_tick(tick)
-
     def type_an_idea(self) -> None:
         """Type something into the editor that is not applied."""
         self.tmux.press("2")

@@ -8,18 +8,17 @@ from pathlib import Path
 from typing import Any, Unpack
 
 import pytest
-from textual.screen import Screen
+from textual import screen
 from textual.widgets import TextArea
 
 from logical_robots_tui.editing.editor import LevelEditor
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.player.session import Session
-from logical_robots_tui.player.session_state import Background
-from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.level_editor.controller import LevelController
 from logical_robots_tui.world import Level, load_level
+from tests.player.test_session import Screen
 from tests.short import AHEAD
 from tests.tui.conftest import Awaited, Opened, opened, source_of
 from tests.virtual_time import VirtualClock, until, virtual_loop
@@ -71,7 +70,7 @@ async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studi
         yield Studio(game)
 
 
-def fill(form: Screen[Any], **values: str | bool) -> None:
+def fill(form: screen.Screen[Any], **values: str | bool) -> None:
     for name, value in values.items():
         field: Any = form.query_one(f"#{name}")
         setattr(field, "text" if isinstance(field, TextArea) else "value", value)
@@ -90,28 +89,18 @@ def replace_in(file: Path, old: str, new: str) -> None:
     say(file, said(file).replace(old, new))
 
 
-class Answers(Background, Dialogs):
-    """Answers what is asked in turn, with None in the end, and keeps what was said."""
+class Answers(Screen):
+    """Answers what is asked in turn, with None in the end."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.said: list[str] = []
         self.answers: list[Any] = []
 
-    def tell(self, message: str) -> None:
-        self.said.append(message)
-
-    warn = tell
-
-    def show(self, dialog: object, closed: object = None) -> None:
-        raise AssertionError(f"nothing is to be shown, not even {dialog}")
-
-    async def choose(self, title: str, question: str, answers: object) -> Any:
-        return await self.ask(question)
-
-    async def ask(self, dialog: object) -> Any:
-        self.said.append(dialog if isinstance(dialog, str) else type(dialog).__name__)
+    async def ask(self, *asked: object) -> Any:
+        self.said.append(str(asked[1]) if asked[1:] else type(asked[0]).__name__)
         return self.answers.pop(0) if self.answers else None
+
+    choose = ask
 
 
 @dataclass
@@ -166,13 +155,11 @@ class Bench:
 @asynccontextmanager
 async def bench(data_dir: Path, file: Path) -> AsyncIterator[Bench]:
     ui, drafts = Answers(), Drafts(data_dir / "drafts")
-    source = source_of(AHEAD, data_dir / "programs")
-    session = Session(
-        load_level(file), {"": source}, spawn=ui.spawn, changed=lambda: None, clock=VirtualClock()
-    )
+    sources, clock = {"": source_of(AHEAD, data_dir / "programs")}, VirtualClock()
+    session = Session(load_level(file), sources, spawn=ui.spawn, changed=lambda: None, clock=clock)
 
     async def open_level(level: Level) -> None:
-        session.open_level(level, {"": source}, AHEAD)
+        session.open_level(level, sources, AHEAD)
 
     controller = LevelController(session, ui, data_dir / "levels", drafts, open_level, lambda: None)
     session.listeners.append(controller)

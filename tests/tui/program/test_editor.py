@@ -264,13 +264,8 @@ def test_a_wrapped_line_has_its_sign_only_where_it_begins(row: int | None, told:
 
 def test_what_is_wrong_is_underlined() -> None:
     line = "a Bat(x)"
-    for column, excerpt, marked in (
-        (3, "Bat", "Bat"),
-        (3, "", "Bat"),
-        (6, "gone", "("),
-        (9, "", ")"),
-    ):
-        mark = mark_of(Diagnostic(1, column, "wrong", excerpt=excerpt), line)
+    for column, text, marked in ((3, "Bat", "Bat"), (3, "", "Bat"), (6, "gone", "("), (9, "", ")")):
+        mark = mark_of(Diagnostic(1, column, "wrong", excerpt=text), line)
         assert line[mark.start : mark.stop] == marked
         assert mark.is_wrong
 
