@@ -96,8 +96,7 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
         await game.until(lambda: game.tick == first - 50)
         await game.write(backwards.replace("memory: 1", "memory: 2"))
         await game.until(lambda: "memory: 2" in (game.session.state.applied or ""))
-        game.session.run_until(first + 20)
-        await game.until(lambda: game.tick == first + 20)
+        await game.run_until(first + 20)
         assert [mark.kind for mark in history.marks.at(first)].count("stuck") == 1
         history.marks.note(first + 20, "circling")
         game.session.go_to(first + 20)
