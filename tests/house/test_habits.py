@@ -20,8 +20,8 @@ BENCHMARKS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "benchm
 TESTS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "tests")]
 
 SILENCED_WITHOUT_REASON = re.compile(r"# (?:noqa|type: ignore)(?!.*(?: # | - )\S+)[^()]*$")
-ACTS = re.compile(r"\.(press|drag|click|hover|write|post_message|resize_terminal)\(")
-WAITS = re.compile(r"\b(until|sees|sees_no)=")
+ACTS = re.compile(r"\.(press|drag|click|hover|write|post_message|resize|resize_terminal)\(")
+WAITS = re.compile(r"\b(until|sees|sees_no|tick|on)=")
 CLOCKS = re.compile(r"\b(monotonic|perf_counter|process_time|thread_time)(_ns)?\(\) - ")
 SLEEPS = re.compile(r"(\w+\.)*(sleep\((?!0\))|pause\((delay=)?[\d.])")
 
