@@ -86,8 +86,7 @@ def test_the_palette_finds_by_words_the_best_first_and_nothing_by_scattered_lett
     ids = ["daily", "theme", "settings", "why", "step"]
     assert [best(typed) for typed in ids] == ids
     words = {"replay": "save_replay", "speed": "slower", "export": "copy_rows", "colours": "theme"}
-    assert {typed: best(typed) for typed in words} == words
-    assert best("next lev") == "next_level"
+    assert ({typed: best(typed) for typed in words}, best("next lev")) == (words, "next_level")
     assert best("rpl") is best("ettings") is None
 
 

@@ -30,8 +30,7 @@ async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_
         await game.drag((150, 60), (150, 80), button=3)
         await game.until(lambda: robot().angle > 1)
         assert robot().angle == pytest.approx(math.pi / 2, abs=0.4)
-        assert robot().x == x
-        assert game.session.level.robots[0].x == 40
+        assert (robot().x, game.session.level.robots[0].x) == (x, 40)
         await game.press("space", until=lambda: not game.session.running)
         await game.press("r", tick=0)
         assert robot().x == 40

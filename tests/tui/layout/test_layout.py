@@ -195,7 +195,6 @@ async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) ->
         ]:
             await game.resize(*size, until=partial(shows_just, game, panes))
             assert game.editor is editor
-            assert game.editor.text == text
-            assert game.editor.selection == Selection((1, 2), (2, 1))
+            assert (game.editor.text, game.editor.selection) == (text, Selection((1, 2), (2, 1)))
         assert game.main.focused is game.editor
         await game.press("x", until=lambda: game.editor.text != text)

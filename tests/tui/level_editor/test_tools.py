@@ -52,8 +52,7 @@ async def test_things_are_placed_moved_deleted_and_undone(data_dir: Path, room_f
         await b.stroke((40, 50), (100, 60))
         pip = b.level.robots[0]
         assert pip.x == pytest.approx(100, abs=1)
-        assert b.editor.selected == Ref("robots", 0)
-        assert bodies()[0].x == pip.x
+        assert (b.editor.selected, bodies()[0].x) == (Ref("robots", 0), pip.x)
         await b.stroke((pip.x + 18, pip.y), (pip.x, pip.y + 30))
         angle = b.level.robots[0].angle
         assert angle == pytest.approx(math.pi / 2, abs=0.4)
@@ -189,8 +188,7 @@ async def test_play_while_editing_loses_and_wins_nothing(data_dir: Path, room_fi
         assert not game.main.editing.is_on
         assert game.main.recorder.record.state != "won"
         await s.press("t", until=lambda: game.main.editing.is_on and game.tick == 0)
-        assert s.editor.edits.can_undo == "move"
-        assert game.session.frame.after.robots[0].x == 40
+        assert (s.editor.edits.can_undo, game.session.frame.after.robots[0].x) == ("move", 40)
 
 
 async def test_a_victory_while_editing_is_told_afterwards(data_dir: Path, room_file: Path) -> None:

@@ -59,8 +59,7 @@ def test_the_radar_is_31_bars_of_the_objects_colours() -> None:
         for distance, kind in ((200, "none"), (1, "wall"))
     )
     strip = radar_strip([far] * 30 + [near])
-    assert strip.plain == "█" * 30 + "▁"
-    assert len({str(span.style) for span in strip.spans}) == 2
+    assert (strip.plain, len({str(span.style) for span in strip.spans})) == ("█" * 30 + "▁", 2)
 
 
 def kinds(line: str, state: str = "") -> list[tuple[str, str]]:
