@@ -75,8 +75,7 @@ def test_without_a_terminal_the_game_says_so_in_one_line_and_points_to_run(
 
 
 def test_a_dumb_terminal_is_not_a_terminal() -> None:
-    command = [sys.executable, "-m", "logical_robots_tui"]
-    with Terminal(command, env={"TERM": "dumb"}) as terminal:
+    with Terminal([sys.executable, "-m", "logical_robots_tui"], env={"TERM": "dumb"}) as terminal:
         assert terminal.finish() == 2
     assert "needs a terminal" in terminal.text
 
@@ -93,8 +92,7 @@ def test_a_stream_that_is_not_a_terminal_is_named(
 def test_the_levels_are_listed_with_title_and_robots(command: Command) -> None:
     levels = command("levels", "--json").data
     assert levels
-    lines = command("levels").out.splitlines()[1:]
-    for level, line in zip(levels, lines, strict=True):
+    for level, line in zip(levels, command("levels").out.splitlines()[1:], strict=True):
         assert level["title"] in line
         assert line.startswith(level["name"])
         if level["name"] == "13-swarm":

@@ -44,14 +44,12 @@ def test_where_nothing_stands_out_it_says_so(
     assert told.status == 0
     assert told.data["won_at"]
     assert told.data["findings"] == []
-    seen = shown("diagnose", level, ahead)
-    assert "Nothing stands out." in seen.text
+    assert "Nothing stands out." in shown("diagnose", level, ahead).text
 
 
 @pytest.mark.slow
 def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
-    page = (CHECKOUT / "docs" / "diagnose.md").read_text()
-    example = page.split("```")[3].strip("\n")
+    example = (CHECKOUT / "docs" / "diagnose.md").read_text().split("```")[3].strip("\n")
     assert example.startswith("Ticks 1 to")
     program = tmp_path / "harbor.l"
     lines = load_program("lighthouse").text.split("\n")

@@ -68,8 +68,7 @@ def test_a_home_that_is_out_of_reach_stops_nothing(
 ) -> None:
     monkeypatch.setenv("HOME", str(tmp_path / ("x" * 300)))
     monkeypatch.delenv(FOLDER_VARIABLE, raising=False)
-    told = command("doctor", status=1)
-    assert "(it has errors; run logical-robots config)" in told.out
+    assert "(it has errors; run logical-robots config)" in command("doctor", status=1).out
     assert "The file is ignored" in command("config").err
     assert command("check", ahead).status == 0
     assert command("run", level, ahead).status == 0

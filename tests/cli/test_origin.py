@@ -28,8 +28,7 @@ def asked(level: Path, ahead: Path) -> tuple[object, ...]:
 def test_the_tick_the_line_and_what_was_read_are_told(
     command: Command, asked: tuple[object, ...]
 ) -> None:
-    told = command(*asked, "--value", "memory.at", status=0)
-    (link,) = told.data["links"]
+    (link,) = command(*asked, "--value", "memory.at", status=0).data["links"]
     assert (link["value"], link["tick"], link["until"], link["rule_line"]) == (3, 3, 8, 1)
     assert [(read["name"], read["value"]) for read in link["from"]] == [("sensor.clock", 3)]
     seen = shown(*asked, "--value", "memory.at")

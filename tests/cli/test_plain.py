@@ -140,8 +140,7 @@ def test_batteries_switches_and_goals_of_one_name_are_told_apart(level: Path) ->
     frame = replace(start, tick=1, after=replace(start.after, tick=1, robots=robots, areas=areas))
     told = [*events_between(one, start, frame)]
     assert told == ["The battery of Pip is empty.", "Door is switched off."]
-    back = [*events_between(one, frame, start)]
-    assert back == ["Pip has charge again.", "Door is switched on."]
+    assert [*events_between(one, frame, start)] == ["Pip has charge again.", "Door is switched on."]
     (goal,) = one.areas
     both = replace(one, areas=(goal, replace(goal, x=goal.x + 500, victory_robots=("Pip", "Bo"))))
     start = start_frame(both)
@@ -179,8 +178,7 @@ def test_a_player_learns_in_lines(typed: TypedCommand) -> None:
     assert "Be there in fewer ticks." in after
     assert "Yours: " in after
     # The hints stay revealed, and a level without texts says so.
-    revealed = "There are no more.\nIt is not far.\nIt is straight ahead.\n"
-    assert typed("hint").out.endswith(revealed)
+    assert typed("hint").out.endswith("There are no more.\nIt is not far.\nIt is straight ahead.\n")
     assert "High ground\n" in typed("level 16-high-ground", "lesson", "hint", "reset").out
 
 
@@ -190,9 +188,8 @@ def test_a_player_answers_the_questions_of_a_lesson_in_lines(
     answer = "Way(sensor.forward_distance) :- Sensor(sensor:)"
     asked = f'{{ask = "How far?", answer = "{answer}", ticks = [0, 5]}}'
     lesson.write_text(f"questions = [{asked}]\n{lesson.read_text('utf-8')}", "utf-8")
-    answers = ("Way(43);", "senso")
     right = "answer 1 sensor.forward_distance"
-    told = typed("lesson", *(f"answer 1 {text}" for text in answers), "answer", right)
+    told = typed("lesson", *(f"answer 1 {text}" for text in ("Way(43);", "senso")), "answer", right)
     first, _, rest = told.out.partition("Question 1 of 1: How far?\n")
     assert "Right at tick 0, but at tick 5 your only row is wrong; 1 row is expected." in first
     assert "A rule with one case.\nQuestions: 0 of 1 answered. Type answer for a list.\n" in first

@@ -33,8 +33,7 @@ def test_what_can_not_be_opened_is_told_after_the_prompt_and_not_in_the_game(ahe
 
 def test_the_labyrinth_of_a_day_is_played(command: Command) -> None:
     words = ("play", "--daily", "2026-11-22", "--size", "small", "--plain")
-    said = command(*words, typed=("where",)).success
-    assert said.startswith("Labyrinth of 2026-11-22, small\n")
+    assert command(*words, typed=("where",)).success.startswith("Labyrinth of 2026-11-22, small\n")
 
 
 @pytest.mark.parametrize(

@@ -102,8 +102,7 @@ def test_a_victory_in_a_labyrinth_of_the_day_is_played_again(
     level, text = "daily-2026-11-22-small", load_program("the-long-hall").text
     true = {"program": text, **achieved(level, text)._asdict()}
     file = written(tmp_path, level, true, true | {"distance": 1.0})
-    told = command("progress", "--check", file, "--json")
-    right, wrong = told.data["results"]
+    right, wrong = command("progress", "--check", file, "--json").data["results"]
     assert right["confirmed"]
     assert wrong["problem"].startswith("distance: 1 claimed, ")
 

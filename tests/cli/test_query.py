@@ -12,8 +12,7 @@ from tests.cli.running import Told, in_terminal, shown
 def test_a_question_is_answered_for_its_tick_and_in_a_terminal_with_a_table(
     short: Callable[..., Told], level: Path, ahead: Path
 ) -> None:
-    query = "Sensor(robot_name:, sensor:), clock == sensor.clock"
-    told = short("query", "--tick", 7, query)
+    told = short("query", "--tick", 7, "Sensor(robot_name:, sensor:), clock == sensor.clock")
     assert (told.status, told.data["tick"], told.data["minds"]) == (0, 7, ["Pip"])
     clock = told.data["columns"].index("clock")
     assert [row[clock] for row in told.data["rows"]] == [7]

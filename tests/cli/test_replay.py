@@ -82,13 +82,11 @@ def test_it_is_shown_in_words_as_json_and_as_a_drawing(
     assert words.startswith(f"A short way (short): {last} ticks, from tick 0\n")
     assert f"won       at tick {last}\n" in words
     data = command("replay", "show", recorded, "--json").data
-    program = {"tick": 1, "name": "ahead", "team": "", "text": ahead.read_text()}
-    assert data["programs"] == [program]
+    assert data["programs"] == [{"tick": 1, "name": "ahead", "team": "", "text": ahead.read_text()}]
     assert data["desires"] == [{"Pip": [0.5, 0.5]}] * last
     drawing = tmp_path / "a.svg"
     assert command("replay", "show", recorded, "--svg", drawing).status == 0
-    root = ET.fromstring(drawing.read_text())
-    (line,) = root.iter("{http://www.w3.org/2000/svg}polyline")
+    (line,) = ET.fromstring(drawing.read_text()).iter("{http://www.w3.org/2000/svg}polyline")
     points = line.attrib["points"].split()
     assert (len(points), points[0]) == (last + 1, "12.0,12.5")
 

@@ -96,8 +96,7 @@ def test_a_wrong_query_is_reported_before_the_run_and_a_second_one_thinks_nothin
 
 
 def test_the_ticks_in_which_it_fails_are_told(when: Callable[..., Told]) -> None:
-    question = f'{CLOCK}x in ["a"], (if clock in [2, 3] then x.field else 1) == 1'
-    told = when(question, "--ticks", 5)
+    told = when(f'{CLOCK}x in ["a"], (if clock in [2, 3] then x.field else 1) == 1', "--ticks", 5)
     data = told.data
     assert (told.status, data["stretches"], data["failed_in"]) == (0, [[1, 1], [4, 5]], [[2, 3]])
     assert "neither a record nor a list" in data["failure"]
@@ -105,8 +104,7 @@ def test_the_ticks_in_which_it_fails_are_told(when: Callable[..., Told]) -> None
 
 
 def test_in_a_terminal_it_is_told_in_words(level: Path, counter: Path) -> None:
-    question = f"{CLOCK}clock in [3, 4, 5, 9]"
-    told = shown("when", level, counter, question, "--ticks", 20)
+    told = shown("when", level, counter, f"{CLOCK}clock in [3, 4, 5, 9]", "--ticks", 20)
     assert "holds in 4 of 20 ticks: first in tick 3, last in tick 9." in told.text
     assert "FROM  TO  TICKS" in told.text
     told = shown("when", level, counter, "1 == 2", "--ticks", 20, status=1)

@@ -90,8 +90,7 @@ def test_what_is_not_there_is_named(
 
 
 def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, ahead: Path) -> None:
-    text = ahead.read_text().replace("name:);", "name:, sensor:), all = sensor.radar;")
-    ahead.write_text(text)
+    ahead.write_text(ahead.read_text().replace("name:);", "name:, sensor:), all = sensor.radar;"))
     told = shown("why", level, ahead, "--tick", 3, "--robot", "Pip")
     (line,) = (line for line in told.lines if " all = sensor.radar = [" in line)
     assert line.endswith("...")

@@ -39,7 +39,6 @@ constant = "Near"
 values = {values}
 """
 
-
 LANE = """
 title = "{title}"
 starter = "first-steps-starter"
@@ -85,8 +84,7 @@ def write_experiment(
     """Write an experiment and its program into a folder; return its file."""
     (folder / "first.l").write_text(FIRST_STEPS, "utf-8")
     file = folder / "experiment.toml"
-    text = EXPERIMENT.format(values=list(values), starts=starts, ticks=ticks)
-    file.write_text(text, "utf-8")
+    file.write_text(EXPERIMENT.format(values=list(values), starts=starts, ticks=ticks), "utf-8")
     return file
 
 

@@ -120,8 +120,7 @@ def test_renamed_and_reordered_programs_are_found(out: Path, command: Command) -
 
 def test_likeness_is_of_what_is_ones_own_without_its_names() -> None:
     statements = FIRST_STEPS.split(";\n")
-    renamed = re.sub(r"\b(Near|Drive|distance)\b", r"\1x", FIRST_STEPS)
-    assert likeness(FIRST_STEPS, renamed) == 1
+    assert likeness(FIRST_STEPS, re.sub(r"\b(Near|Drive|distance)\b", r"\1x", FIRST_STEPS)) == 1
     assert likeness(FIRST_STEPS, ";\n".join([*statements[-2::-1], ""])) == 1
     assert ALIKE < likeness(FIRST_STEPS, FIRST_STEPS.replace("90", "95")) < 1
     moved = RENAMED.replace("robot_name:, desire: Move(s.forward_distance)", "robot_name:")

@@ -126,8 +126,7 @@ def test_progress_is_said_on_standard_error_and_tables_are_frames_and_arrow(
 
 def test_a_class_is_graded_to_a_gradebook(tmp_path: Path) -> None:
     folder = write_files(tmp_path / "class", {"ada/first-steps.l": FIRST_STEPS})
-    levels = [{"name": "01-first-steps", "points": 10}]
-    assignment = {"assignment": {"starts": 0}, "level": levels}
+    assignment = {"assignment": {"starts": 0}, "level": [{"name": "01-first-steps", "points": 10}]}
     results = grade(assignment, folder, tmp_path / "out", workers=1, progress=False)
     assert results.tables[0] == "gradebook"
     frame = results.to_pandas()

@@ -98,8 +98,7 @@ def test_no_cell_is_a_formula_and_no_control_character_passes(exported: Path) ->
 
 
 def test_the_same_program_runs_once_and_mistakes_have_their_own_lines(exported: Path) -> None:
-    same = [set(row["ids"].split(", ")) for row in rows(exported / "duplicates.csv")]
-    assert {"1", "2"} in same
+    assert {"1", "2"} in [set(row["ids"].split(", ")) for row in rows(exported / "duplicates.csv")]
     runs: dict[str, list[str]] = {"1": [], "2": []}
     for row in rows(exported / "runs.csv"):
         if row["student"] in runs and row["level"] == "01-first-steps":
@@ -121,8 +120,7 @@ def test_students_read_what_they_may_see(exported: Path) -> None:
     data = json.loads((exported / "feedback/1.json").read_text("utf-8"))
     assert "ticks" not in data["levels"][0]
     assert data["points"] == 15
-    ben = (exported / "feedback/2.md").read_text("utf-8")
-    assert "5 of 15 points (late; 50% counts)" in ben
+    assert "5 of 15 points (late; 50% counts)" in (exported / "feedback/2.md").read_text("utf-8")
     eve = (exported / "feedback/eve.md").read_text("utf-8")
     assert "thinking took more than 100,000 steps" in eve
 

@@ -134,8 +134,7 @@ def test_a_pattern_says_how_files_are_named(tmp_path: Path) -> None:
         "Cem_1003_all.zip": zipped({"first-steps.l": "four"}),
         "notes.txt": "",
     }
-    folder = write_files(tmp_path / "submissions", files)
-    found = entries_of(folder, STEMS, "{name}_{id}_{level}.l")
+    found = entries_of(write_files(tmp_path / "submissions", files), STEMS, "{name}_{id}_{level}.l")
     assert {name: entry.programs for name, entry in found.items()} == {
         "Ada_Lovelace_1001": BOTH,
         "Ben_1002": {"": "three"},
@@ -163,8 +162,7 @@ def test_tables_of_moodle_and_canvas_are_rosters(tmp_path: Path) -> None:
 def test_a_roster_of_a_spreadsheet_is_read_and_misspelt_columns_are_told(tmp_path: Path) -> None:
     files = {"ada.l": "one"}
     for separator in ",;\t":
-        roster = f"\ufeffid{separator}submision\r\nada{separator}x\r\n"
-        manifest = planned(tmp_path, files, roster)
+        manifest = planned(tmp_path, files, f"\ufeffid{separator}submision\r\nada{separator}x\r\n")
         assert [(each.id, each.submission) for each in manifest.students] == [("ada", "ada")]
         assert account_of(manifest)[1:] == [
             'roster.csv: The column "submision" is not known. Did you mean "submission"?'
@@ -196,8 +194,7 @@ def test_before_it_runs_it_says_who_was_matched(tmp_path: Path, command: Command
         "stranger.l": right,
         "notes.docx": "",
     }
-    manifest = planned(tmp_path, files)
-    account, *remarks = account_of(manifest)
+    account, *remarks = account_of(planned(tmp_path, files))
     assert account == (
         "3 in the roster, 2 matched; not matched: Cem Aydin (1003); "
         "files matched to no student: stranger, notes.docx"

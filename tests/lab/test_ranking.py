@@ -117,8 +117,7 @@ def test_rock_paper_and_scissors_are_a_cycle() -> None:
     ranking = ranking_of_shares(names, pairs, shares)
     assert ranking.cycles == (("paper", "rock", "scissors"),)
     assert [each.rank for each in ranking.standings] == ["1-3", "1-3", "1-3", "4"]
-    even = np.full_like(shares, 0.5)
-    assert ranking_of_shares(names, pairs, even).cycles == ()
+    assert ranking_of_shares(names, pairs, np.full_like(shares, 0.5)).cycles == ()
 
 
 def test_matches_that_are_missing_are_left_out() -> None:

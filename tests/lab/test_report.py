@@ -40,8 +40,7 @@ def run(
 def test_every_measure_stands_against_everything_that_was_varied(tmp_path: Path) -> None:
     near = {"constant": "Near", "values": [20, 50]}
     far = {"constant": "Far", "values": [80, 150]}
-    case = {"constants": {"Near": 35}}
-    results, page, lines = run(tmp_path, near, far, ticks=200, case=[case])
+    results, page, lines = run(tmp_path, near, far, ticks=200, case=[{"constants": {"Near": 35}}])
     for measure in ("% of starts won", "distance", "ahead_mean"):
         for name in ("Near", "Far"):
             assert f"{measure}, over {name}" in page
@@ -60,8 +59,7 @@ def test_series_are_shown_with_medians_and_bands(tmp_path: Path) -> None:
     assert "ahead over time" in page
     assert "Near = 50, from (quartiles)" in page
     assert "ahead by tick, medians" in lines
-    series = results.to_pandas("series")
-    assert {*series["tick"]} == {1, 20, 40, 60}
+    assert {*results.to_pandas("series")["tick"]} == {1, 20, 40, 60}
     frame = results.to_pandas()
     assert f"{median(frame['distance'][frame['Near'] == 20]):,.10g}" in page
 
@@ -80,8 +78,7 @@ def test_many_values_are_taken_together(tmp_path: Path) -> None:
 
 
 def test_names_and_values_are_text(tmp_path: Path) -> None:
-    title = {"level": "title", "values": ["<b>bold</b>", "=1+1"]}
-    run(tmp_path, title)
+    run(tmp_path, {"level": "title", "values": ["<b>bold</b>", "=1+1"]})
     page = (tmp_path / "out" / "report.html").read_text("utf-8")
     assert "<b>bold" not in page
     assert "&lt;b&gt;bold" in page

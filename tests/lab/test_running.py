@@ -49,8 +49,7 @@ def test_a_run_is_the_game_played_through() -> None:
 def test_a_run_ends_where_nothing_can_change_any_more() -> None:
     result = only(execute(task(STANDING)))
     assert (result.outcome, result.ticks) == ("nothing changes", 2)
-    turning = only(execute(task(STILL.format("0.5", '""', SENSOR))))
-    assert turning.outcome == "out of ticks"
+    assert only(execute(task(STILL.format("0.5", '""', SENSOR)))).outcome == "out of ticks"
 
 
 @pytest.mark.parametrize(
@@ -131,15 +130,13 @@ def test_an_answer_is_one_number_of_each_tick_that_is_asked() -> None:
 
 
 def test_a_run_stops_when_its_question_holds() -> None:
-    text = STANDING
     until = "Sensor(sensor:), sensor.clock >= 50"
     asked = (Asked("last", "Max{sensor.clock :- Sensor(sensor:)}", 0),)
-    result = only(execute(task(text, asked=asked, until=until)))
+    result = only(execute(task(STANDING, asked=asked, until=until)))
     assert result.outcome == "stopped"
     assert [number for _, number in result.series["last"].numbers] == [50]
     assert [tick for tick, _ in result.series["last"].numbers] == [result.ticks]
-    won = only(execute(task(FIRST_STEPS, until="1 == 2")))
-    assert won == only(execute(task(FIRST_STEPS)))
+    assert only(execute(task(FIRST_STEPS, until="1 == 2"))) == only(execute(task(FIRST_STEPS)))
 
 
 def test_varied_starts_are_for_programs_that_win_and_tasks_for_the_same_engine() -> None:

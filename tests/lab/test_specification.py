@@ -124,8 +124,7 @@ def test_what_is_varied_is_crossed_and_cases_are_not(tmp_path: Path) -> None:
         text.write("[[case]]\nconstants = {Near = 55.5}\n")
     manifest, inputs = plan_sweep(file)
     settings = [tuple(cell.settings.values()) for cell in manifest.cells]
-    crossed = [(near, heading) for near in (20, 40) for heading in (0, 45, 90)]
-    assert settings == [*crossed, (55.5,)]
+    assert settings == [*[(near, heading) for near in (20, 40) for heading in (0, 45, 90)], (55.5,)]
     program = inputs[manifest.cells[-1].program]
     assert program == FIRST_STEPS.replace("Near() = 40;", "Near() = 55.5;")
     assert "heading = 45" in inputs[manifest.cells[1].level]
@@ -144,8 +143,7 @@ def test_a_level_of_the_web_platform_can_be_varied(tmp_path: Path) -> None:
 @pytest.mark.parametrize("value", ["60", "-0.5", "true", '"a b"', "[1, 2]"])
 def test_a_constant_is_replaced_in_the_parsed_program(value: str) -> None:
     text = "# Near() = 1;\nNear() = 1 + \n 2; Text() = 'Near() = 4;';  # Near() = 5;\n"
-    changed = Program.with_constants(text, {"Near": value})
-    assert changed == text.replace("1 + \n 2", f"{value}\n")
+    assert Program.with_constants(text, {"Near": value}) == text.replace("1 + \n 2", f"{value}\n")
 
 
 @pytest.mark.parametrize(
@@ -158,8 +156,7 @@ def test_only_a_predicate_without_arguments_and_body_is_a_constant(rule: str) ->
 
 def test_programs_are_the_same_but_for_comments_and_space() -> None:
     text = 'A("x  y") = 1;  # remark\nB() :- A( "x  y" );\n'
-    same = '\nA("x  y")   =\n1; B() :-\tA( "x  y" );'
-    assert normalise(text) == normalise(same)
+    assert normalise(text) == normalise('\nA("x  y")   =\n1; B() :-\tA( "x  y" );')
     assert normalise(text) != normalise(text.replace("x  y", "x y"))
 
 

@@ -78,8 +78,7 @@ def test_a_coordinator_killed_at_any_moment_loses_nothing(
     counts = killed(often, ("sweep", file), workers=kills)
     assert sorted(set(counts)) == counts, "each time some more was recorded"
     assert counts[-1] < 48
-    told = command("lab", "status", often, status=1)
-    assert f"{48 - counts[-1]} runs are left" in told.out
+    assert f"{48 - counts[-1]} runs are left" in command("lab", "status", often, status=1).out
     assert command("lab", "resume", often).status == 0
     assert exported(often) == exported(once)
     assert len(exported(once)["runs.csv"].splitlines()) == 49
@@ -89,8 +88,7 @@ def test_what_was_computed_is_not_computed_again_and_results_that_differ_are_tol
     copied: Path, command: Command
 ) -> None:
     before = (copied / "ledger.db").read_bytes()
-    file = write_experiment(copied.parent)
-    assert command("sweep", file, "-o", copied).status == 0
+    assert command("sweep", write_experiment(copied.parent), "-o", copied).status == 0
     assert (copied / "ledger.db").read_bytes() == before
     more = write_experiment(copied.parent, values=(20, 40, 60))
     assert command("sweep", more, "-o", copied).status == 0

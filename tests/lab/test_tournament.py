@@ -100,8 +100,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """The folder of a tournament, in which two play the same, and what was told of it."""
     folder = tmp_path_factory.mktemp("played")
     names = {"fast": 1, "=1+1": 0.8, "slow": 0.6, "still": 0, "<b>still": 0}
-    texts = {name: drives(speed) for name, speed in names.items()}
-    arena, players = write_arena(folder, texts)
+    arena, players = write_arena(folder, {name: drives(speed) for name, speed in names.items()})
     write_files(players, {"broken/hill.l": BROKEN})
     text = io.TextIOWrapper(bytes_ := io.BytesIO(), "utf-8", write_through=True)
     with redirect_stdout(text):
@@ -201,8 +200,7 @@ def test_a_tournament_that_is_killed_again_and_again_has_the_same_tables(
     total = recorded(once)
     assert total == {"all": 21, "swiss": 5 * 3}[form] * 2
     assert killed(often, ("tournament", arena, players), workers=(2, 1, 2))[-1] < total
-    told = command("lab", "status", often, status=1)
-    assert "Go on with" in told.out
+    assert "Go on with" in command("lab", "status", often, status=1).out
     assert command("lab", "resume", often, "--workers", 2).status == 0
     assert exported(often) == exported(once)
     assert recorded(often) == total

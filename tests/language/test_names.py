@@ -42,8 +42,7 @@ OTHER_TEXTS = [
 
 
 def test_a_label_is_recognised_wherever_it_comes_from_and_other_texts_are_not_names() -> None:
-    found = {rules: mentioned(rules) for rules in [*LABELS, *OTHER_TEXTS]}
-    assert found == {
+    assert {rules: mentioned(rules) for rules in [*LABELS, *OTHER_TEXTS]} == {
         **{rules: [("x", "label")] for rules in LABELS},
         **{rules: [] for rules in OTHER_TEXTS},
     }

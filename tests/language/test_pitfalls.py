@@ -68,8 +68,7 @@ def test_what_the_parser_reads_first_is_marked_in_its_column(*, is_all: bool) ->
         assert one.excerpt == f"x = a {operator} b"
         assert one.message.startswith(f"'=' is read before '{operator}'")
         assert one.hint.endswith(f"in parentheses: x = (a {operator} b).")
-        meant = one.hint.partition(": ")[2][:-1]
-        assert found(place.format(meant)) == [], text
+        assert found(place.format(one.hint.partition(": ")[2][:-1])) == [], text
 
 
 def test_in_a_body_the_parser_reads_every_condition_and_arrow_after_an_equation() -> None:

@@ -31,9 +31,7 @@ Made := Old(Near: Far, Limit: 3);
 Odd(x) couldbe :- x in [1, 3] && x != 2, n += (1 :- Odd(y)), z == ArgMax{y -> x :- Odd(y)};
 """
 
-
 PAIR = re.compile(r"\([^(){}[\]]*\)|\[[^(){}[\]]*\]|{[^(){}[\]]*}")
-
 
 TEXTS = {
     "forms": [FORMS],

@@ -17,9 +17,8 @@ from logical_robots_tui.language.types import (
     spell,
 )
 
-PLAIN = st.sampled_from(Plain)
 KINDS: st.SearchStrategy[Kind] = st.recursive(
-    PLAIN | st.builds(Decimal, st.integers(0, 5), st.integers(1, 9)),
+    st.sampled_from(Plain) | st.builds(Decimal, st.integers(0, 5), st.integers(1, 9)),
     lambda inner: (
         st.builds(ListOf, inner)
         | st.dictionaries(st.sampled_from("abc"), inner, max_size=3).map(

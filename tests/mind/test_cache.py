@@ -127,8 +127,7 @@ def test_a_truncated_entry_and_garbage_are_none_and_go(folder: Path) -> None:
 
 
 def test_a_poisoned_entry_can_do_no_more_than_a_program(tmp_path: Path) -> None:
-    poison = {"Robot": f"ATTACH '{tmp_path / 'touched'}' AS x"}
-    keep(replace(PROGRAM, statements=poison, tuned={}))
+    keep(replace(PROGRAM, statements={"Robot": f"ATTACH '{tmp_path / 'touched'}' AS x"}, tuned={}))
     decision = decision_of(Mind(Program.compile(PROGRAM.text)))
     assert decision.memory == "kept"
     assert decision.notices[0].kind == "failed"

@@ -14,7 +14,6 @@ from tests.mind.rows import ROBOT, all_remembered, row, think
 PAGE = " ".join((Path(__file__).parents[2] / "docs/dialect.md").read_text("utf-8").split())
 NOTHING = "x in Range(0)"
 
-
 STATEMENTS: list[tuple[str, str, Any, object]] = [
     ("`60 / 100` is `0.6`", "60 / 100", "", 0.6),
     ("A number divided by zero is infinite", "1 / 0 > 10 ^ 300", "", 1),

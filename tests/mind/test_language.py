@@ -51,7 +51,6 @@ EXPRESSIONS = {
     "ArgMin{x -> x :- x in []}": None,
 }
 
-
 NULL = [
     'Join(null, "-")',
     'Split(null, ",")',

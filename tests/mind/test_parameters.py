@@ -15,7 +15,6 @@ Miner := Worker(Post: Mine);
 """
 ROWS = [row("Ada", sees={3: (44, "beacon", "Fire"), 4: (55, "beacon", "Mine")})]
 
-
 FROM_A_PATTERN = """
 Team(robot_name:, distance:) :- Worker(robot_name:, distance:), Allowed(distance);
 Quick := Team(Allowed: Near);
@@ -29,8 +28,7 @@ Near(x) :- x in [55, 56];
     [("", "Firefighter", 44), ("", "Miner", 55), (FROM_A_PATTERN, "QuickMiner", 55)],
 )
 def test_what_is_left_open_is_filled_in_from_outside(rules: str, trade: str, distance: int) -> None:
-    text = f"{PATTERN}{rules}{ROBOT} {trade}(robot_name:, distance: m);"
-    (decision,) = think(text, ROWS, {})
+    (decision,) = think(f"{PATTERN}{rules}{ROBOT} {trade}(robot_name:, distance: m);", ROWS, {})
     assert (decision.memory, decision.notices) == (distance, ())
 
 

@@ -35,7 +35,6 @@ LEVELS = {
     for level in map(load_level, list_levels())
     for name in (level.starter, level.solution)
 }
-FREE_PROGRAMS_RUN_IN = "02-open-space"
 TICKS = (1, 9, 30)
 LARGE_ARE_SLOW = [
     slow(name) if len(load_program(name).text) > 1_500 else name
@@ -47,7 +46,7 @@ LARGE_ARE_SLOW = [
 @cache
 def in_its_level(name: str) -> tuple[Program, list[Moment], dict[str, Any]]:
     """A shipped program, some moments of it in its level, and who sees what there."""
-    level = load_level(LEVELS.get(name, FREE_PROGRAMS_RUN_IN))
+    level = load_level(LEVELS.get(name, "02-open-space"))
     visible = asdict(level.visibility)
     program = Program.compile(load_program(name).text)
     world = World(level)

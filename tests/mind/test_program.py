@@ -109,8 +109,7 @@ def test_a_recursion_that_ends_or_that_no_robot_needs_is_met_with_silence() -> N
 )
 def test_a_function_without_its_arguments_is_told(rule: str, named: list[str]) -> None:
     warnings = Program.compile(f"{rule}\n{GOOD}").warnings
-    told = [w.message.split()[0] for w in warnings if "without its arguments" in w.message]
-    assert told == named
+    assert [w.message.split()[0] for w in warnings if "without its arguments" in w.message] == named
 
 
 def test_warnings_come_with_the_program() -> None:

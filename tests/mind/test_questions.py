@@ -149,8 +149,7 @@ def test_nonsense_is_refused_or_answered_and_never_stumbles(query: str) -> None:
     except ProgramError as error:
         wrong = error.diagnostics
         lines = query.count("\n") + 1
-        told = all(1 <= d.line <= lines and "gave up" not in d.message for d in wrong)
-        assert told, wrong
+        assert all(1 <= d.line <= lines and "gave up" not in d.message for d in wrong), wrong
 
 
 @pytest.mark.parametrize(

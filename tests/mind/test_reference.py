@@ -13,7 +13,6 @@ from tests.mind.processes import python
 from tests.mind.rows import remembered
 
 SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}
-SYNTAX = {"->", "=>", "~", "if"}
 
 
 def same(value: Any, expected: Any) -> bool:
@@ -31,7 +30,7 @@ def test_each_example_gives_the_result_that_is_told(entry: FunctionHelp) -> None
 def test_everything_that_compiles_is_explained_and_nothing_else() -> None:
     runs = {SPELT.get(name, name) for name in built_in_names() if runs_here(name)}
     library = {name for name in definitions(prelude()) if name.isidentifier()}
-    assert {entry.name for entry in REFERENCE} == runs | library | SYNTAX
+    assert {entry.name for entry in REFERENCE} == runs | library | {"->", "=>", "~", "if"}
 
 
 def test_each_entry_is_one_short_line_and_mentions_its_name() -> None:

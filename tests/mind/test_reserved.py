@@ -13,7 +13,6 @@ Far(to:, order? Max= order, set? List= from) distinct :- Step(from:, to:, order:
 Reach(from:, to:) distinct :- Step(from:, to:) | Step(from:, to: x), Reach(from: x, to:);
 """
 
-
 TEXT = f"""{WAY}{ROBOT}
   Far(to:, order:, set:), to == "c",
   values == List{{x :- Reach(from: "a", to: x)}},

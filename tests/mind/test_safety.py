@@ -109,10 +109,8 @@ def test_the_steps_of_a_thought_are_those_of_all_robots_together(
 
     monkeypatch.setattr(Work, "count", noted_count)
     mind = forced(program, ENDLESS, think_steps=3_000_000)
-    robots = [row(f"Robot {number}") for number in range(20)]
-    decisions = mind.think(robots, {})
-    once_more_exactly = 2
-    assert len(counts) * STEPS_AT_ONCE < 3_200_000 * once_more_exactly
+    decisions = mind.think([row(f"Robot {number}") for number in range(20)], {})
+    assert len(counts) * STEPS_AT_ONCE < 3_200_000 * 2
     assert all("more than 3,000,000 steps" in d.notices[0].message for d in decisions)
     assert all(decision.is_reliable for decision in decisions)
     mind.close()

@@ -19,8 +19,7 @@ EVERYBODY = (
 
 
 def test_the_program_of_the_paper_steers_towards_the_weighted_mean_of_the_radar() -> None:
-    sees = {i: (20 + i, "wall", "wall") for i in range(15)}
-    rows = [row("Ada", sees=sees)]
+    rows = [row("Ada", sees={i: (20 + i, "wall", "wall") for i in range(15)})]
     (decision,) = think(PAPER, rows, {})
     radar = rows[0]["sensor"]["radar"]
     freedom = sum(r["distance"] * r["angle"] for r in radar) / sum(r["distance"] for r in radar)
@@ -107,8 +106,7 @@ def test_a_map_that_is_kept_as_text_is_not_forgotten() -> None:
 
 def test_a_huge_memory_is_refused_and_the_old_one_kept() -> None:
     text = ROBOT + "Memory(robot_name:, memory:), m = memory ++ memory;"
-    limits = Limits(memory_bytes=100)
-    (decision,) = think(text, [row("Ada")], {"Ada": "x" * 80}, limits=limits)
+    (decision,) = think(text, [row("Ada")], {"Ada": "x" * 80}, limits=Limits(memory_bytes=100))
     assert decision.memory == "x" * 80
     assert [n.kind for n in decision.notices] == ["no memory"]
 

@@ -191,9 +191,7 @@ def test_all_robots_together_think_what_each_would_alone(body: str, memory: str)
         row("Bo", sees={0: (5, "wall", "wall"), 1: (9, "robot", "Cy"), 30: (8, "robot", "Ada")}),
         row("Cy", sees=SEEN),
     ]
-    memories = {"Ada": {"turn": 1}, "Bo": {"turn": 2}, "Cy": {"turn": 0.5}}
-    decisions = think(text, rows, memories)
-    assert len(decisions) == 3
+    assert len(think(text, rows, {"Ada": {"turn": 1}, "Bo": {"turn": 2}, "Cy": {"turn": 0.5}})) == 3
     tuned = Program.compile(text).tuned["Robot"]
     assert tuned.together
     bounds = [tuned.for_all(alike=alike)[1] for alike in (False, True)]

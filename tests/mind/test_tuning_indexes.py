@@ -121,10 +121,9 @@ def test_a_crowd_finds_rays_and_records_in_their_order_and_among_its_own(
         each["sensor"]["forward_object"] = "wall"
     for decision, each in zip(think(text, rows, memories), rows, strict=True):
         mine = [ray for ray in each["sensor"]["radar"] if ray["object"] == "wall"]
-        nearest = min(mine, key=lambda ray: ray["distance"])
         assert decision.memory == {
             "all": [ray["distance"] for ray in mine],
-            "first": nearest["label"],
+            "first": min(mine, key=lambda ray: ray["distance"])["label"],
         }
     made = automatic(Program.compile(text), rows, memories)
     assert not [line for line in made if " x_" in line]

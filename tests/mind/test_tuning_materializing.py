@@ -52,10 +52,8 @@ def test_a_query_that_is_asked_for_each_pair_is_computed_once(robots: int) -> No
 
 def test_each_robot_of_a_crowd_has_its_own_gaps() -> None:
     crowd = looking(33)
-    program = Program.compile(GAPS)
-    mind = Mind(program)
-    together = mind.think(crowd, {})
-    assert together == [mind.think([one], {})[0] for one in crowd]
+    mind = Mind(Program.compile(GAPS))
+    assert mind.think(crowd, {}) == [mind.think([one], {})[0] for one in crowd]
     mind.close()
 
 

@@ -36,8 +36,7 @@ def test_a_robot_sees_its_own_rows_and_more_only_where_the_level_says_so() -> No
 
 @pytest.mark.parametrize("memory", ["own", "seen", "all"])
 def test_a_program_overrides_the_level(memory: str) -> None:
-    text = f'@Visible(Memory, "{memory}");\n@Visible(Sensor, "all");{PROGRAM}'
-    seen = _seen(text, memory="own")
+    seen = _seen(f'@Visible(Memory, "{memory}");\n@Visible(Sensor, "all");{PROGRAM}', memory="own")
     expected = {"own": ["Ada"], "seen": ["Ada", "Bo"], "all": ["Ada", "Bo", "Cy"]}
     assert seen["Ada"] == {"sensors": ["Ada", "Bo", "Cy"], "memories": expected[memory]}
 

@@ -125,8 +125,7 @@ def _events(before: WorldState, after: WorldState) -> list[list[Any]]:
             events.append([after.tick, "on" if new.active else "off", i])
         for robot, name in enumerate(names):
             if (name in new.visitors) != (name in old.visitors):
-                kind = "enter" if name in new.visitors else "leave"
-                events.append([after.tick, kind, i, robot])
+                events.append([after.tick, "enter" if name in new.visitors else "leave", i, robot])
     if before.won_at is None and after.won_at is not None:
         events.append([after.won_at, "won"])
     return events

@@ -43,8 +43,7 @@ def test_walls_are_read_as_they_were_drawn(cells: NDArray[np.bool_], cell: int) 
 @settings(deadline=None)
 @given(WALLS)
 def test_walls_are_read_as_they_were_shortened(walls: NDArray[np.bool_]) -> None:
-    lines = written_short(walls)
-    found = read(lines, 1)
+    found = read(written_short(walls), 1)
     assert (found[:, : walls.shape[1]] == walls).all()
     assert not found[:, walls.shape[1] :].any()
 
@@ -55,8 +54,7 @@ def test_the_coarsest_cell_expresses_and_no_larger_one_of_twenty_does(
     cells: NDArray[np.bool_], cell: int
 ) -> None:
     walls = scaled(cells, cell)
-    coarsest = coarsest_cell(walls)
-    assert [size for size in range(1, 21) if expresses(walls, size)][-1] == coarsest
+    assert [size for size in range(1, 21) if expresses(walls, size)][-1] == coarsest_cell(walls)
 
 
 @settings(deadline=None)

@@ -119,8 +119,7 @@ def test_going_back_takes_the_tallies_back() -> None:
     state, before = world.save(), result(world)
     for _ in range(10):
         world.act({"Rosa": GO})
-    after = result(world)
-    assert after != before
+    assert result(world) != before
     world.restore(state)
     assert result(world) == before
     with pytest.raises(ValueError, match="another level"):

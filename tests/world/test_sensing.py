@@ -123,8 +123,7 @@ def test_a_ray_that_grazes_a_circle_decides_as_the_plain_one(
         radius,
         impenetrable=True,
     )
-    robot = Robot("Ann", 500.3, 500.7, heading)
-    level = make_level([robot], width=1000, height=1000, areas=[area])
+    level = make_level([Robot("Ann", 500.3, 500.7, heading)], width=1000, height=1000, areas=[area])
     assert_sees_what_the_plain_rays_see(level)
 
 
@@ -213,8 +212,7 @@ def test_at_one_distance_a_wall_is_seen_before_a_robot_before_a_beacon_before_an
 @given(st.integers(20, 150), st.floats(1, 15))
 def test_a_step_that_falls_exactly_on_a_rim_is_not_inside(step: int, aside: float) -> None:
     x, y = HERE.x + step + 10, HERE.y + aside
-    radius = math.hypot(HERE.x + step - x, HERE.y - y)
-    area = Area("boulder", x, y, radius, impenetrable=True)
+    area = Area("boulder", x, y, math.hypot(HERE.x + step - x, HERE.y - y), impenetrable=True)
     assert forward(make_level([HERE], areas=[area])) == (step + 1, "wall", "boulder")
 
 

@@ -44,7 +44,6 @@ BAD_TEAMS = [
     ('[[teams]]\nname = "blue"', "", "robots[1].team", "there is no such team."),
 ]
 
-
 MATCH = (
     TEAMS
     + """

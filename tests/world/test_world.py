@@ -180,8 +180,7 @@ def test_a_robot_with_an_empty_battery_is_dead_from_the_tick_that_empties_it() -
 
 
 def test_victory_stays_once_it_is_reached() -> None:
-    goal = Area("home", 53, 50.5, 2, victory_robots=("Ann",))
-    world = World(make_level([ANN], areas=[goal]))
+    world = World(make_level([ANN], areas=[Area("home", 53, 50.5, 2, victory_robots=("Ann",))]))
     for _ in range(10):
         world.act({"Ann": AHEAD})
     assert world.won

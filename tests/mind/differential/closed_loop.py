@@ -20,14 +20,13 @@ _FOLDER = Path(__file__).with_suffix("")
 
 PROGRAMS = {path.stem: path.read_text("utf-8") for path in sorted(_FOLDER.glob("*.l"))}
 
-LEVEL = "10-distributed-mapping"
 ROBOTS = 3
 """No more of the level's think: DuckDB is asked for all of them in each tick."""
 
 
 def differences(text: str, ticks: int, folder: Path) -> Iterator[str]:
     """Yield what robots decide or remember otherwise than on DuckDB, tick by tick."""
-    world = World(load_level(LEVEL))
+    world = World(load_level("10-distributed-mapping"))
     mind = Mind(Program.compile(text), "all", "all", Limits(think_seconds=10))
     names = [robot.name for robot in world.level.robots[:ROBOTS]]
     ours: dict[str, Any] = dict.fromkeys(names, "")

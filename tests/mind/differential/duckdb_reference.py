@@ -164,7 +164,6 @@ class _Parser:
 
 universe.parse = _Parser
 
-
 _QL = expr_translate.QL
 _name_of_type = infer.TypeCollector.PsqlType
 _to_sql, _types = _QL.ConvertToSql, types_of_builtins.TypesOfBultins

@@ -134,8 +134,7 @@ def test_a_recursion_ends_where_it_is_told_to(depth: int, tmp_path: Path) -> Non
 
 def test_what_was_cast_is_a_record_to_go_on_with() -> None:
     rules = "M(m) :- Memory(memory:), m = TryCast(memory, {count: Num, seen: [{d: Num}]});"
-    text = f"{rules} Answer(value: m.count + Sum{{e.d :- e in m.seen}}) :- M(m);"
-    assert here(text) == [(8.75,)]
+    assert here(f"{rules} Answer(value: m.count + Sum{{e.d :- e in m.seen}}) :- M(m);") == [(8.75,)]
 
 
 def test_a_hash_is_another_number_but_of_the_same_kind(tmp_path: Path) -> None:

@@ -32,8 +32,7 @@ def test_a_program_means_what_it_means_on_the_platform(record: Any) -> None:
         return
     mind = Mind(program, "all", "all")
     for moment in record["moments"]:
-        decisions = mind.think(FIRST["sensors"][moment["sensors"]], moment["memories"])
-        for decision in decisions:
+        for decision in mind.think(FIRST["sensors"][moment["sensors"]], moment["memories"]):
             rows = [r for r in moment["rows"] if r["robot_name"] == decision.robot_name]
             if len(rows) == 1:  # both sides have own rules for none and several
                 ours = engines(fields(decision.desire))

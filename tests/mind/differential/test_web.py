@@ -164,7 +164,5 @@ def test_a_calculation_is_marked_if_and_only_if_it_fails_there(
     left: int, right: int, operator: str
 ) -> None:
     with duckdb.connect() as connection:
-        calculation = f"({left}) {operator} ({right})"
-        fails = is_refused(connection, calculation, duckdb.OutOfRangeException)
-    found = remarks(f"P(x: ({left}) {operator} ({right}));")
-    assert bool(found) == fails
+        fails = is_refused(connection, f"({left}) {operator} ({right})", duckdb.OutOfRangeException)
+    assert bool(remarks(f"P(x: ({left}) {operator} ({right}));")) == fails

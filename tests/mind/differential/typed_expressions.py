@@ -20,7 +20,6 @@ NUMBERS = [
     *("0", "1", "7", "2.5", "0.25", "-3", "1000000", "(sensor.clock + 0)", "(sensor.clock / 4)")
 ]
 
-
 FIELDS = ("a", "b", "c")
 LETTERS = st.sampled_from(['"a"', '"b"', '","', '" "', '"\'"'])
 

@@ -47,9 +47,6 @@ RAISED: list[Callable[[], BaseException]] = [
 ]
 """Of which the quick choice takes an eighth."""
 
-
-CALLBACKS = ["function", "step", "finalize", "text", "read"]
-
 USES_ALL = f"""
 {ROBOT} Memory(robot_name:, memory:), m = {{
   text: Upper(memory), all: Set{{x :- x in [2, 1]}}, first: AnyValue{{x :- x in [2, 1]}}
@@ -92,7 +89,7 @@ def databases(mind: Mind) -> Iterator[Database]:
         yield asking._tuned._database
 
 
-@pytest.mark.parametrize("callback", CALLBACKS)
+@pytest.mark.parametrize("callback", ["function", "step", "finalize", "text", "read"])
 def test_every_exception_in_a_thought_is_a_notice(callback: str, uses_all: Program) -> None:
     for error in RAISED[:: 40 // settings().max_examples]:
         if callback in ("text", "read") and error in (KeyboardInterrupt, SystemExit, StopIteration):
@@ -142,7 +139,6 @@ TEXTS = st.one_of(
     st.builds(operator.mul, st.sampled_from(PARTS), st.integers(1, 20_000)),
 )
 
-
 ITEMS = st.sampled_from(
     ["1", '"a"', "null", "{}", "[]", '{"a":null}', '{"b":1,"a":[1]}', "1e999", "[[[]]]", '"[1]"']
 )
@@ -172,8 +168,7 @@ NULLS = json.dumps(dict.fromkeys(map(str, range(9_000))))
 @given(data=st.data())
 def test_a_call_takes_no_longer_than_it_is_charged_for(name: str, data: st.DataObject) -> None:
     count = ENTRIES[name] if ENTRIES[name] >= 0 else data.draw(st.integers(0, 6))
-    arguments = [data.draw(VALUES) for _ in range(count)]
-    check_call(name, arguments)
+    check_call(name, [data.draw(VALUES) for _ in range(count)])
 
 
 @pytest.mark.parametrize(

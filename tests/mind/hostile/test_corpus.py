@@ -33,7 +33,6 @@ SLOW_LAST = sorted(PROGRAMS, key=lambda name: PROGRAMS[name][0] == "slow")
 SEES = {3: (50, "area", "\x1b[31m[red]")}
 SEEN = [row("Ada", sees=SEES)]
 
-
 PASSWORDS = Path("/etc/passwd").read_text(encoding="utf-8").split("\n", 1)[0]
 
 

@@ -14,11 +14,10 @@ from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, MAX_TEXT
 from logical_robots_tui.mind.sqlite.database import BUILT_IN, Database, TooMuchError
 from tests.mind.hostile.bounds import bounded_memory
 
-HALF = "a" * (MAX_TEXT // 2 - 100)
 ITEMS = MAX_ITEMS - 10
 VALUES = {
     "text": "a" * (MAX_TEXT - 100),
-    "nearly": HALF + "b",
+    "nearly": ("a" * (MAX_TEXT // 2 - 100)) + "b",
     "wide": "\N{GRINNING FACE}" * (MAX_TEXT // 4 - 100),
     "odd": "".join(map(chr, range(0x100, 0x2000))),
     "ones": "[" + ",".join("1" * (MAX_TEXT // 2 - 100)) + "]",
