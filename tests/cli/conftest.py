@@ -22,7 +22,6 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def level(tmp_path: Path) -> Path:
-    """A level that is won by going straight ahead."""
     path = tmp_path / "short.toml"
     path.write_text(LEVEL, encoding="utf-8")
     return path
@@ -30,7 +29,6 @@ def level(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def ahead(tmp_path: Path) -> Path:
-    """A program that goes straight ahead."""
     path = tmp_path / "ahead.l"
     path.write_text(AHEAD, encoding="utf-8")
     return path
@@ -38,7 +36,6 @@ def ahead(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def still(tmp_path: Path) -> Path:
-    """A program that never moves."""
     path = tmp_path / "still.l"
     path.write_text(AHEAD.replace("0.5", "0"), encoding="utf-8")
     return path

@@ -80,12 +80,10 @@ class Shown:
 
     @property
     def lines(self) -> list[str]:
-        """The lines on the screen."""
         return [line.rstrip() for line in self.screen.display]
 
     @property
     def text(self) -> str:
-        """What stands on the screen."""
         return "\n".join(self.lines).rstrip()
 
 

@@ -162,7 +162,6 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
 
 
 def in_shell(words: str, typed: str = "") -> Told:
-    """What the command leaves behind in a shell."""
     done = subprocess.run(
         ["sh", "-c", f"{sys.executable} -m logical_robots_tui {words}"],
         input=typed,

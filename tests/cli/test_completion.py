@@ -19,7 +19,6 @@ LOAD = {"bash": "source {}", "zsh": 'autoload -Uz compinit; compinit -u -D; eval
 
 @pytest.fixture
 def script(request: pytest.FixtureRequest, command: Command, tmp_path: Path) -> Path:
-    """The script for a shell that is installed."""
     if shutil.which(request.param) is None:
         pytest.skip(f"{request.param} is not installed")
     path = tmp_path / f"completion.{request.param}"

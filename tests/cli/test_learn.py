@@ -22,7 +22,6 @@ RIGHT = "Way(sensor.forward_distance) :- Sensor(sensor:)"
 
 @pytest.fixture
 def lesson(level: Path) -> Path:
-    """The short level with something to learn."""
     level.write_text(LESSON + level.read_text("utf-8"), "utf-8")
     return level
 

@@ -49,7 +49,6 @@ def typed(command: Command, level: Path, ahead: Path, tmp_path: Path) -> TypedCo
 
 @pytest.fixture
 def lesson(level: Path) -> Path:
-    """The short level with something to learn."""
     level.write_text(HOME + level.read_text("utf-8"), "utf-8")
     return level
 

@@ -35,14 +35,12 @@ def folder(tmp_path: Path) -> Path:
 
 
 def achieved(level: str, program: str) -> Measures:
-    """What a program achieves in a level."""
     played = play_through(load_level(level), Program.compile(program), 5000)
     assert played.won_at is not None
     return Measures(played.won_at, size_of(program), played.distance)
 
 
 def written(folder: Path, level: str, *victories: dict[str, Any]) -> Path:
-    """An exported file with victories in a level."""
     file = folder / "export.json"
     levels = [{"level": level, "victories": victories}]
     file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
@@ -51,8 +49,7 @@ def written(folder: Path, level: str, *victories: dict[str, Any]) -> Path:
 
 def test_each_level_has_a_line(command: Command, folder: Path) -> None:
     lines = [line.split() for line in command("progress", "--data-dir", folder).out.splitlines()]
-    assert lines[1][:4] == [LEVEL, "won", "1234", "56"]
-    assert lines[1][-4:] == ["1", "of", "20", "1"]
+    assert (lines[1][:4], lines[1][-4:]) == ([LEVEL, "won", "1234", "56"], ["1", "of", "20", "1"])
     assert lines[2] == ["02-open-space", "new", "2"]
     assert lines[-1] == ["/maps/cellar.toml", "started"]
     nothing = folder / "nothing"

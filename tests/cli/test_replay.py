@@ -15,8 +15,6 @@ from tests.cli.running import Command, Told
 def record(
     command: Command, level: Path, ahead: Path, tmp_path: Path
 ) -> Callable[..., tuple[Told, Path]]:
-    """Records the short level as a file in the folder of the test."""
-
     def record(name: str, *options: object) -> tuple[Told, Path]:
         path = tmp_path / name
         return command("replay", "record", level, ahead, "-o", path, *options), path

@@ -175,13 +175,11 @@ def game(folder: Path, *arguments: str) -> Sequence[object]:
 
 
 def opened(command: Sequence[object]) -> subprocess.Popen[str]:
-    """A command in a process of its own, which can be typed to."""
     pipe = subprocess.PIPE
     return subprocess.Popen([*map(str, command)], stdin=pipe, stdout=pipe, stderr=pipe, text=True)
 
 
 def finished(command: Sequence[object], typed: str = "") -> Told:
-    """What a command in a process of its own leaves behind."""
     with opened(command) as process:
         out, err = process.communicate(typed, PATIENCE)
     return Told(process.returncode, out, err)

@@ -13,7 +13,6 @@ CLOCK = "Sensor(sensor:), clock == sensor.clock, "
 
 @pytest.fixture
 def counter(tmp_path: Path) -> Path:
-    """A program that counts in its memory, and tells every third number."""
     path = tmp_path / "counter.l"
     path.write_text(
         'Third(robot_name:, n:) :- Memory(robot_name:, memory: n), n != "", Mod(n, 3) == 0;\n'
@@ -26,7 +25,6 @@ def counter(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def when(command: Command, level: Path, counter: Path) -> Callable[..., Told]:
-    """Asks about the run of the program that counts."""
     return lambda *words: command("when", level, counter, *words)
 
 

@@ -27,5 +27,4 @@ def workers(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def command(capsys: pytest.CaptureFixture[str]) -> Command:
-    """The command in this process."""
     return Command(capsys)

@@ -74,14 +74,12 @@ def lane(title: str) -> str:
 
 
 def program_text(name: str) -> str:
-    """The text of a shipped program."""
     return (shipped_folder("programs") / f"{name}.l").read_text("utf-8")
 
 
 def write_experiment(
     folder: Path, *, values: Sequence[float] = (20, 40), starts: int = 1, ticks: int = 60
 ) -> Path:
-    """Write an experiment and its program into a folder; return its file."""
     (folder / "first.l").write_text(FIRST_STEPS, "utf-8")
     file = folder / "experiment.toml"
     file.write_text(EXPERIMENT.format(values=list(values), starts=starts, ticks=ticks), "utf-8")
@@ -125,7 +123,6 @@ def recorded(folder: Path) -> int:
 
 
 def rows(file: Path) -> list[dict[str, str]]:
-    """The rows of a table."""
     with file.open(encoding="utf-8", newline="") as lines:
         return list(csv.DictReader(lines))
 
@@ -169,7 +166,6 @@ class Background:
         )
 
     def workers(self) -> list[int]:
-        """The identities of its worker processes."""
         found = []
         for process in Path("/proc").iterdir():
             if not process.name.isdigit():
@@ -195,7 +191,6 @@ class Background:
         os.killpg(self.process.pid, signal.SIGINT)
 
     def finish(self) -> tuple[int, str]:
-        """Wait for its end; return its exit status and what it has said."""
         said, _ = self.process.communicate(timeout=PATIENCE)
         return self.process.returncode, said
 
@@ -221,7 +216,6 @@ def endless(task: Task) -> Answer:
 
 
 def is_deadly(task: Task) -> bool:
-    """Whether a program of a task says that one of its starts ends the worker."""
     text = "".join(task.programs.values())
     return any(f"# deadly from {start};" in text for start in task.starts)
 

@@ -26,8 +26,6 @@ pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own, at every turn
 
 
 class Cluster:
-    """A scheduler and workers on this machine."""
-
     def __init__(self, folder: Path) -> None:
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
@@ -114,7 +112,6 @@ def test_a_worker_that_is_stopped_for_a_while_goes_on(tmp_path: Path, machines: 
 
 
 def worked(machines: Cluster, folder: Folder, file: Path) -> Tally:
-    """The tally after the work of a coordinator in this process."""
     with ExitStack() as stack:
         stack.enter_context(folder.locked())
         ledger = stack.enter_context(folder.ledger())

@@ -27,7 +27,6 @@ from tests.waiting import PATIENCE
 
 
 def experiment(**changes: Any) -> dict[str, Any]:
-    """What `write_experiment` writes, with a program as text."""
     table = {"level": "01-first-steps", "program": FIRST_STEPS, "starts": 1, "ticks": 60}
     return {
         "experiment": table | changes,
@@ -60,8 +59,7 @@ def test_a_mapping_may_have_paths_ranges_and_arrays(tmp_path: Path) -> None:
     given = experiment(program=tmp_path / "first.l", starts=np.int64(0), title=None)
     given["vary"] = ({"constant": "Near", "values": np.linspace(20, 40, 3)},)
     frame = sweep(given, tmp_path / "out", workers=1, progress=False).to_pandas()
-    assert list(frame["Near"]) == [20, 30, 40]
-    assert frame["won"].dtype == bool
+    assert (list(frame["Near"]), frame["won"].dtype) == ([20, 30, 40], bool)
 
 
 def test_an_interrupted_call_goes_on_when_it_is_repeated(
@@ -147,6 +145,5 @@ def test_a_tournament_plays_all_its_rounds(tmp_path: Path) -> None:
     arena = {"tournament": {"level": "16-high-ground", "format": "swiss", "starts": 0, "ticks": 5}}
     results = tournament(arena, players, tmp_path / "out", workers=1, progress=False)
     assert results.complete
-    assert results.tables == ("ranking", "pairs", "cycles", "runs")
-    assert len(results.to_pandas()) == 3
+    assert (results.tables, len(results.to_pandas())) == (("ranking", "pairs", "cycles", "runs"), 3)
     assert results.done == 6

@@ -44,7 +44,6 @@ HOSTILE = b'=cmd|"\xff\x1b[31m\n<b>'
 
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The exported grades of a class."""
     folder = tmp_path_factory.mktemp("class")
     files = {
         b"../assignment.toml": ASSIGNMENT,

@@ -114,7 +114,6 @@ def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory: pytest.TempPathFactory) -> Folder:
-    """A folder with a manifest and a ledger."""
     path = tmp_path_factory.mktemp("swept")
     folder = Folder(path / "out")
     with folder.locked():

@@ -21,7 +21,6 @@ CLOCK = "Max{sensor.clock :- Sensor(sensor:)}"
 
 
 def plan(*vary: dict[str, Any], level: str = "01-first-steps", **more: Any) -> Any:
-    """The manifest of an experiment, and its texts."""
     table = {"level": level, "program": FIRST_STEPS, "ticks": 20} | more.pop("experiment", {})
     return plan_sweep({"experiment": table, "vary": list(vary), **more})
 

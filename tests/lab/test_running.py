@@ -41,8 +41,7 @@ def test_a_run_is_the_game_played_through() -> None:
         played = play_through(start_of(level, start), program, 300)
         result = msgspec.json.decode(text, type=Result)
         assert (result.outcome, result.ticks) == ("won", played.won_at)
-        assert result.distance == played.distance
-        assert result.size == 38
+        assert (result.distance, result.size) == (played.distance, 38)
     assert [start for start, _, _ in answer.results] == [0, 2]
 
 
@@ -114,8 +113,7 @@ def test_an_answer_is_one_number_of_each_tick_that_is_asked() -> None:
     result = only(execute(task(STANDING, asked=asked, ticks=24)))
     numbers = {name: dict(series.numbers) for name, series in result.series.items()}
     ticks = [1, 7, 14, 21, 24]
-    assert numbers["rows"] == dict.fromkeys(ticks, 1)
-    assert list(numbers["value"]) == ticks
+    assert (numbers["rows"], list(numbers["value"])) == (dict.fromkeys(ticks, 1), ticks)
     values = list(numbers["value"].values())
     assert sorted(values, key=lambda value: value or 0) == values
     assert numbers["truth"] == {tick: int((numbers["value"][tick] or 0) > 10) for tick in ticks}
@@ -147,8 +145,7 @@ def test_varied_starts_are_for_programs_that_win_and_tasks_for_the_same_engine()
 
 def test_a_run_that_takes_too_long_is_not_a_result() -> None:
     answer = execute(task(FIRST_STEPS, ticks=20_000, seconds=0.01))
-    assert answer.results == ()
-    assert answer.failure == "it took more than 0.01 seconds"
+    assert (answer.results, answer.failure) == ((), "it took more than 0.01 seconds")
     assert _reason(Stopped(), task(FIRST_STEPS, seconds=1.0)) == "it took more than 1 second"
 
 

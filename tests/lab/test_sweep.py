@@ -37,7 +37,6 @@ SHORT = f"Near() = 40;\n{AHEAD}"
 
 
 def work(engine: Engine, folder: Folder, file: Path, show: object = None) -> Tally:
-    """The tally after a coordinator's work with an engine, which is closed."""
     with folder.locked(), folder.ledger() as ledger:
         coordinator = Coordinator(folder, folder.write(*plan_sweep(file)), ledger)
         coordinator.work(engine, lambda: False, show if callable(show) else lambda: None)
@@ -58,7 +57,6 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def copied(swept: Path, tmp_path: Path) -> Path:
-    """The results of an experiment for one test alone."""
     shutil.copytree(swept, tmp_path, dirs_exist_ok=True)
     return tmp_path / "out"
 
@@ -146,8 +144,7 @@ def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
         assert Coordinator(folder, folder.manifest(), ledger).tally() == tally
         export_runs(folder, folder.manifest(), ledger)
     table = (folder.path / "runs.csv").read_text("utf-8")
-    assert table.count(",infrastructure,") == 2
-    assert table.count("its worker process died") == 2
+    assert (table.count(",infrastructure,"), table.count("its worker process died")) == (2, 2)
 
 
 @pytest.mark.slow

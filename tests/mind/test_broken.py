@@ -22,12 +22,10 @@ DATA = (Path(__file__).parent / "broken" / "programs.txt").read_text(encoding="u
 
 
 def expand(text: str) -> str:
-    """A program of the data with its short forms written out."""
     return re.sub(r"^FINE$", FINE, re.sub(r"^ROBOT$", ROBOT, text, flags=re.M), flags=re.M)
 
 
 def programs() -> dict[str, tuple[str, str]]:
-    """By title: the program, and what is told about it."""
     found = {}
     for entry in re.split(r"^== ", DATA, flags=re.M)[1:]:
         title, _, rest = entry.partition("\n")
@@ -48,7 +46,6 @@ def diagnostics(text: str) -> tuple[Diagnostic, ...]:
 
 
 def told(found: tuple[Diagnostic, ...]) -> str:
-    """Diagnostics as the data spells them."""
     return "\n".join(
         f"-- {d.line}:{d.column} {d.severity} [{d.excerpt}] {d.message}\n   {d.hint}" for d in found
     )

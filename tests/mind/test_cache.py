@@ -48,7 +48,6 @@ def find(text: str) -> Program | None:
 
 
 def written(made: object, text: str = PROGRAM.text) -> bytes:
-    """The body of an entry that was forged."""
     return json.dumps([request(text).decode(), made]).encode()
 
 
@@ -129,8 +128,7 @@ def test_a_truncated_entry_and_garbage_are_none_and_go(folder: Path) -> None:
 def test_a_poisoned_entry_can_do_no_more_than_a_program(tmp_path: Path) -> None:
     keep(replace(PROGRAM, statements={"Robot": f"ATTACH '{tmp_path / 'touched'}' AS x"}, tuned={}))
     decision = decision_of(Mind(Program.compile(PROGRAM.text)))
-    assert decision.memory == "kept"
-    assert decision.notices[0].kind == "failed"
+    assert (decision.memory, decision.notices[0].kind) == ("kept", "failed")
     assert not (tmp_path / "touched").exists()
 
 

@@ -7,50 +7,13 @@ from tests.mind.rows import all_remembered, remembered
 
 EXPRESSIONS = {
     "1 + 2 * 3": 7,
-    "7 % 3": 1,
-    "2 ^ 10": 1024,
-    "Abs(-2.5)": 2.5,
-    "Floor(2.7)": 2,
-    "Sqrt(16)": 4,
-    "Atan2(0, 1)": 0,
     "9007199254740993 % 10": 3,
     "-9007199254740993 % 10": -3,
-    "-7 % 3": -1,
-    "Greatest(1, 3, 2)": 3,
-    "Least(1, 3, 2)": 1,
-    '"a" ++ "b"': "ab",
     '"it\'s [bold]"': "it's [bold]",
-    'Upper("abc")': "ABC",
-    'Length("abc")': 3,
-    'Substr("hello", 2, 3)': "ell",
-    'Split("a,b", ",")': ["a", "b"],
-    'Join(["a", "b"], "-")': "a-b",
-    "ToString(12)": "12",
-    'ToInt64("12")': 12,
-    "Coalesce(null, 5)": 5,
-    "Coalesce(memory.nothing, 5)": 5,
-    '(if 2 > 1 then "yes" else "no")': "yes",
-    "Size([1, 2, 3])": 3,
-    "Range(3)": [0, 1, 2],
-    "Element([5, 6], 1)": 6,
-    "Sort([3, 1, 2])": [1, 2, 3],
-    "{a: 1, b: {c: [2]}}": {"a": 1, "b": {"c": [2]}},
-    "{a: {b: 7}}.a.b": 7,
-    "Sum{x :- x in [1, 2, 3]}": 6,
-    "Avg{x :- x in [1, 2]}": 1.5,
-    "Min{x :- x in [4, 2]}": 2,
-    "Max{x :- x in [4, 2]}": 4,
-    "Count{x :- x in [4, 2, 4]}": 2,
     "List{x * 2 :- x in [4, 2]}": [8, 4],
-    "Set{x :- x in [4, 2, 4]}": [2, 4],
     'ArgMin{n -> v :- n in ["a", "b"], v = (if n == "a" then 2 else 1)}': "b",
     'ArgMax{n -> v :- n in ["a", "b"], v = (if n == "a" then 2 else 1)}': "a",
-    "Array{-x -> x :- x in [1, 2]}": [2, 1],
-    "WeightedAverage{w -> 10 * w :- w in [1, 3]}": 25,
-    "Min{x :- x in []}": None,
-    "ArgMin{x -> x :- x in []}": None,
 }
-
 NULL = [
     'Join(null, "-")',
     'Split(null, ",")',
@@ -63,14 +26,14 @@ NULL = [
     "null / 2",
     "memory.a.b.c",
     "Element([1], 7)",
+    "Min{x :- x in []}",
+    "ArgMin{x -> x :- x in []}",
 ]
 
 
 def test_an_expression_has_its_value_and_null_gives_null() -> None:
-    expected = {**EXPRESSIONS, **dict.fromkeys(NULL)}
-    for start in range(0, len(expected), 14):  # more in one program are slower
-        some = dict([*expected.items()][start : start + 14])
-        assert all_remembered(some) == some
+    assert all_remembered(EXPRESSIONS) == EXPRESSIONS
+    assert all_remembered(NULL) == dict.fromkeys(NULL)
 
 
 RULES = """

@@ -14,7 +14,6 @@ from logical_robots_tui.language import package_patches
 
 
 def unchanged(module: ModuleType) -> Any:
-    """The module as the package has it."""
     origin = str(module.__file__)
     spec = importlib.util.spec_from_file_location(f"{module.__package__}.unchanged", origin)
     assert spec is not None
@@ -39,7 +38,6 @@ trees = st.recursive(
 
 @st.composite
 def tangled(draw: st.DrawFn) -> list[Any]:
-    """A tree in which parts hang in several places."""
     parts = draw(st.lists(trees, min_size=1, max_size=3))
     places = draw(st.lists(st.sampled_from(range(len(parts))), min_size=1, max_size=5))
     return [parts[place] for place in places]

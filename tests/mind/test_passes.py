@@ -107,36 +107,35 @@ def test_a_shipped_program_decides_the_same_without_any_pass(name: str) -> None:
     check(program, moments, LEFT_OUT, **visible)
 
 
-def check_case(rules: str, value: str) -> None:
+def in_a_record(batch: list[Case]) -> tuple[str, str]:
+    rules, calls = in_one(batch)
+    return rules, f"{{{', '.join(map('{}: {}'.format, calls, calls.values()))}}}"
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize(
+    ("rules", "value"),
+    [
+        *(in_a_record(batch[::3]) for batch in BATCHES[::4]),
+        *(pytest.param(*case[1:], marks=pytest.mark.proof) for case in CASES),
+    ],
+    ids=range(len(BATCHES[::4]) + len(CASES)),
+)
+def test_constructs_mean_the_same_without_any_pass(rules: str, value: str) -> None:
     text = f"{rules}\n{ROBOT}Memory(robot_name:, memory:), m = ({value});"
     check(Program.compile(text), [(ROWS, MEMORIES)], LEFT_OUT)
 
 
-def check_whole(title: str, sets: list[Collection[str]]) -> None:
+@pytest.mark.sampled
+@pytest.mark.parametrize(
+    ("title", "sets"),
+    [
+        *((title, LEFT_OUT[n % 10 :: 10]) for n, title in enumerate([*PROGRAMS][::10])),
+        *(pytest.param(title, LEFT_OUT, marks=pytest.mark.proof) for title in PROGRAMS),
+    ],
+)
+def test_a_whole_program_decides_the_same_without_some_passes(
+    title: str, sets: list[Collection[str]]
+) -> None:
     moments: list[Moment] = [(moment["rows"], MEMORIES) for moment in MOMENTS[::3]]
     check(Program.compile(PROGRAMS[title]), moments, sets, memory="all")
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("batch", BATCHES[::4], ids=range(0, len(BATCHES), 4))
-def test_constructs_mean_the_same_without_any_pass(batch: list[Case]) -> None:
-    rules, calls = in_one(batch[::3])
-    check_case(rules, f"{{{', '.join(map('{}: {}'.format, calls, calls.values()))}}}")
-
-
-@pytest.mark.proof
-@pytest.mark.parametrize(("rules", "value"), [case[1:] for case in CASES])
-def test_every_construct_means_the_same_without_any_pass(rules: str, value: str) -> None:
-    check_case(rules, value)
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize(("number", "title"), [*enumerate(PROGRAMS)][::10])
-def test_a_whole_program_decides_the_same_without_some_passes(number: int, title: str) -> None:
-    check_whole(title, LEFT_OUT[number // 10 % 10 :: 10])
-
-
-@pytest.mark.proof
-@pytest.mark.parametrize("title", PROGRAMS)
-def test_every_whole_program_decides_the_same_without_any_pass(title: str) -> None:
-    check_whole(title, LEFT_OUT)

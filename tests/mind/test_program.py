@@ -25,14 +25,11 @@ DEEP = "(-" * 2_000 + "1" + ")" * 2_000
     ("text", "line", "column", "words"),
     [
         ("A(1);\n" + GOOD + "\n# ) fine\nB(1));", 4, 5, "')' closes nothing"),
-        ("A(1);\n" + ROBOT + "m = y + 1;", 2, M + 4, "y has no value"),
         ("Big(x) :- x > 1;\n" + ROBOT + "m = 1, Big();", 2, M + 7, "Big needs a value for x"),
         ("A(1);\n" + ROBOT + "m = 1, A;", 2, M + 7, "A is named without its arguments"),
         (ROBOT + "m = 1, sensor.clock + 1;", 1, M + 7, "+ gives a value; it is not a condition"),
         (ROBOT + "m = 1, Abs(m);", 1, M + 7, "Abs gives a value; it is not a condition"),
         (ROBOT + "m = 1 | A(m), m > 1;\nA(1);", 1, 7, "no value in one of the alternatives"),
-        ('@Dataset("d");\n' + GOOD, 1, 1, "@Dataset is chosen by the game"),
-        ("@Sparkle(Robot);\n" + GOOD, 1, 1, "no annotation @Sparkle"),
         (ROBOT + "\nm = x, `(select 1 as x)`(x:);", 2, 8, "can't use SQL"),
         ("A(1);\n\0", 2, 1, "not text"),
         (f"{ROBOT}m = -{DEEP};", 1, M + 125, "nested too deeply"),
@@ -42,10 +39,7 @@ DEEP = "(-" * 2_000 + "1" + ")" * 2_000
             M + 4,
             "",
         ),
-        (ROBOT + "m = Squrt(2);", 1, M + 4, "Did you mean Sqrt?"),
-        ("Nearest(1);\n" + ROBOT + "Nearst(m);", 2, M, "Did you mean Nearest?"),
         ("F(x) = y;" + ROBOT + "F(1, 2, m);", 1, M + 9, ""),
-        ("A(1) A(2);", 1, 6, ""),
     ],
 )
 def test_a_mistake_is_told_with_its_place_and_without_terminal_codes(

@@ -91,8 +91,7 @@ def test_inputs_that_a_question_leaves_open_are_those_of_each_robot(
 
 def test_where_robots_reason_apart_each_answers_for_itself() -> None:
     table = ask("Named(robot_name:, far:)", memory="own", sensor="own")
-    assert table.rows == (("Ada", 200), ("Bo", 200))
-    assert table.viewers == ("Ada", "Bo")
+    assert (table.rows, table.viewers) == ((("Ada", 200), ("Bo", 200)), ("Ada", "Bo"))
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.language.definitions import built_in_names, definitions, prelude
-from logical_robots_tui.language.reference import REFERENCE, FunctionHelp, find_help, similar
+from logical_robots_tui.language.reference import REFERENCE, find_help, similar
 from logical_robots_tui.mind.compiling.dialect import runs as runs_here
 from tests.mind.processes import python
-from tests.mind.rows import remembered
+from tests.mind.rows import all_remembered
 
 SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}
 
@@ -22,9 +22,12 @@ def same(value: Any, expected: Any) -> bool:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("entry", REFERENCE, ids=lambda entry: entry.name)
-def test_each_example_gives_the_result_that_is_told(entry: FunctionHelp) -> None:
-    assert same(remembered(entry.example), json.loads(entry.result))
+@pytest.mark.parametrize("start", range(14))
+def test_each_example_gives_the_result_that_is_told(start: int) -> None:
+    entries = REFERENCE[start::14]  # more in one program are slower
+    values = all_remembered([entry.example for entry in entries])
+    for entry in entries:
+        assert same(values[entry.example], json.loads(entry.result)), entry.name
 
 
 def test_everything_that_compiles_is_explained_and_nothing_else() -> None:

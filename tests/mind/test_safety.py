@@ -24,8 +24,7 @@ def program() -> Program:
 
 def test_a_refusal_reaches_the_player_as_a_notice_without_sql(program: Program) -> None:
     decision = decision_of(forced(program, "SELECT readfile('/etc/passwd')"))
-    assert decision.memory == "kept"
-    assert decision.notices[0].kind == "failed"
+    assert (decision.memory, decision.notices[0].kind) == ("kept", "failed")
     message = decision.notices[0].message
     assert "readfile" not in message or "no function" in message
 
@@ -46,7 +45,6 @@ SLOW = {
 
 
 def forced(program: Program, sql: str, **limits: Any) -> Mind:
-    """A mind that thinks a statement of SQL."""
     return Mind(replace(program, statements={"Robot": sql}, tuned={}), limits=Limits(**limits))
 
 

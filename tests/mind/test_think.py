@@ -26,8 +26,7 @@ def test_the_program_of_the_paper_steers_towards_the_weighted_mean_of_the_radar(
     assert decision.desire is not None
     assert decision.desire.left_engine == pytest.approx(0.5 - freedom + 0.1)
     assert decision.desire.right_engine == pytest.approx(0.5 + freedom)
-    assert decision.memory == "I am a robot"
-    assert decision.notices == ()
+    assert (decision.memory, decision.notices) == ("I am a robot", ())
 
 
 def test_each_robot_gets_one_decision_in_the_order_of_the_rows() -> None:

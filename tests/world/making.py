@@ -52,7 +52,6 @@ _angles = st.one_of(st.floats(-10, 10), st.integers(-8, 8).map(lambda n: n * mat
 
 @st.composite
 def levels(draw: st.DrawFn) -> Level:
-    """Draw a small level of any kind; robots may stand in walls or outside."""
     width, height = draw(st.integers(1, 260)), draw(st.integers(1, 120))
     walls = draw(
         st.lists(st.tuples(st.integers(0, width - 1), st.integers(0, height - 1)), max_size=30)

@@ -7,7 +7,6 @@ from logical_robots_tui.world import Level, World
 
 
 def plain_look(world: World) -> list[dict[str, Any]]:
-    """Return what ``world.look()`` should."""
     rows = []
     for robot, state in zip(world.level.robots, world.robots, strict=True):
         span = 120 * math.pi / 180

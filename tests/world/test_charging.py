@@ -29,7 +29,6 @@ def room(*robots: Robot, station: bool = True, divided: bool = True) -> Level:
 
 
 def emptied(level: Level, **charges: float) -> World:
-    """Return a world whose robots have these charges."""
     world = World(level)
     state = world.save()
     robots = tuple(

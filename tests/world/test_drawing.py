@@ -26,7 +26,6 @@ def read(lines: list[str], cell: int) -> NDArray[np.bool_]:
 
 
 def written_short(walls: NDArray[np.bool_]) -> list[str]:
-    """The lines of walls too wide to be drawn, cut to the width that there is."""
     wide = np.zeros((walls.shape[0], walls.shape[1] + 300), np.bool_)
     wide[:, : walls.shape[1]] = walls
     return draw_rows(wide, 1)

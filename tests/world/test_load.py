@@ -28,7 +28,6 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def levels(package: Path) -> Path:
-    """The folder of shipped levels, with three of them."""
     folder = package / "levels"
     folder.mkdir()
     (folder / "02-maze.toml").write_text(SMALL)
@@ -90,8 +89,7 @@ def test_a_missing_file_shows_its_place_and_asks_which_one_was_meant(tmp_path: P
     (tmp_path / "maze.toml").write_text(SMALL)
     error = refusal(tmp_path / "mase.toml")
     assert isinstance(error, InputError)
-    assert error.place == str(tmp_path / "mase.toml")
-    assert error.message == "There is no such file."
+    assert (error.place, error.message) == (str(tmp_path / "mase.toml"), "There is no such file.")
     assert error.hint == 'Did you mean "maze.toml"?'
     assert str(error) == f"{error.place}: {error.message} {error.hint}"
 
@@ -110,8 +108,7 @@ def test_a_file_that_is_not_text_is_refused_at_its_line(tmp_path: Path) -> None:
     path = tmp_path / "maze.toml"
     path.write_bytes(b"title = 'A'\ncell = \xff\x00\x01\n")
     error = refusal(path)
-    assert error.place == f"{path}, line 2"
-    assert error.message == "This file is not UTF-8 text."
+    assert (error.place, error.message) == (f"{path}, line 2", "This file is not UTF-8 text.")
     assert error.hint.startswith("A level is a .toml file")
 
 

@@ -92,7 +92,6 @@ def refusal(folder: Path, text: str) -> LevelError:
 
 
 def place(error: LevelError) -> str:
-    """Return where in the file an error is."""
     _, _, rest = error.place.partition("level.toml")
     return rest.removeprefix(":").removeprefix(",").strip()
 
@@ -110,8 +109,7 @@ def test_everything_that_a_level_can_say_is_read(tmp_path: Path) -> None:
     assert level.source == str(tmp_path / "level.toml")
     assert (level.width, level.height) == (60, 40)
     assert level.briefing == "Open the gate.\n\nThen leave."
-    assert level.hints == ("Look for the lamp.", "Turn\nleft.")
-    assert level.starter == "wander"
+    assert (level.hints, level.starter) == (("Look for the lamp.", "Turn\nleft."), "wander")
     assert level.visibility == Visibility(memory="seen", sensor="all")
     assert level.robots == (
         Robot("Ann", 15, 15.5, math.pi / 2, "orange", True, True, 100, 0.5),
@@ -162,13 +160,11 @@ def test_a_lenient_level_may_be_as_odd_as_one_of_the_web_platform(tmp_path: Path
     area = AREA + 'radius = 5\ngoal_for = ["Zoe"]\non_beacon = "b"\n'
     text = SMALL.replace("x = 15", "x = -5").replace("cell =", "lenient = true\ncell =") + area
     level = load_level(write(tmp_path, text))
-    assert level.robots[0].x == -5
-    assert level.areas[0].victory_robots == ("Zoe",)
+    assert (level.robots[0].x, level.areas[0].victory_robots) == (-5, ("Zoe",))
     assert level.areas[0].on_beacon == "b"
 
 
 def drawn(row: str) -> str:
-    """A small level with another middle of its map."""
     return SMALL.replace("#..#", row)
 
 

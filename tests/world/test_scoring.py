@@ -144,7 +144,6 @@ KINDS = (
 
 @st.composite
 def matches(draw: st.DrawFn) -> Level:
-    """Draw a level with teams, in which robots often crowd and charge each other."""
     level = draw(levels())
     names = [robot.name for robot in level.robots]
     teams = draw(st.permutations(["red", "blue", "green"]))[: len(names)]

@@ -92,8 +92,7 @@ def test_sensing_begins_a_tick_that_is_not_saved_and_looking_shows_the_present_c
     assert rows[0]["sensor"]["clock"] == world.tick == 1
     assert world.save() == before
     world.restore(world.save())
-    assert world.tick == 0
-    assert world.sense() == rows
+    assert (world.tick, world.sense()) == (0, rows)
     world.act({"Ann": AHEAD})
     assert world.look()[0]["sensor"]["clock"] == world.tick == 1
 
@@ -184,16 +183,14 @@ def test_victory_stays_once_it_is_reached() -> None:
     for _ in range(10):
         world.act({"Ann": AHEAD})
     assert world.won
-    assert world.won_at == 1
-    assert world.areas[0].visitors == ()
+    assert (world.won_at, world.areas[0].visitors) == (1, ())
 
 
 def test_a_desire_for_a_robot_that_is_not_there_is_refused_and_changes_nothing() -> None:
     world = World(make_level([ANN, BOB]))
     with pytest.raises(ValueError, match=r'no robot "Anne"\. Did you mean "Ann"\?'):
         world.act({"Bob": AHEAD, "Anne": AHEAD})
-    assert world.tick == 0
-    assert world.robots[1].x == 150.5
+    assert (world.tick, world.robots[1].x) == (0, 150.5)
 
 
 def test_a_state_of_another_level_and_two_robots_of_one_name_are_refused() -> None:

@@ -52,7 +52,6 @@ def answers(mind: Mind, predicate: str) -> list[Any]:
 
 
 def there(text: str, folder: Path, predicate: str = "Answer") -> list[Any]:
-    """Rows of a predicate as DuckDB computes them."""
     return answer(text, predicate, ROWS, MEMORIES, folder)
 
 

@@ -25,7 +25,6 @@ def test_the_corpus_is_large_enough() -> None:
 
 
 def compare(rules: str, expressions: dict[str, str], cases: list[Case], folder: Path) -> None:
-    """Assert that each case has the same value here, both ways, and on DuckDB."""
     text = program(rules, **expressions)
     (ours,), (theirs,) = here(text), there(text, folder)
     different = [

@@ -45,7 +45,6 @@ def is_large(level: str, program: str) -> bool:
 
 
 def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, Any]:
-    """The row of `Robot` that DuckDB computes from one robot's own sensor and memory."""
     rows = [row for row in frame.sensors if row["robot_name"] == name]
     program = (
         f"{text}\nAnswer(robot_name:, desire:, memory:) :- Robot(robot_name:, desire:, memory:);"

@@ -18,7 +18,6 @@ from hypothesis import strategies as st
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.sqlite import registry
 from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, Work, charge
-from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.registry import AGGREGATES
 from logical_robots_tui.mind.sqlite.texts import REPLACED
 from tests.mind.hostile.bounds import GROWTH, bounded_memory
@@ -45,7 +44,6 @@ RAISED: list[Callable[[], BaseException]] = [
     lambda: ExceptionGroup("several", [ValueError()]),
     SystemExit,
 ]
-"""Of which the quick choice takes an eighth."""
 
 USES_ALL = f"""
 {ROBOT} Memory(robot_name:, memory:), m = {{
@@ -68,7 +66,8 @@ def break_callback(mind: Mind, callback: str, error: Callable[[], BaseException]
     step = fail if callback == "step" else lambda *_: None
     finalize = fail if callback == "finalize" else lambda *_: "[]"
     aggregate = type("Failing", (), {"step": step, "finalize": finalize})
-    for database in databases(mind):
+    tuned = mind._asking._tuned
+    for database in (mind._asking.plain_tables, *([tuned._database] if tuned else [])):
         connection = database._connection
         if callback == "function":
             for name in ("upper_text", "upper"):
@@ -80,13 +79,6 @@ def break_callback(mind: Mind, callback: str, error: Callable[[], BaseException]
         else:
             for name in ("list_of_distinct", "any_value"):
                 connection.create_aggregate(name, 1, aggregate)
-
-
-def databases(mind: Mind) -> Iterator[Database]:
-    asking = mind._asking
-    yield asking.plain_tables
-    if asking._tuned is not None:
-        yield asking._tuned._database
 
 
 @pytest.mark.parametrize("callback", ["function", "step", "finalize", "text", "read"])
@@ -188,7 +180,7 @@ def test_a_call_that_is_meant_to_take_long_is_charged_for(name: str, arguments: 
 
 
 def check_call(name: str, arguments: list[Any]) -> None:
-    called = installed()[name, len(arguments)]
+    called = _registered.functions[name, len(arguments)]
     with charged_for_its_time(), suppress(Exception):
         called(*arguments)
     if None not in arguments:
@@ -235,10 +227,6 @@ class _Registered:
 
 _registered = _Registered()
 registry.install(_registered, WORK)  # type: ignore[arg-type]  # all that it uses
-
-
-def installed() -> dict[tuple[str, int], Callable[..., Any]]:
-    return _registered.functions
 
 
 ROWS = st.lists(st.tuples(VALUES, VALUES, st.integers(-1, 5)), max_size=12)

@@ -75,12 +75,10 @@ def in_folder(folder: Path) -> Iterator[None]:
 
 
 def goes_on(program: Program) -> bool:
-    """Whether another program thinks now."""
     return decision_of(Mind(program), "").memory == 1
 
 
 def outcome(text: str, limits: Limits) -> tuple[str, list[Decision]]:
-    """What becomes of a program: refused, failed or harmless, and its decisions."""
     refusal = ""
     try:
         program = Program.compile(text, limits=limits)

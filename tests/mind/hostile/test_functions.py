@@ -46,7 +46,6 @@ ARGUMENTS = [(), *((v,) for v in VALUES), *itertools.product(PAIRED, repeat=2), 
 
 @contextmanager
 def filled() -> Iterator[Database]:
-    """A database with all the values."""
     with closing(Database(Limits(think_steps=10**12, think_seconds=60))) as database:
         database.load(list(VALUES.items()), [])
         yield database
