@@ -16,17 +16,7 @@ from logical_robots_tui.lab.running import Answer, Task
 from logical_robots_tui.paths import shipped_folder
 from tests.waiting import PATIENCE, until
 
-FIRST_STEPS = """
-# The number is what is varied.
-Near() = 40;  # Near() = 1;
-Drive(distance) = (
-  if distance < Near() then {left_engine: 0.8, right_engine: -0.8}
-  else if distance < 90 then {left_engine: 0.8, right_engine: 0.6}
-  else {left_engine: 0.8, right_engine: 0.8}
-);
-Robot(robot_name:, desire: Drive(sensor.forward_distance), memory: "") :-
-  Sensor(robot_name:, sensor:);
-"""
+FIRST_STEPS = Path(__file__).with_name("first.l").read_text("utf-8")
 
 EXPERIMENT = """
 [experiment]
@@ -39,29 +29,7 @@ constant = "Near"
 values = {values}
 """
 
-LANE = """
-title = "{title}"
-starter = "first-steps-starter"
-cell = 20
-walls = '''
-############
-#..........#
-#..........#
-#..........#
-############
-'''
-[[robots]]
-name = "Ada"
-x = 30
-y = 50
-[[areas]]
-name = "Goal"
-x = 90
-y = 50
-radius = 20
-goal_for = ["Ada"]
-"""
-
+LANE = Path(__file__).with_name("lane.toml").read_text("utf-8")
 SENSOR = "Sensor(robot_name:, sensor:)"
 STILL = "Robot(robot_name:, desire: {{left_engine: {}, right_engine: 0}}, memory: {}) :- {};"
 STANDING = STILL.format("0", '""', SENSOR)
@@ -70,7 +38,7 @@ ENDLESS = "N(x) :- x in Range(3000);\n" + STILL.format("Sum{x * y :- N(x), N(y)}
 
 def lane(title: str) -> str:
     """A level that the program of the experiment wins within 100 ticks."""
-    return LANE.format(title=title)
+    return LANE.replace("A lane", title)
 
 
 def program_text(name: str) -> str:

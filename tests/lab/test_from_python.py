@@ -59,7 +59,8 @@ def test_a_mapping_may_have_paths_ranges_and_arrays(tmp_path: Path) -> None:
     given = experiment(program=tmp_path / "first.l", starts=np.int64(0), title=None)
     given["vary"] = ({"constant": "Near", "values": np.linspace(20, 40, 3)},)
     frame = sweep(given, tmp_path / "out", workers=1, progress=False).to_pandas()
-    assert (list(frame["Near"]), frame["won"].dtype) == ([20, 30, 40], bool)
+    assert list(frame["Near"]) == [20, 30, 40]
+    assert frame["won"].dtype == bool
 
 
 def test_an_interrupted_call_goes_on_when_it_is_repeated(

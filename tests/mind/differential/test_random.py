@@ -119,32 +119,7 @@ def programs() -> Text:
     ).map(lambda parts: WHOLE.format(**parts, counted=COUNTED))
 
 
-WHOLE = """
-{counted}
-F(x) = {function};
-P(robot_name:, object: x.object, value: {ray}) :- Sensor(robot_name:, sensor:), x in sensor.radar;
-Q1(robot_name:, object: x.object, value: {other}) :-
-  Sensor(robot_name:, sensor:), x in sensor.radar, x.distance < 100;
-Group(robot_name:, object:, total? {aggregate}= value, n? += 1) distinct :-
-  P(robot_name:, object:, value:);
-Other := Group(P: {given});
-Best(radar) = {choose}{{
-  {{label: x.label, place: {{value: {ray}, near: x.distance < 50}}}} -> x.distance * 100 + x.angle
-  :- x in radar
-}};
-Kept() = TryCast(memory, {example}) :- Memory(memory:);
-Robot(robot_name:, desire:, memory: kept) :-
-  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
-  total = Sum{{t :- Other(robot_name:, object: "{kind}", total: t)}},
-  desire = (if {condition} then {{left_engine: {left}, right_engine: F({right})}}
-            else {{left_engine: Coalesce(total, 0.5), right_engine: 1}}),
-  kept = {{
-    number: {number}, text: {text}, truth: {truth}, best: Best(sensor.radar),
-    written: ToString({left}) ++ "," ++ ToString({truth}),
-    json: "a" ++ RecordAsJson({{x: {right}, y: {truth}, z: {{w: {{t: {text}}}}}}}),
-    before: Kept(), doubled: F(total)
-  }};
-"""
+WHOLE = Path(__file__).with_name("random.txt").read_text("utf-8")
 
 
 def _shorter(value: Any) -> Any:
