@@ -1,11 +1,10 @@
 """Small levels and programs to run, and the command in and without a terminal."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.cli.running import Command, Told
+from tests.cli.running import Ask, Command
 from tests.short import AHEAD, LEVEL
 
 
@@ -48,6 +47,6 @@ def command(capsys: pytest.CaptureFixture[str]) -> Command:
 
 
 @pytest.fixture
-def short(command: Command, level: Path, ahead: Path) -> Callable[..., Told]:
+def short(command: Command, level: Path, ahead: Path) -> Ask:
     """Runs a command about the short level and the program that wins it."""
     return lambda name, *words: command(name, level, ahead, *words)

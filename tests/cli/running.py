@@ -5,7 +5,7 @@ import json
 import os
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ from logical_robots_tui.cli.main import main
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
-__all__ = ["Command", "Shown", "Told", "in_terminal", "shown"]
+__all__ = ["Ask", "Command", "Shown", "Told", "in_terminal", "shown"]
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,10 @@ class Told:
         """What it said on standard error, and it has refused to work."""
         assert self.status == 2, self
         return self.err
+
+
+Ask = Callable[..., Told]
+"""What runs the command with some of its words."""
 
 
 def _refuse(constant: str) -> None:

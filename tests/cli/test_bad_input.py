@@ -1,11 +1,10 @@
 """Whatever is wrong gets one message that names the place, and status 2."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.cli.running import Command, Told
+from tests.cli.running import Ask, Command
 from tests.short import AHEAD, LEVEL
 
 LEVELS = {
@@ -28,9 +27,7 @@ PROGRAMS = {
 
 
 @pytest.mark.parametrize("wrong", [*LEVELS, *PROGRAMS])
-def test_a_file_with_something_wrong_is_refused_by_naming_the_place(
-    wrong: str, short: Callable[..., Told], level: Path, ahead: Path
-) -> None:
+def test_a_wrong_file_is_told_by_place(wrong: str, short: Ask, level: Path, ahead: Path) -> None:
     file = level if wrong in LEVELS else ahead
     text, place = {**LEVELS, **PROGRAMS}[wrong]
     file.write_bytes(text.encode("utf-8", "surrogateescape"))
@@ -72,6 +69,6 @@ def test_a_mistyped_name_is_answered_with_one_that_exists_and_codes_are_made_har
     assert r"a\x1b[2Jb.l" in told
 
 
-def test_ticks_must_be_a_whole_number_from_1_up(short: Callable[..., Told]) -> None:
+def test_ticks_must_be_a_whole_number_from_1_up(short: Ask) -> None:
     for ticks in ("0", "-3", "many", "1.5"):
         assert "not an integer" in short("run", f"--ticks={ticks}").refusal

@@ -92,9 +92,7 @@ def test_a_program_that_can_run_is_met_with_silence_or_warnings_and_one_that_is_
     assert command("check", program, "--web", "--json").data["ok"] is True
 
 
-def test_several_programs_are_checked_and_one_mistake_is_enough(
-    command: Command, program: Path, ahead: Path
-) -> None:
+def test_one_mistake_of_several_is_enough(command: Command, program: Path, ahead: Path) -> None:
     program.write_text(BROKEN)
     told = command("check", ahead, program, "--json")
     assert (told.status, told.data["ok"]) == (2, False)
@@ -105,9 +103,7 @@ def test_several_programs_are_checked_and_one_mistake_is_enough(
     assert wrong["diagnostics"][0] == place | words
 
 
-def test_a_very_long_line_is_shown_around_its_mistake_and_no_codes_reach_the_terminal(
-    command: Command, program: Path
-) -> None:
+def test_a_long_line_is_shown_around_its_mistake(command: Command, program: Path) -> None:
     program.write_text(f'A("{"x" * 300}", Wings(1), "{"x" * 300}");\n' + DOUBTFUL)
     lines = command("check", program).out.splitlines()
     assert max(map(len, lines[1:3])) <= 102

@@ -65,9 +65,7 @@ def test_a_command_that_is_loaded_alone_takes_what_it_takes_among_the_others() -
 
 
 @pytest.mark.parametrize("arguments", [(), ("play",), ("play", "x", "y"), ("--data-dir", "x")])
-def test_without_a_terminal_the_game_says_so_in_one_line_and_points_to_run(
-    arguments: tuple[str, ...], command: Command
-) -> None:
+def test_without_a_terminal_it_points_to_run(arguments: tuple[str, ...], command: Command) -> None:
     told = command(*arguments)
     assert (told.status, told.out, told.err.count("\n")) == (2, "", 1)
     assert "needs a terminal" in told.err
@@ -80,9 +78,7 @@ def test_a_dumb_terminal_is_not_a_terminal() -> None:
     assert "needs a terminal" in terminal.text
 
 
-def test_a_stream_that_is_not_a_terminal_is_named(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_stream_that_is_piped_is_named(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     for stream in (sys.stdin, sys.stdout):
         monkeypatch.setattr(stream, "isatty", lambda: True)
     told = command()

@@ -1,12 +1,11 @@
 """``logical-robots diagnose``: what stands out in a run, for people and for scripts."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.game import load_program
-from tests.cli.running import Command, Told, shown
+from tests.cli.running import Ask, Command, shown
 from tests.installed import CHECKOUT
 
 BROKEN = """\
@@ -16,9 +15,7 @@ Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-
 """
 
 
-def test_findings_are_told_with_line_tick_and_what_to_look_at(
-    command: Command, level: Path, ahead: Path
-) -> None:
+def test_findings_are_told_with_line_and_tick(command: Command, level: Path, ahead: Path) -> None:
     ahead.write_text(BROKEN)
     told = command("diagnose", level, ahead, "--ticks", 5, status=0)
     data = told.data
@@ -37,9 +34,7 @@ def test_findings_are_told_with_line_tick_and_what_to_look_at(
     assert severities == {"note"}, "of a robot that wins there are only notes"
 
 
-def test_where_nothing_stands_out_it_says_so(
-    short: Callable[..., Told], level: Path, ahead: Path
-) -> None:
+def test_it_says_where_nothing_stands_out(short: Ask, level: Path, ahead: Path) -> None:
     told = short("diagnose")
     assert told.status == 0
     assert told.data["won_at"]

@@ -1,12 +1,11 @@
 """A lesson in lines, and its questions, which are answered with queries."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.progress import FILE_NAME, Progress
-from tests.cli.running import Command, Told, in_terminal
+from tests.cli.running import Ask, Command, in_terminal
 
 LESSON = """\
 starter = "obstacle-avoider"
@@ -27,11 +26,11 @@ def lesson(level: Path) -> Path:
 
 
 @pytest.fixture
-def typed(command: Command, lesson: Path) -> Callable[..., Told]:
+def typed(command: Command, lesson: Path) -> Ask:
     return lambda *lines, options=(): command("learn", lesson, *options, typed=lines)
 
 
-def test_the_lesson_is_printed_and_its_questions_are_asked(typed: Callable[..., Told]) -> None:
+def test_the_lesson_is_printed_and_its_questions_are_asked(typed: Ask) -> None:
     told = typed("Here(1);", "Sensor(robot_name:)", "").success
     assert told.startswith("A short way\n\nA rule with one case.\n")
     assert "Question 1 of 2: Who is there?\nAt ticks 0 and 2 of obstacle-avoider, " in told
@@ -40,9 +39,7 @@ def test_the_lesson_is_printed_and_its_questions_are_asked(typed: Callable[..., 
     assert "1 of 2 answered." in told
 
 
-def test_answers_are_kept_and_their_questions_marked(
-    typed: Callable[..., Told], lesson: Path, tmp_path: Path
-) -> None:
+def test_answers_are_kept_and_questions_marked(typed: Ask, lesson: Path, tmp_path: Path) -> None:
     mine = ("--data-dir", tmp_path)
     told = typed("", WRONG, "Way(200);", RIGHT, options=mine).out
     assert f"> {WRONG}\n      ^\n" in told
@@ -65,9 +62,7 @@ def test_answers_are_kept_and_their_questions_marked(
         (RIGHT + ", 1 > 2", 1, "At tick 0 it gives no rows; 1 row is expected."),
     ],
 )
-def test_a_script_gets_a_verdict(
-    typed: Callable[..., Told], query: str, status: int, said: str
-) -> None:
+def test_a_script_gets_a_verdict(typed: Ask, query: str, status: int, said: str) -> None:
     told = typed(options=("--question", "2", "--answer", query))
     assert (told.status, told.err) == (status, "")
     assert told.out.splitlines()[-1].startswith(said)
@@ -77,7 +72,7 @@ def test_a_script_gets_a_verdict(
 
 
 def test_only_a_few_rows_of_many_are_printed_and_lesson_and_questions_as_json(
-    typed: Callable[..., Told],
+    typed: Ask,
 ) -> None:
     query = "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar"
     lines = typed(options=("--question", "2", "--answer", query)).out.splitlines()
@@ -89,7 +84,7 @@ def test_only_a_few_rows_of_many_are_printed_and_lesson_and_questions_as_json(
     assert data["questions"][1] == {**question, "answered_by": None}
 
 
-def test_mistakes_in_what_is_typed_are_told(typed: Callable[..., Told], command: Command) -> None:
+def test_mistakes_in_what_is_typed_are_told(typed: Ask, command: Command) -> None:
     told = typed(options=("--question", "1", "--answer", WRONG))
     assert (told.status, told.out) == (2, "")
     assert told.err.startswith(f"{WRONG}\n      ^\n")
@@ -100,9 +95,7 @@ def test_mistakes_in_what_is_typed_are_told(typed: Callable[..., Told], command:
     assert 'no level called "99"' in command("learn", "99").err
 
 
-def test_a_player_in_a_terminal_reads_lines_broken_between_words_and_answers(
-    command: Command, level: Path
-) -> None:
+def test_a_player_in_a_terminal_reads_and_answers(command: Command, level: Path) -> None:
     assert command("learn", level).out == "A short way\n\nThis level has no lesson.\n"
     ask = f"Who is {'narrow ' * 30}indeed?"
     asked = f'{{ask = "{ask}", answer = "{RIGHT}", ticks = [0]}}'

@@ -52,9 +52,7 @@ def test_the_list_of_programs_leaves_out_solutions_and_everything_else_can_be_re
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", REFERENCES)
-def test_a_solution_can_be_read_when_its_level_is_won(
-    name: str, progress: Progress, tmp_path: Path
-) -> None:
+def test_a_solution_is_read_in_a_won_level(name: str, progress: Progress, tmp_path: Path) -> None:
     hide_solutions(progress)
     (file,) = shipped_folder("programs").rglob(f"{name}.l")
     link = tmp_path / "mine.l"

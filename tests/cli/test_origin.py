@@ -25,9 +25,7 @@ def asked(level: Path, ahead: Path) -> tuple[object, ...]:
     return ("origin", level, ahead, "--tick", 8, "--robot", "Pip")
 
 
-def test_the_tick_the_line_and_what_was_read_are_told(
-    command: Command, asked: tuple[object, ...]
-) -> None:
+def test_tick_line_and_what_was_read_are_told(command: Command, asked: tuple[object, ...]) -> None:
     (link,) = command(*asked, "--value", "memory.at", status=0).data["links"]
     assert (link["value"], link["tick"], link["until"], link["rule_line"]) == (3, 3, 8, 1)
     assert [(read["name"], read["value"]) for read in link["from"]] == [("sensor.clock", 3)]
@@ -37,7 +35,7 @@ def test_the_tick_the_line_and_what_was_read_are_told(
     assert "read from Pip's sensor.clock = 3" in seen.text
 
 
-def test_any_value_of_a_predicate_is_traced(
+def test_a_value_of_a_predicate_is_traced(
     command: Command, asked: tuple[object, ...], ahead: Path
 ) -> None:
     ahead.write_text(HALF)

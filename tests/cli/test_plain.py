@@ -2,7 +2,6 @@
 
 import re
 import signal
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
-from tests.cli.running import Command, Told, in_terminal
+from tests.cli.running import Ask, Command, Told, in_terminal
 from tests.cli.test_why import TWO_RULES
 from tests.short import AHEAD
 
@@ -38,7 +37,7 @@ class TypedCommand:
     def __call__(self, *lines: str) -> Told:
         return self.play(self._level, self.program)(*lines)
 
-    def play(self, *words: object) -> Callable[..., Told]:
+    def play(self, *words: object) -> Ask:
         return lambda *lines: self._command("play", *words, *self.options, "--plain", typed=lines)
 
 
@@ -101,9 +100,7 @@ def test_the_program_is_read_again_and_one_that_does_not_compile_is_mended(
     assert "\nTick 1.\n" in told
 
 
-def test_a_player_goes_on_with_the_last_program_in_the_last_level(
-    typed: TypedCommand, tmp_path: Path
-) -> None:
+def test_a_player_goes_on_where_the_last_game_was(typed: TypedCommand, tmp_path: Path) -> None:
     program, kept = tmp_path / "mine.l", tmp_path / "data" / "programs" / "kept.l"
     program.write_text(load_program("wall-crawler").text + "\n# Changed by the player.\n", "utf-8")
     typed.play("03-the-long-hall", program)("step")
@@ -149,9 +146,7 @@ def test_batteries_switches_and_goals_of_one_name_are_told_apart(level: Path) ->
     assert told == ["Pip enters Door.", "Door: Pip is in."]
 
 
-def test_where_nothing_can_be_kept_no_victory_is_said_to_be_kept(
-    typed: TypedCommand, tmp_path: Path
-) -> None:
+def test_no_victory_is_kept_where_nothing_is(typed: TypedCommand, tmp_path: Path) -> None:
     (tmp_path / "data").write_text("")
     typed.options = ("--data-dir", tmp_path / "data" / "data")
     told = typed("run").out
@@ -181,9 +176,7 @@ def test_a_player_learns_in_lines(typed: TypedCommand) -> None:
     assert "High ground\n" in typed("level 16-high-ground", "lesson", "hint", "reset").out
 
 
-def test_a_player_answers_the_questions_of_a_lesson_in_lines(
-    typed: TypedCommand, lesson: Path
-) -> None:
+def test_a_player_answers_questions_of_a_lesson_in_lines(typed: TypedCommand, lesson: Path) -> None:
     answer = "Way(sensor.forward_distance) :- Sensor(sensor:)"
     asked = f'{{ask = "How far?", answer = "{answer}", ticks = [0, 5]}}'
     lesson.write_text(f"questions = [{asked}]\n{lesson.read_text('utf-8')}", "utf-8")
@@ -230,9 +223,7 @@ def test_a_player_inspects_in_lines(typed: TypedCommand) -> None:
     assert [text for text in INSPECTED if text not in told] == []
 
 
-def test_a_program_is_edited_in_lines_and_a_mistake_in_it_is_told_once(
-    typed: TypedCommand, tmp_path: Path
-) -> None:
+def test_a_program_is_edited_and_mistakes_told_once(typed: TypedCommand, tmp_path: Path) -> None:
     told = typed("insert 1 # Mine.", "program", "apply", "save edited", "line 1", "apply").out
     assert "Type apply, and the robots will use it.\n1: # Mine.\n2: Robot(" in told
     assert told.count(RUNS) == 2

@@ -9,7 +9,7 @@ from tests.cli.running import Command, in_terminal
 from tests.terminal import Terminal
 
 
-def test_the_size_is_that_of_the_terminal_and_quitting_gives_the_screen_back(
+def test_the_size_is_the_terminals_and_it_comes_back(
     level: Path, ahead: Path, tmp_path: Path
 ) -> None:
     command = [sys.executable, "-m", "logical_robots_tui", "play", level, ahead]

@@ -57,9 +57,7 @@ def test_each_level_has_a_line(command: Command, folder: Path) -> None:
     assert not nothing.exists(), "nothing is written for who has no progress"
 
 
-def test_exports_have_the_best_of_each_measure_and_their_programs(
-    command: Command, folder: Path
-) -> None:
+def test_exports_have_the_best_by_measure_with_programs(command: Command, folder: Path) -> None:
     told = command("progress", "--data-dir", folder, "--csv")
     rows = list(csv.DictReader(io.StringIO(told.out)))
     columns = ("level", "ticks", "goals")
@@ -93,9 +91,7 @@ def test_programs_are_played_again(command: Command, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_victory_in_a_labyrinth_of_the_day_is_played_again(
-    command: Command, tmp_path: Path
-) -> None:
+def test_a_victory_of_the_day_is_played_again(command: Command, tmp_path: Path) -> None:
     level, text = "daily-2026-11-22-small", load_program("the-long-hall").text
     true = {"program": text, **achieved(level, text)._asdict()}
     file = written(tmp_path, level, true, true | {"distance": 1.0})

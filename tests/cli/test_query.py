@@ -1,17 +1,14 @@
 """``logical-robots query``: any question about one tick."""
 
 import signal
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.cli.running import Told, in_terminal, shown
+from tests.cli.running import Ask, in_terminal, shown
 
 
-def test_a_question_is_answered_for_its_tick_and_in_a_terminal_with_a_table(
-    short: Callable[..., Told], level: Path, ahead: Path
-) -> None:
+def test_a_question_is_answered_for_its_tick(short: Ask, level: Path, ahead: Path) -> None:
     told = short("query", "--tick", 7, "Sensor(robot_name:, sensor:), clock == sensor.clock")
     assert (told.status, told.data["tick"], told.data["minds"]) == (0, 7, ["Pip"])
     clock = told.data["columns"].index("clock")
@@ -29,9 +26,7 @@ def test_a_question_is_answered_for_its_tick_and_in_a_terminal_with_a_table(
         (1, "Sensor(robot_name:), robot_name == 3", []),
     ],
 )
-def test_no_rows_is_status_1(
-    tick: int, query: str, rows: list[object], short: Callable[..., Told]
-) -> None:
+def test_no_rows_is_status_1(tick: int, query: str, rows: list[object], short: Ask) -> None:
     told = short("query", "--tick", tick, query)
     assert (told.status, told.data["rows"]) == (int(not rows), rows)
 
@@ -48,16 +43,14 @@ def test_no_rows_is_status_1(
     ],
 )
 def test_a_wrong_question_is_told_with_its_place_and_a_failing_one_with_the_reason(
-    tick: int, query: str, messages: list[str], short: Callable[..., Told]
+    tick: int, query: str, messages: list[str], short: Ask
 ) -> None:
     assert all(message in short("query", "--tick", tick, query).refusal for message in messages)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words", [("query", "--tick", 10**6), ("when", "--ticks", 10**6)])
-def test_a_long_way_is_shown_and_can_be_interrupted(
-    words: tuple[object, ...], level: Path, still: Path
-) -> None:
+def test_a_long_way_is_interrupted(words: tuple[object, ...], level: Path, still: Path) -> None:
     name, *more = words
     with in_terminal(name, level, still, "Robot", *more) as terminal:
         terminal.wait_for("of 1000000")

@@ -30,7 +30,7 @@ def recorded(record: Callable[..., tuple[Told, Path]]) -> Path:
     return path
 
 
-def test_the_same_run_makes_the_same_file_which_is_replaced_only_if_that_is_wished(
+def test_the_same_run_makes_the_same_file_which_is_kept_unless_forced(
     record: Callable[..., tuple[Told, Path]], recorded: Path
 ) -> None:
     _, other = record("b.replay")
@@ -44,9 +44,7 @@ def test_the_same_run_makes_the_same_file_which_is_replaced_only_if_that_is_wish
     assert load_replay(recorded).last == 3
 
 
-def test_a_replay_is_verified_and_what_would_be_different_now_ends_with_status_3(
-    command: Command, recorded: Path
-) -> None:
+def test_a_replay_is_verified_or_ends_with_status_3(command: Command, recorded: Path) -> None:
     replay = load_replay(recorded)
     told = command("replay", "verify", recorded)
     assert (told.status, told.out) == (0, f"The same: {replay.last} ticks.\n")
@@ -72,9 +70,7 @@ def test_another_start_an_end_and_a_file_without_programs_can_be_chosen(
     assert command("replay", "show", path, "--json").data["programs"][0]["text"] is None
 
 
-def test_it_is_shown_in_words_as_json_and_as_a_drawing(
-    command: Command, recorded: Path, ahead: Path, tmp_path: Path
-) -> None:
+def test_it_is_shown(command: Command, recorded: Path, ahead: Path, tmp_path: Path) -> None:
     words = command("replay", "show", recorded).out
     last = load_replay(recorded).last
     assert words.startswith(f"A short way (short): {last} ticks, from tick 0\n")
@@ -89,7 +85,7 @@ def test_it_is_shown_in_words_as_json_and_as_a_drawing(
     assert (len(points), points[0]) == (last + 1, "12.0,12.5")
 
 
-def test_what_is_or_gives_no_replay_is_refused(
+def test_what_is_no_replay_is_refused(
     command: Command, record: Callable[..., tuple[Told, Path]], ahead: Path
 ) -> None:
     told, _ = record("a", "--ticks", 100_001)

@@ -334,9 +334,7 @@ FILLS_CACHES = """if True:
 
 
 @pytest.mark.slow
-def test_caches_leave_a_restricted_player_most_of_the_room(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_caches_leave_players_much_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
     told = finished([sys.executable, "-c", FILLS_CACHES, tmp_path])
     assert told.status == 0, told.err

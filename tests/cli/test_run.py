@@ -1,17 +1,14 @@
 """``logical-robots run``: won, not won, in words and as JSON."""
 
 import signal
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.cli.running import Command, Told, in_terminal, shown
+from tests.cli.running import Ask, Command, in_terminal, shown
 
 
-def test_a_level_that_is_won_ends_with_status_0_and_all_of_it_is_told(
-    short: Callable[..., Told], ahead: Path
-) -> None:
+def test_a_level_that_is_won_ends_with_status_0_and_is_told_of(short: Ask, ahead: Path) -> None:
     told = short("run", "--json")
     assert (told.status, told.err) == (0, "")
     data = told.data
@@ -31,7 +28,7 @@ def test_a_level_that_is_won_ends_with_status_0_and_all_of_it_is_told(
 
 
 @pytest.mark.parametrize("what", ["run", "trace"])
-def test_equal_runs_are_equal_bytes(what: str, short: Callable[..., Told]) -> None:
+def test_equal_runs_are_equal_bytes(what: str, short: Ask) -> None:
     assert short(what).out == short(what).out
 
 
@@ -44,9 +41,7 @@ def test_a_level_that_is_not_won_ends_with_status_1_after_the_given_ticks(
     assert "not won within 5 ticks. Door is still missing Pip." in words.text
 
 
-def test_notices_are_counted_and_a_memory_that_json_has_no_word_for_is_null(
-    short: Callable[..., Told], ahead: Path
-) -> None:
+def test_notices_are_counted_and_a_memory_that_is_no_json_is_null(short: Ask, ahead: Path) -> None:
     text = ahead.read_text()
     ahead.write_text(text.replace('"on my way"', "1e308 * 10"))
     assert short("run", "--ticks", 2).data["robots"][0]["memory"] is None
@@ -56,18 +51,14 @@ def test_notices_are_counted_and_a_memory_that_json_has_no_word_for_is_null(
     assert [notice["tick"] for notice in notices["first"]] == list(range(1, 11))
 
 
-def test_a_program_saved_in_the_game_is_found_by_its_name(
-    command: Command, level: Path, ahead: Path, tmp_path: Path
-) -> None:
+def test_a_saved_program_is_run(command: Command, level: Path, ahead: Path, tmp_path: Path) -> None:
     own = tmp_path / "data" / "programs"
     own.mkdir(parents=True)
     ahead.rename(own / "mine.l")
     assert command("run", level, "mine", "--data-dir", tmp_path / "data").status == 0
 
 
-def test_on_a_terminal_the_outcome_is_told_in_words_and_not_read_as_markup(
-    level: Path, ahead: Path
-) -> None:
+def test_a_terminal_shows_the_outcome_in_words_and_not_as_markup(level: Path, ahead: Path) -> None:
     level.write_text(level.read_text().replace("A short way", "[/red] [bold]no[/bold]"))
     told = shown("run", level, ahead)
     for text in ("[/red] [bold]no[/bold]: won at tick", "Pip", "ticks/s"):
@@ -77,9 +68,7 @@ def test_on_a_terminal_the_outcome_is_told_in_words_and_not_read_as_markup(
     assert "won at tick" not in told.text
 
 
-def test_a_bar_shows_the_progress_until_control_c_ends_the_run_without_a_word_of_python(
-    level: Path, still: Path
-) -> None:
+def test_a_bar_shows_progress_until_control_c_ends_the_run(level: Path, still: Path) -> None:
     with in_terminal("run", level, still, "--ticks", 10**9) as terminal:
         terminal.wait_for("ticks/s")
         terminal.process.send_signal(signal.SIGINT)

@@ -31,9 +31,7 @@ def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("--team", "blue=off.l", "--team", "red=on.l"),
     ],
 )
-def test_each_team_is_named_by_order_or_by_name(
-    programs: tuple[str, ...], command: Command
-) -> None:
+def test_a_team_is_named_by_order_or_by_name(programs: tuple[str, ...], command: Command) -> None:
     told = command("run", "match.toml", *programs)
     assert (told.status, told.data["ticks"], told.data["won"]) == (0, 60, False)
     red, blue = told.data["scores"]["red"], told.data["scores"]["blue"]
@@ -42,9 +40,7 @@ def test_each_team_is_named_by_order_or_by_name(
     assert [robot["memory"] for robot in told.data["robots"]] == [60, 60, 60]
 
 
-def test_a_match_is_told_to_people_and_played_in_lines(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_match_is_played_in_lines(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("logical_robots_tui.cli.run.prefers_json", lambda _options: False)
     assert "Hall: after 60 ticks blue " in command("run", "match.toml", "off.l", "on.l").success
     words = ("match.toml", "on.l", "--team", "blue=off.l", "--plain", "--data-dir", "data")

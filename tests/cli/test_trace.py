@@ -1,12 +1,11 @@
 """``logical-robots trace``: one JSON line per tick."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from logical_robots_tui.world import load_level
-from tests.cli.running import Command, Told
+from tests.cli.running import Ask, Command
 
 NEAR = """
 Near(robot_name:, d: sensor.forward_distance) :- Sensor(robot_name:, sensor:), sensor.clock > 1;
@@ -17,8 +16,8 @@ def lines(told: str) -> list[Any]:
     return [json.loads(line) for line in told.splitlines()]
 
 
-def test_every_tick_up_to_victory_or_the_given_one_is_told(
-    short: Callable[..., Told], command: Command, level: Path, still: Path
+def test_every_tick_is_told_until_the_end(
+    short: Ask, command: Command, level: Path, still: Path
 ) -> None:
     told = short("trace")
     found = lines(told.out)
@@ -37,7 +36,7 @@ def test_every_tick_up_to_victory_or_the_given_one_is_told(
     assert (told.status, len(lines(told.out))) == (1, 3)
 
 
-def test_the_rows_of_predicates_are_told(short: Callable[..., Told], ahead: Path) -> None:
+def test_the_rows_of_predicates_are_told(short: Ask, ahead: Path) -> None:
     ahead.write_text(ahead.read_text() + NEAR)
     first, second = lines(short("trace", "--ticks", 2, "--predicates", "Near, Robot").out)
     assert first["predicates"]["Near"]["rows"] == []
@@ -57,7 +56,7 @@ def test_one_robot_only(command: Command, ahead: Path) -> None:
     assert list(line["sensors"]) == list(line["memories"]) == [second]
 
 
-def test_unknown_names_are_refused_before_the_run(short: Callable[..., Told]) -> None:
+def test_unknown_names_are_refused_before_the_run(short: Ask) -> None:
     for option, name in (("--robot", "Pop"), ("--predicates", "Robbot")):
         told = short("trace", option, name).refusal
         assert f"no {option[2:].removesuffix('s')} {name}" in told

@@ -1,12 +1,11 @@
 """``logical-robots when``: in which ticks of a run something holds."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.mind import Mind
-from tests.cli.running import Command, Told, shown
+from tests.cli.running import Ask, Command, shown
 
 CLOCK = "Sensor(sensor:), clock == sensor.clock, "
 
@@ -24,13 +23,11 @@ def counter(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def when(command: Command, level: Path, counter: Path) -> Callable[..., Told]:
+def when(command: Command, level: Path, counter: Path) -> Ask:
     return lambda *words: command("when", level, counter, *words)
 
 
-def test_the_stretches_are_the_ticks_in_which_there_are_rows(
-    when: Callable[..., Told], command: Command, level: Path, counter: Path
-) -> None:
+def test_the_stretches_have_rows(when: Ask, command: Command, level: Path, counter: Path) -> None:
     told = when(f"{CLOCK}clock in [3, 4, 5, 9, 11, 12]")
     data = told.data
     assert (told.status, data["first"], data["last"], data["holds_in"]) == (0, 3, 12, 6)
@@ -42,9 +39,7 @@ def test_the_stretches_are_the_ticks_in_which_there_are_rows(
     assert any(rows)
 
 
-def test_the_run_ends_with_victory_or_after_the_ticks(
-    command: Command, level: Path, ahead: Path, still: Path
-) -> None:
+def test_a_run_is_won_or_over(command: Command, level: Path, ahead: Path, still: Path) -> None:
     won = command("when", level, ahead, "Robot").data
     assert won["won_at"] == won["ticks"] == won["last"]
     data = command("when", level, still, "Robot", "--ticks", 40).data
@@ -63,9 +58,7 @@ def test_the_run_ends_with_victory_or_after_the_ticks(
         ("if Held() > 10 then 1 else null", [[12, 12]]),
     ],
 )
-def test_an_expression_holds_where_it_is_true(
-    when: Callable[..., Told], question: str, stretches: list[list[int]]
-) -> None:
+def test_a_question_holds_if_true(when: Ask, question: str, stretches: list[list[int]]) -> None:
     assert when(question, "--ticks", 12).data["stretches"] == stretches
 
 
@@ -84,8 +77,8 @@ def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
     assert "There is no robot Eve. There are Ruby, Jade, Lapis." in refusal
 
 
-def test_a_wrong_query_is_reported_before_the_run_and_a_second_one_thinks_nothing_again(
-    when: Callable[..., Told], monkeypatch: pytest.MonkeyPatch
+def test_a_wrong_query_is_told_and_a_second_one_thinks_nothing(
+    when: Ask, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first = when("Third").data
     monkeypatch.setattr(Mind, "think", None)
@@ -93,7 +86,7 @@ def test_a_wrong_query_is_reported_before_the_run_and_a_second_one_thinks_nothin
     assert "query:1:8: Sensor has no column robot_nam" in when("Sensor(robot_nam:)").refusal
 
 
-def test_the_ticks_in_which_it_fails_are_told(when: Callable[..., Told]) -> None:
+def test_the_ticks_in_which_it_fails_are_told(when: Ask) -> None:
     told = when(f'{CLOCK}x in ["a"], (if clock in [2, 3] then x.field else 1) == 1', "--ticks", 5)
     data = told.data
     assert (told.status, data["stretches"], data["failed_in"]) == (0, [[1, 1], [4, 5]], [[2, 3]])

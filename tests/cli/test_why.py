@@ -1,12 +1,11 @@
 """``logical-robots why``: which rule gave a decision, and what stopped the others."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.cli.running import Command, Told, shown
+from tests.cli.running import Ask, Command, shown
 
 TWO_RULES = """\
 Speed(d) = 1 :- d > 20;
@@ -25,14 +24,12 @@ def two(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def why(command: Command, level: Path, two: Path) -> Callable[..., Told]:
+def why(command: Command, level: Path, two: Path) -> Ask:
     """Asks about Pip in tick 3."""
     return lambda *words: command("why", level, two, "--tick", 3, "--robot", "Pip", *words)
 
 
-def test_each_rule_says_whether_it_gave_a_row_and_what_stopped_it(
-    why: Callable[..., Told], level: Path, two: Path
-) -> None:
+def test_each_rule_says_what_it_gave_or_what_stopped_it(why: Ask, level: Path, two: Path) -> None:
     told = why()
     assert (told.status, told.data["rows"], told.data["row"]["memory"]) == (0, 1, "far")
     far, near = told.data["rules"]
@@ -45,7 +42,7 @@ def test_each_rule_says_whether_it_gave_a_row_and_what_stopped_it(
     assert "--predicate 'Speed(" in in_terminal.text
 
 
-def test_one_step_deeper_and_with_values_of_ones_own(why: Callable[..., Told]) -> None:
+def test_one_step_deeper_and_with_values_of_ones_own(why: Ask) -> None:
     asked = [node["asked"] for node in _walk(*why().data["tree"]) if "asked" in node]
     assert asked[0]["predicate"] == "Speed"
     given = [f"--given={column}={value}" for column, value in asked[0]["given"].items()]
@@ -57,7 +54,7 @@ def test_one_step_deeper_and_with_values_of_ones_own(why: Callable[..., Told]) -
     assert (low.status, low.data["rules"][0]["stopped_by"]) == (1, "d > 20")
 
 
-def test_a_tree_goes_down_to_what_was_sensed(why: Callable[..., Told]) -> None:
+def test_a_tree_goes_down_to_what_was_sensed(why: Ask) -> None:
     kinds = [node["kind"] for node in _walk(*why("--tree").data["tree"])]
     assert kinds.count("rule") == 2
     assert "read" in kinds
@@ -83,9 +80,7 @@ def _walk(*nodes: dict[str, Any]) -> list[dict[str, Any]]:
         (["--tick", "0"], "'0' is not an integer of at least 1"),
     ],
 )
-def test_what_is_not_there_is_named(
-    why: Callable[..., Told], more: list[str], message: str
-) -> None:
+def test_what_is_not_there_is_named(why: Ask, more: list[str], message: str) -> None:
     assert message in why(*more).refusal
 
 
@@ -96,9 +91,7 @@ def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, ahead: Path) 
     assert line.endswith("...")
 
 
-def test_what_would_have_to_differ_is_told_of_a_rule_without_a_row(
-    why: Callable[..., Told], level: Path, two: Path
-) -> None:
+def test_what_would_have_to_differ_is_told_of_a_rule(why: Ask, level: Path, two: Path) -> None:
     two.write_text(
         "Near(robot_name:) :-\n"
         "  Sensor(robot_name:, sensor:), sensor.clock > 5;\n"

@@ -103,9 +103,7 @@ SEEDS = [
     st.lists(st.tuples(st.integers(0, 20_000), st.integers(0, 255)), max_size=12),
     st.integers(0, 20_000),
 )
-def test_damage_ends_in_files_or_problems(
-    seed: bytes, changes: list[tuple[int, int]], length: int
-) -> None:
+def test_damage_ends_in_a_problem(seed: bytes, changes: list[tuple[int, int]], length: int) -> None:
     content = bytearray(seed)
     for place, value in changes:
         content[place % len(content)] = value

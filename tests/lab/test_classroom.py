@@ -87,9 +87,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_what_went_wrong_is_told_by_kind_with_names_and_short_commands(
-    out: Path, command: Command
-) -> None:
+def test_what_went_wrong_is_told_by_kind_and_names(out: Path, command: Command) -> None:
     _, _, faults = command("lab", "report", out).out.partition("Common problems\n")
     assert max(map(len, faults.splitlines())) <= max(80, len(str(out)) + 30)
     faults = " ".join(faults.split())
@@ -136,9 +134,7 @@ def test_programs_of_different_authors_are_not_alike() -> None:
         assert likeness(own, other, program_text(f"{level}-starter")) < ALIKE
 
 
-def test_a_program_is_played_by_name_and_number_or_it_is_said_why_not(
-    out: Path, command: Command
-) -> None:
+def test_a_program_is_played_by_name_and_number_or_missed(out: Path, command: Command) -> None:
     for words in (("2017", "02"), ("ada", "2"), ("lovelace", "open-space", "--start", 1)):
         told = command("lab", "play", out, *words, "--plain", typed=("quit",))
         assert (told.status, told.err) == (0, "")

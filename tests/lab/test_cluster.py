@@ -74,9 +74,7 @@ def sweep(machines: Cluster, file: Path, out: Path) -> Background:
 
 
 @pytest.mark.slow
-def test_a_cluster_gives_the_same_files_whatever_is_killed(
-    tmp_path: Path, machines: Cluster, command: Command
-) -> None:
+def test_a_killed_cluster_ends_alike(tmp_path: Path, machines: Cluster, command: Command) -> None:
     file = write_experiment(tmp_path, values=range(20, 44), starts=1, ticks=200)
     here, there = tmp_path / "here", tmp_path / "there"
     running = sweep(machines, file, there)

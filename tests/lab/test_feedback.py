@@ -52,9 +52,7 @@ def assignment(tmp_path: Path) -> tuple[Path, Path]:
     return tmp_path / "a.toml", folder
 
 
-def test_points_are_told_by_part_with_extensions_and_points_by_hand(
-    assignment: tuple[Path, Path], command: Command
-) -> None:
+def test_points_are_told_part_by_part(assignment: tuple[Path, Path], command: Command) -> None:
     out = assignment[1].parent / "out"
     for _ in range(2):  # what was added by hand survives that
         assert command("grade", *assignment, "-o", out).status == 0
@@ -84,9 +82,7 @@ def test_points_are_told_by_part_with_extensions_and_points_by_hand(
     assert "- 0 of 3 points for ticks: not won from the given start.\n" in lost
 
 
-def test_what_was_not_won_is_asked_about_and_drawn(
-    assignment: tuple[Path, Path], command: Command
-) -> None:
+def test_a_loss_is_asked_about_and_drawn(assignment: tuple[Path, Path], command: Command) -> None:
     out = assignment[1].parent / "out"
     text = "Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 0;\n"
     driving = "{left_engine: 1, right_engine: 1}"
@@ -133,9 +129,7 @@ def test_there_is_a_question_about_each_kind_of_finding() -> None:
     assert all(question.endswith("?") for question in QUESTIONS.values())
 
 
-def test_how_a_run_ended_is_said_in_sentences(
-    assignment: tuple[Path, Path], command: Command
-) -> None:
+def test_how_a_run_ended_is_said_in_words(assignment: tuple[Path, Path], command: Command) -> None:
     file, folder = assignment
     text = ASSIGNMENT.replace("01-first-steps", "my-level.toml").replace("starts = 0", "starts = 2")
     text = text.replace("[assignment]", "[assignment]\nticks = 99") + "[points]\nstarts = 1\n"
@@ -162,9 +156,7 @@ def test_how_a_run_ended_is_said_in_sentences(
     assert "- 1.l is not named after a level\n" in cem
 
 
-def test_one_student_can_be_looked_at_before_all_are_run(
-    assignment: tuple[Path, Path], command: Command
-) -> None:
+def test_one_student_is_run_before_others(assignment: tuple[Path, Path], command: Command) -> None:
     out = assignment[1].parent / "out"
     run = ("grade", *assignment, "-o", out)
     assert "# a\n\nCem: 0 of 10 points" in command(*run, "--student", "Cem").success

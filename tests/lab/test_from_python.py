@@ -34,9 +34,7 @@ def experiment(**changes: Any) -> dict[str, Any]:
     }
 
 
-def test_a_file_gives_the_same_folder_as_the_command_and_workers(
-    tmp_path: Path, command: Command
-) -> None:
+def test_a_file_gives_the_folder_of_the_command(tmp_path: Path, command: Command) -> None:
     file = write_experiment(tmp_path)
     assert command("sweep", file, "-o", tmp_path / "theirs").status == 0
     results = sweep(file, tmp_path / "mine", workers=1, progress=False)
@@ -63,9 +61,7 @@ def test_a_mapping_may_have_paths_ranges_and_arrays(tmp_path: Path) -> None:
     assert frame["won"].dtype == bool
 
 
-def test_an_interrupted_call_goes_on_when_it_is_repeated(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupted_call_goes_on_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     work = coordinating.Coordinator.work
 
     def stop(self: Coordinator, engine: Engine, *_: object) -> None:

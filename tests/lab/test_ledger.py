@@ -148,9 +148,7 @@ def test_a_forged_manifest_is_refused(swept: Folder, tmp_path: Path, how: str) -
         Folder(tmp_path).manifest()
 
 
-def test_an_export_says_which_input_is_damaged_and_a_ledger_whose_damage_is_no_text(
-    swept: Folder, tmp_path: Path
-) -> None:
+def test_an_export_names_damaged_inputs_and_ledgers(swept: Folder, tmp_path: Path) -> None:
     folder = Folder(shutil.copytree(swept.path, tmp_path / "copy"))
     manifest = folder.manifest()
     (folder.path / "inputs" / manifest.files[manifest.cells[0].level]).write_text("another")

@@ -56,9 +56,7 @@ def test_a_latin_hypercube_hits_each_part_of_each_range_once(
 
 
 @given(st.sampled_from(["random", "latin hypercube"]), st.integers(0, 99), st.integers(0, 9))
-def test_between_whole_numbers_are_whole_numbers_and_both_ends(
-    method: Any, low: int, size: int
-) -> None:
+def test_between_whole_numbers_are_whole_ones_and_ends(method: Any, low: int, size: int) -> None:
     points = sampled(Sample(300, method), {("N", True): [low, low + size]})
     assert {point["N", True] for point in points} == {*range(low, low + size + 1)}
 
@@ -139,9 +137,7 @@ def test_varied_starts_can_be_others(tmp_path: Path) -> None:
         ({"values": [1]}, {"measure": {"a": {"query": "1", "every": 2, "reduce": "x"}}}, "reduce"),
     ],
 )
-def test_what_can_not_be_varied_or_measured_is_said(
-    vary: dict[str, Any], more: dict[str, Any], said: str
-) -> None:
+def test_what_is_not_varied_is_said(vary: dict[str, Any], more: dict[str, Any], said: str) -> None:
     assert said in wrong({"constant": "Near", **vary}, **more)
 
 

@@ -36,9 +36,7 @@ def some_shares(seed: int = 1, starts: int = 21) -> NDArray[np.float64]:
     ("own", "other", "share"),
     [(3, 1, 0.75), (0, 0, 0.5), (0, 2, 0), (-2, 3, 0), (-2, -5, 1), (-2, -2, 0.5), (1, -1, 1)],
 )
-def test_a_share_lies_between_0_and_1_and_both_are_1_together(
-    own: float, other: float, share: float
-) -> None:
+def test_a_share_is_0_to_1_and_both_are_1_together(own: float, other: float, share: float) -> None:
     assert share_of_points(own, other) == share
     assert share_of_points(other, own) == 1 - share
 

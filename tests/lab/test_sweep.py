@@ -82,9 +82,7 @@ def test_a_coordinator_killed_at_any_moment_loses_nothing(
     assert len(exported(once)["runs.csv"].splitlines()) == 49
 
 
-def test_what_was_computed_is_not_computed_again_and_results_that_differ_are_told(
-    copied: Path, command: Command
-) -> None:
+def test_nothing_is_computed_again_and_differences_are_told(copied: Path, command: Command) -> None:
     before = (copied / "ledger.db").read_bytes()
     assert command("sweep", write_experiment(copied.parent), "-o", copied).status == 0
     assert (copied / "ledger.db").read_bytes() == before
@@ -148,9 +146,7 @@ def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
 
 
 @pytest.mark.slow
-def test_a_worker_that_says_nothing_is_replaced(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_silent_worker_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engines, "_GRACE", 0.0)
     file = write_experiment(tmp_path, values=(20, 40), starts=1, ticks=60)
     file.write_text(file.read_text() + "[limits]\nseconds = 2\n")
@@ -200,9 +196,7 @@ def test_the_command_of_a_row_replays_that_very_run(tmp_path: Path, command: Com
 
 
 @pytest.mark.slow
-def test_the_command_of_a_row_opens_the_game_at_that_start(
-    tmp_path: Path, command: Command
-) -> None:
+def test_the_command_of_a_row_opens_the_game_at_its_start(tmp_path: Path, command: Command) -> None:
     *arguments, _ = replayed(tmp_path, command)
     with in_terminal("play", *arguments, "--data-dir", tmp_path / "data") as terminal:
         terminal.wait_for("start 1")

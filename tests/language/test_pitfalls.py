@@ -154,9 +154,7 @@ def test_what_says_what_it_means_is_not_marked() -> None:
         ("P(x) :- R(x), (P(x) => S(x));", "P", 16),
     ],
 )
-def test_a_predicate_that_depends_on_its_own_negation_is_marked(
-    text: str, negated: str, column: int
-) -> None:
+def test_a_predicate_on_its_own_negation_is_marked(text: str, negated: str, column: int) -> None:
     one = only(text)
     made = text.partition("(")[0]
     assert (one.line, one.column, one.severity) == (1, column, "warning")

@@ -132,9 +132,7 @@ def test_a_poisoned_entry_can_do_no_more_than_a_program(tmp_path: Path) -> None:
     assert not (tmp_path / "touched").exists()
 
 
-def test_the_oldest_go_when_there_are_too_many(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_oldest_go_when_there_are_many(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compilation, "MAX_ENTRIES", 3)
     programs = [replace(PROGRAM, text=f"program {number}") for number in range(5)]
     for number, program in enumerate(programs[:3]):
@@ -155,9 +153,7 @@ def test_it_never_grows_beyond_its_size(folder: Path, monkeypatch: pytest.Monkey
     assert find(str(19) * 1_000)
 
 
-def test_leftovers_of_killed_processes_go_too(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_leftovers_of_killed_processes_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compilation, "MAX_ENTRIES", 1)
     folder.mkdir()
     leftover = folder / f"x{caching._UNFINISHED}"

@@ -78,9 +78,7 @@ def is_new(number: int, memory: object) -> bool:
         ("or of `F(x) :- x > 3` is an error", "F(x) :- x > 3", "F(), m = 1", False),
     ],
 )
-def test_arguments_may_be_omitted_where_the_page_says_so(
-    said: str, rule: str, body: str, is_right: bool
-) -> None:
+def test_arguments_are_left_out_as_told(said: str, rule: str, body: str, is_right: bool) -> None:
     assert said in PAGE
     with nullcontext() if is_right else pytest.raises(ProgramError):
         Program.compile(f"{rule};\n{ROBOT} {body};")

@@ -134,8 +134,6 @@ def test_constructs_mean_the_same_without_any_pass(rules: str, value: str) -> No
         *(pytest.param(title, LEFT_OUT, marks=pytest.mark.proof) for title in PROGRAMS),
     ],
 )
-def test_a_whole_program_decides_the_same_without_some_passes(
-    title: str, sets: list[Collection[str]]
-) -> None:
+def test_a_whole_program_decides_without_passes(title: str, sets: list[Collection[str]]) -> None:
     moments: list[Moment] = [(moment["rows"], MEMORIES) for moment in MOMENTS[::3]]
     check(Program.compile(PROGRAMS[title]), moments, sets, memory="all")

@@ -81,9 +81,7 @@ def test_what_is_asked_is_answered(query: str, columns: Any, rows: Any) -> None:
         ("sensor in [1, 2]", ("sensor",), ((1.0,), (2.0,))),
     ],
 )
-def test_inputs_that_a_question_leaves_open_are_those_of_each_robot(
-    query: str, columns: Any, rows: Any
-) -> None:
+def test_inputs_left_open_are_those_of_each_robot(query: str, columns: Any, rows: Any) -> None:
     found = ask(query)
     assert found.columns == columns
     assert rows is None or sorted(map(str, found.rows)) == sorted(map(str, rows))
@@ -120,9 +118,7 @@ def test_where_robots_reason_apart_each_answers_for_itself() -> None:
         ("import a.b;", 1, 1, "import"),
     ],
 )
-def test_a_wrong_query_is_refused_with_its_own_line_and_column(
-    query: str, line: int, column: int, told: str
-) -> None:
+def test_a_wrong_query_is_told_in_place(query: str, line: int, column: int, told: str) -> None:
     with pytest.raises(ProgramError) as caught:
         ask(query)
     first = caught.value.diagnostics[0]

@@ -95,9 +95,7 @@ def test_a_stop_that_came_before_the_thought_prevents_it(program: Program) -> No
     mind.close()
 
 
-def test_the_steps_of_a_thought_are_those_of_all_robots_together(
-    program: Program, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_steps_are_those_of_all_robots(program: Program, monkeypatch: pytest.MonkeyPatch) -> None:
     counts: list[bool] = []
     count = Work.count
 
@@ -131,9 +129,7 @@ def test_the_steps_of_a_thought_are_those_of_all_robots_together(
         ),
     ],
 )
-def test_each_limit_of_a_thought_has_its_message(
-    sql: str, limits: dict[str, Any], said: str, program: Program
-) -> None:
+def test_each_limit_is_told(sql: str, limits: dict[str, Any], said: str, program: Program) -> None:
     decision = decision_of(forced(program, sql, **limits))
     assert decision.memory == "kept"
     assert any(said in notice.message for notice in decision.notices), decision.notices

@@ -45,9 +45,7 @@ def test_each_robot_gets_one_decision_in_the_order_of_the_rows() -> None:
         ("7", None, "The desire is not a record"),
     ],
 )
-def test_an_engine_that_is_not_a_number_stands_still_and_is_reported(
-    desire: str, expected: Desire | None, words: str
-) -> None:
+def test_an_engine_without_number_stops(desire: str, expected: Desire | None, words: str) -> None:
     text = f"Robot(robot_name:, desire: {desire}, memory: 1) :- Sensor(robot_name:);"
     (decision,) = think(text, [row("Ada")], {})
     assert decision.desire == expected

@@ -101,9 +101,7 @@ def test_numbers_and_texts_are_compared_as_ever_beside_a_join_of_lists(told: Any
         "Memory(robot_name:, memory:), x in memory.seen, x.object == memory.wanted",
     ],
 )
-def test_a_crowd_finds_rays_and_records_in_their_order_and_among_its_own(
-    rule: str, robots: int
-) -> None:
+def test_a_crowd_finds_rays_and_records_in_order_and_among_its_own(rule: str, robots: int) -> None:
     text = f"""
     Mine(robot_name:, all? List= x.distance, first? ArgMin= x.label -> x.distance) distinct :-
       {rule};

@@ -49,9 +49,7 @@ def test_walls_are_read_as_they_were_shortened(walls: NDArray[np.bool_]) -> None
 
 @settings(deadline=None)
 @given(WALLS, CELLS)
-def test_the_coarsest_cell_expresses_and_no_larger_one_of_twenty_does(
-    cells: NDArray[np.bool_], cell: int
-) -> None:
+def test_the_coarsest_cell_expresses_and_no_larger_one(cells: NDArray[np.bool_], cell: int) -> None:
     walls = scaled(cells, cell)
     assert [size for size in range(1, 21) if expresses(walls, size)][-1] == coarsest_cell(walls)
 

@@ -42,9 +42,7 @@ def test_questions_are_read(tmp_path: Path) -> None:
         ('answer = "A", ticks = [1], tick = 3', ".tick", '"tick" is not a known key.'),
     ],
 )
-def test_what_is_wrong_with_a_question_is_told(
-    tmp_path: Path, text: str, key: str, said: str
-) -> None:
+def test_a_mistake_in_a_question_is_told(tmp_path: Path, text: str, key: str, said: str) -> None:
     with pytest.raises(LevelError) as caught:
         level(tmp_path, f'{{ask = "Who?", {text}}}')
     assert caught.value.place.endswith(f"level.toml: questions[0]{key}")

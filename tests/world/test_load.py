@@ -72,7 +72,7 @@ def test_a_shipped_level_is_found_without_its_number_and_by_an_earlier_one(name:
 
 
 @pytest.mark.usefixtures("levels")
-def test_a_wrong_name_asks_which_one_was_meant_or_for_a_path_which_is_never_taken_for_a_name(
+def test_a_wrong_name_asks_for_the_one_that_was_meant_or_a_path(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     error = refusal("02-mase")

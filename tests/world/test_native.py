@@ -279,9 +279,7 @@ BAD_ADDITIONS = [
 
 
 @pytest.mark.parametrize(("addition", "where", "message"), BAD_ADDITIONS)
-def test_a_bad_addition_is_refused_at_its_key(
-    tmp_path: Path, addition: str, where: str, message: str
-) -> None:
+def test_a_bad_addition_is_refused(tmp_path: Path, addition: str, where: str, message: str) -> None:
     error = refusal(tmp_path, f"{SMALL}\n{addition}\n")
     assert place(error) == where
     assert error.message == message

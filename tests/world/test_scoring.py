@@ -75,9 +75,7 @@ def test_areas_of_one_name_count_one_by_one_and_one_that_is_off_gives_nothing() 
 
 
 @pytest.mark.parametrize(("ahead", "first"), [(0, (7, 7)), (1, (7, 0)), (-1, (0, 7))])
-def test_the_first_in_an_area_has_its_points_and_so_has_who_comes_in_the_same_tick(
-    ahead: int, first: tuple[int, int]
-) -> None:
+def test_the_first_in_an_area_have_points_even_together(ahead: int, first: tuple[int, int]) -> None:
     level = match(red(110.25 + ahead), blue(189.75), scores=(Score("first", "hill", 7),))
     world = play(level, 40, {"Rosa": GO, "Bill": GO})
     assert result(world) == {"red": first[:1], "blue": first[1:]}

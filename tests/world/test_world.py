@@ -32,7 +32,7 @@ def known(wanted: dict[str, Desire], level: Level) -> dict[str, Desire]:
 
 @settings(deadline=None)
 @given(levels(), st.lists(desires, min_size=1, max_size=8), st.data())
-def test_a_restored_world_has_exactly_the_same_future(
+def test_a_restored_world_has_the_same_future(
     level: Level, plan: list[dict[str, Desire]], data: st.DataObject
 ) -> None:
     plan = [known(wanted, level) for wanted in plan]

@@ -18,7 +18,5 @@ def test_a_robot_remembers_and_decides_as_on_duckdb(name: str, tmp_path: Path) -
 
 @pytest.mark.proof
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_a_robot_remembers_and_decides_as_on_duckdb_for_1000_ticks(
-    name: str, tmp_path: Path
-) -> None:
+def test_a_robot_remembers_and_decides_1000_ticks_as_on_duckdb(name: str, tmp_path: Path) -> None:
     assert not list(differences(PROGRAMS[name], 1_000, tmp_path))

@@ -38,9 +38,7 @@ def compare(rules: str, expressions: dict[str, str], cases: list[Case], folder: 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("batch", BATCHES, ids=range(len(BATCHES)))
-def test_constructs_mean_what_they_mean_on_duckdb_and_are_answered_the_quick_way(
-    batch: list[Case], tmp_path: Path
-) -> None:
+def test_constructs_mean_the_same_on_duckdb_and_quickly(batch: list[Case], tmp_path: Path) -> None:
     compare(*in_one(batch), batch, tmp_path)
 
 
@@ -64,9 +62,7 @@ def assert_the_quick_way_answers(compiled: Program) -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize(("expression", "ours", "theirs"), DIFFERENCES)
-def test_a_known_difference_is_still_one_and_is_written_down(
-    expression: str, ours: Any, theirs: Any, tmp_path: Path
-) -> None:
+def test_a_difference_is_told(expression: str, ours: Any, theirs: Any, tmp_path: Path) -> None:
     text = program(value=expression)
     assert here(text) == [(ours,)]
     try:

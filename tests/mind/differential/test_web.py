@@ -122,9 +122,7 @@ NUMBERS = st.integers(-(2**31) + 1, 2**31 - 1) | st.integers(-70_000, 70_000)
 
 
 @given(NUMBERS, NUMBERS, st.sampled_from("+-*"))
-def test_a_calculation_is_marked_if_and_only_if_it_fails_there(
-    left: int, right: int, operator: str
-) -> None:
+def test_a_calculation_is_marked_where_it_fails_there(left: int, right: int, operator: str) -> None:
     with duckdb.connect() as connection:
         fails = is_refused(connection, f"({left}) {operator} ({right})", duckdb.OutOfRangeException)
     assert bool(remarks(f"P(x: ({left}) {operator} ({right}));")) == fails

@@ -237,9 +237,7 @@ ROWS = st.lists(st.tuples(VALUES, VALUES, st.integers(-1, 5)), max_size=12)
 @given(rows=ROWS, times=st.integers(1, 60))
 @example(rows=[(NULLS, NULLS, 1), *[("{}", "{}", 1)] * 50], times=2)
 @example(rows=[('[{"a":[1]},{"b":[2]}]', 1, 2)] * 100, times=10)
-def test_an_aggregate_is_charged_for_what_it_does_and_holds(
-    name: str, rows: list[tuple[Any, ...]], times: int
-) -> None:
+def test_an_aggregate_costs_its_work(name: str, rows: list[tuple[Any, ...]], times: int) -> None:
     made = _registered.aggregates[name]
     arity = AGGREGATES[name][0]
     assert isinstance(made(), ChargedAggregate)

@@ -96,9 +96,7 @@ def outcome(text: str, limits: Limits) -> tuple[str, list[Decision]]:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", SLOW_LAST)
-def test_a_hostile_program_is_refused_or_bounded(
-    name: str, tmp_path: Path, next_program: Program
-) -> None:
+def test_a_hostile_program_is_bounded(name: str, tmp_path: Path, next_program: Program) -> None:
     assert len(PROGRAMS) >= 150
     wanted, text = PROGRAMS[name]
     limits = LIMITS if wanted == "slow" else COMPILES
