@@ -136,9 +136,7 @@ def test_a_restricted_process_reaches_its_own_folder_and_the_game_and_nothing_el
     for what, answers in found.pop("answers").items():
         assert len(answers) == 1, (what, answers)
         assert "restricted mode allows only your own files" in answers[0]
-    expected = {
-        name: "done" if name in ALLOWED else REFUSALS.get(name, "PermissionError") for name in found
-    }
+    expected = {n: "done" if n in ALLOWED else REFUSALS.get(n, "PermissionError") for n in found}
     assert found == expected
     assert set(found) > ALLOWED
     assert secret.read_text() == "nobody's business"

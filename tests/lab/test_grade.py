@@ -132,9 +132,7 @@ def test_other_programs_read_the_grades(exported: Path) -> None:
     counts = [suites["Cem (3)"].get(name) for name in ("tests", "failures", "errors", "skipped")]
     assert counts == ["2", "1", "0", "1"]
     names = [file.name for file in (exported / "feedback").iterdir()]
-    assert all(
-        name.isascii() and name.isprintable() and not set(name) & set('<>"|') for name in names
-    )
+    assert all(n.isascii() and n.isprintable() and not set(n) & set('<>"|') for n in names)
 
 
 def test_what_was_not_run_or_not_matched_stays_ungraded(exported: Path) -> None:

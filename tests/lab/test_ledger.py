@@ -126,9 +126,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Folder:
 
 MANIFESTS: dict[str, Callable[[bytes], bytes]] = {
     "deeply nested": lambda told: b"[" * 100_000,
-    "nested in it": lambda told: told.replace(
-        b'"title":', b'"more": ' + b"[" * 99_999 + b',"title":'
-    ),
+    "nested in it": lambda m: m.replace(b'"title":', b'"more": ' + b"[" * 99_999 + b',"title":'),
     "many starts": lambda told: re.sub(rb'"starts": \d+', b'"starts": 1000000000', told),
     "fewer than no starts": lambda told: re.sub(rb'"starts": \d+', b'"starts": -5', told),
     "another measure": lambda told: told.replace(b'"won"', b'"speed"'),

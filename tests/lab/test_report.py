@@ -12,9 +12,7 @@ from logical_robots_tui.lab import Results, sweep
 from logical_robots_tui.lab.reporting import lines_of
 from tests.lab.laboratory import FIRST_STEPS
 
-PROGRAM = FIRST_STEPS.replace("Near() = 40;", "Near() = 40;\nFar() = 90;").replace(
-    "< 90", "< Far()"
-)
+TWO = FIRST_STEPS.replace("Near() = 40;", "Near() = 40;\nFar() = 90;").replace("< 90", "< Far()")
 AHEAD = "Max{sensor.forward_distance :- Sensor(sensor:)}"
 
 
@@ -22,7 +20,7 @@ def run(
     folder: Path, *vary: dict[str, Any], ticks: int = 60, **more: Any
 ) -> tuple[Results, str, str]:
     """The results of an experiment, its page without markup, and what a terminal shows."""
-    table = {"level": "01-first-steps", "program": PROGRAM, "ticks": ticks}
+    table = {"level": "01-first-steps", "program": TWO, "ticks": ticks}
     ahead = {"query": AHEAD, "every": 20, "reduce": "mean"}
     measure = {"won": "end", "distance": "end", "ahead": ahead}
     given = {"experiment": table, "vary": list(vary), "measure": measure, **more}

@@ -23,9 +23,7 @@ from tests.lab.laboratory import FIRST_STEPS, SENSOR, STANDING, STILL, lane, pro
 
 
 def task(program: str, **changes: Any) -> Task:
-    plain = Task(
-        lane("A lane"), {"": program}, 300, (0,), (), 100_000_000, 60.0, False, fingerprint()
-    )
+    plain = Task(lane("A lane"), {"": program}, 300, (0,), (), 10**8, 60.0, False, fingerprint())
     return msgspec.structs.replace(plain, **changes)
 
 

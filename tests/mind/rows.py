@@ -108,9 +108,7 @@ def cases(expressions: Sequence[str]) -> tuple[str, dict[str, str]]:
     Returns:
         The rules, and calls by names for columns or fields.
     """
-    rules = "".join(
-        f"\nCase{number}(sensor, memory) = ({text});" for number, text in enumerate(expressions)
-    )
+    rules = "".join(f"\nCase{n}(sensor, memory) = ({text});" for n, text in enumerate(expressions))
     return rules, {f"c{n}": f"Case{n}(sensor, memory)" for n in range(len(expressions))}
 
 

@@ -181,9 +181,7 @@ def test_a_thought_out_of_memory_leaves_the_next_ones_as_they_were(plain: bool) 
     )
     mind = Mind(program, limits=Limits(think_steps=10**10), plain=plain)
     walls: dict[int, tuple[int, str, str]] = {3: (50, "wall", "wall")}
-    decisions = [
-        mind.think([row("Ada", clock=clock, sees=walls)], {"Ada": "m"})[0] for clock in range(4)
-    ]
+    decisions = [mind.think([row("Ada", clock=n, sees=walls)], {"Ada": "m"})[0] for n in range(4)]
     mind.close()
     assert [[n.kind for n in d.notices] for d in decisions] == [[], [], ["failed"], []]
     assert [decision.memory for decision in decisions] == [["m", 50], ["m", 50], "m", ["m", 50]]

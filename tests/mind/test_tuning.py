@@ -225,9 +225,7 @@ def test_rays_to_beacons_stand_apart_when_nothing_else_is_asked_for() -> None:
     rows = [row("Ada", sees=SEEN), row("Bo")]
     assert [d.memory for d in think(text, rows, {})] == [[33, 1], [None, 0]]
     mind = Mind(program)  # what was seen before is not seen any more
-    counts = [
-        mind.think([row("Ada", sees=seen)], {})[0].memory for seen in (SEEN, {}, {}, SEEN, {})
-    ]
+    counts = [mind.think([row("Ada", sees=s)], {})[0].memory for s in (SEEN, {}, {}, SEEN, {})]
     assert counts == [[33, 1], [None, 0], [None, 0], [33, 1], [None, 0]]
     mind.close()
 

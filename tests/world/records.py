@@ -35,9 +35,7 @@ def read_trace(path: Path) -> Trace:
 def scripted_desires(script: str, tick: int, rows: list[SensorRow]) -> dict[str, Desire]:
     """Return what every robot wants; ``rows`` are in file order."""
     return {
-        row["robot_name"]: (
-            _reactive(row["sensor"]) if script == "reactive" else _open_loop(i, tick)
-        )
+        row["robot_name"]: (_reactive(row["sensor"]) if script == "reactive" else _driven(i, tick))
         for i, row in enumerate(rows)
     }
 
@@ -51,6 +49,6 @@ def _reactive(sensor: dict[str, Any]) -> Desire:
     return Desire(0.6 - f + 0.1, 0.6 + f)
 
 
-def _open_loop(robot: int, tick: int) -> Desire:
+def _driven(robot: int, tick: int) -> Desire:
     k = (tick - 1) // 8
     return Desire(((k * 8 + robot * 13) % 29 - 11) / 10, ((k * 12 + robot * 5) % 29 - 11) / 10)

@@ -38,9 +38,7 @@ def in_duckdb(kind: Any) -> str:
     if isinstance(kind, list):
         return f"{in_duckdb(kind[0])}[]"
     if isinstance(kind, dict):
-        fields = (
-            f'"{name.replace(chr(34), chr(34) * 2)}" {in_duckdb(kind[name])}' for name in kind
-        )
+        fields = (f'"{key.replace(chr(34), chr(34) * 2)}" {in_duckdb(kind[key])}' for key in kind)
         return f"STRUCT({', '.join(fields)})"
     return PLAIN[kind][0]
 
@@ -111,9 +109,7 @@ def test_any_text_can_be_read(text: str) -> None:
     read_record(f"{{{text}}}")
 
 
-@pytest.mark.parametrize(
-    "text", ["[" * 5_000, "{" * 5_000, "['" * 5_000, "[a:" * 5_000, "{a:" * 99]
-)
+@pytest.mark.parametrize("text", ["[" * 5000, "{" * 5000, "['" * 5000, "[a:" * 5000, "{a:" * 99])
 def test_a_text_that_never_ends_is_neither_a_list_nor_a_record(text: str) -> None:
     assert read_list(text) is None
     assert read_record(text) is None

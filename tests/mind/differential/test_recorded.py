@@ -46,11 +46,11 @@ def is_large(level: str, program: str) -> bool:
 
 def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, Any]:
     rows = [row for row in frame.sensors if row["robot_name"] == name]
-    program = (
+    asked = (
         f"{text}\nAnswer(robot_name:, desire:, memory:) :- Robot(robot_name:, desire:, memory:);"
     )
     ((_, desire, memory),) = answer(
-        program, "Answer", rows, {name: frame.memories_before[name]}, folder
+        asked, "Answer", rows, {name: frame.memories_before[name]}, folder
     )
     return {"desire": desire, "memory": memory}
 

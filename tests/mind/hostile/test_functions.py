@@ -74,12 +74,10 @@ def called(name: str, database: Database) -> Iterator[tuple[tuple[str, ...], int
     for arguments in ARGUMENTS:
         if len(arguments) in impossible:
             continue
-        given = ", ".join(
-            f"(SELECT sensor FROM Sensor WHERE robot_name = '{a}')" for a in arguments
-        )
+        call = ", ".join(f"(SELECT sensor FROM Sensor WHERE robot_name = '{a}')" for a in arguments)
         length = None
         try:
-            ((length,),) = database.ask(f"SELECT length({name}({given}))", most=1)[1]
+            ((length,),) = database.ask(f"SELECT length({name}({call}))", most=1)[1]
         except sqlite3.Error as error:
             if "wrong number" in str(error) or "no such function" in str(error):
                 impossible.add(len(arguments))
