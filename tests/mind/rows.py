@@ -1,12 +1,21 @@
-"""Sensor rows to think about."""
+"""What tests of minds share: sensor rows to think about, a mark of cases, a fresh Python."""
 
 import math
+import subprocess
+import sys
 from collections.abc import Collection, Sequence
 from contextlib import closing
 from dataclasses import asdict, replace
+from functools import partial
 from typing import Any
 
+import pytest
+
 from logical_robots_tui.mind import Decision, Limits, Mind, Program
+from tests.waiting import PATIENCE
+
+slow = partial(pytest.param, marks=pytest.mark.slow)
+"""A case like another one, which the quick choice leaves out."""
 
 ROBOT = (
     "Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: m) :- "
@@ -120,3 +129,12 @@ def all_remembered(
     record = ", ".join(f"{name}: {call}" for name, call in calls.items())
     values = remembered(f"{{{record}}}", memory, rules=rules + functions)
     return {text: values[name] for text, name in zip(expressions, calls, strict=True)}
+
+
+def python(script: str, *arguments: str) -> str:
+    """What a script prints in a Python of its own, which ends well and complains of nothing."""
+    done = subprocess.run(
+        [sys.executable, "-c", script, *arguments], capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout

@@ -10,8 +10,7 @@ import pytest
 
 from logical_robots_tui import caching
 from logical_robots_tui.mind import Diagnostic, Mind, Predicate, Program, ProgramError, compilation
-from tests.mind.processes import python
-from tests.mind.rows import ROBOT, decision_of
+from tests.mind.rows import ROBOT, decision_of, python
 
 PROGRAM = Program(
     text="what was written",

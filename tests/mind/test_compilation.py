@@ -16,8 +16,7 @@ from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
 from logical_robots_tui.mind.compiling import compiler, worker
 from logical_robots_tui.processes import helper
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT
+from tests.mind.rows import ROBOT, slow
 from tests.waiting import PATIENCE, until
 
 HEAVY = (

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui import Program, ProgramError
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, all_remembered, row, think
+from tests.mind.rows import ROBOT, all_remembered, row, slow, think
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs/dialect.md").read_text("utf-8").split())
 NOTHING = "x in Range(0)"

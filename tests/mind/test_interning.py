@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, row
+from tests.mind.rows import ROBOT, row, slow
 from tests.mind.test_tuning_memories import TOLD, odd, roads
 
 

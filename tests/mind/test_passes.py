@@ -19,8 +19,7 @@ from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.differential.comparing import MEMORIES, ROWS
 from tests.mind.differential.corpus import BATCHES, CASES, Case, in_one
 from tests.mind.differential.whole_programs import MOMENTS, PROGRAMS
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, nearly_same
+from tests.mind.rows import ROBOT, nearly_same, slow
 
 Moment = tuple[Sequence[SensorRow], Mapping[str, Value]]
 

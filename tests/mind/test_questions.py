@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError, Table
-from tests.mind.marks import slow
-from tests.mind.rows import row
+from tests.mind.rows import row, slow
 
 PROGRAM = """\
 # The last rule of this program has no semicolon, and then there is a comment.

@@ -4,8 +4,7 @@ import pytest
 
 from logical_robots_tui.mind import Program, ProgramError
 from tests.mind.differential.comparing import here
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, row, think
+from tests.mind.rows import ROBOT, row, slow, think
 
 ONE = "A(0); A(n + 1) :- A(n), n < 5000;"
 CIRCLE = "A(0); A(n + 1) :- C(n); B(n + 1) :- A(n); C(n + 1) :- B(n);"

@@ -9,8 +9,7 @@ import pytest
 from logical_robots_tui.language.definitions import built_in_names, definitions, prelude
 from logical_robots_tui.language.reference import REFERENCE, find_help, similar
 from logical_robots_tui.mind.compiling.dialect import runs as runs_here
-from tests.mind.processes import python
-from tests.mind.rows import all_remembered
+from tests.mind.rows import all_remembered, python
 
 SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}
 

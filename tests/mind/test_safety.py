@@ -12,8 +12,7 @@ from logical_robots_tui.mind import Limits, Mind, Program, QueryError, Stopped
 from logical_robots_tui.mind.sqlite import registry
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
 from logical_robots_tui.mind.sqlite.database import Database
-from tests.mind.processes import python
-from tests.mind.rows import ROBOT, decision_of, row, think
+from tests.mind.rows import ROBOT, decision_of, python, row, think
 from tests.waiting import PATIENCE
 
 

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from logical_robots_tui.explain.diagnosis.sites import check_up
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.values import SensorRow, Value
-from tests.mind.marks import slow
-from tests.mind.rows import row
+from tests.mind.rows import row, slow
 
 Rows = list[dict[str, Value]]
 

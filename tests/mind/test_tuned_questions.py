@@ -9,8 +9,7 @@ from logical_robots_tui.game import Run, load_program
 from logical_robots_tui.mind import Mind, Program, Question, Table
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.world import load_level
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, nearly_same, row
+from tests.mind.rows import ROBOT, nearly_same, row, slow
 
 MORE = (
     "Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 12",

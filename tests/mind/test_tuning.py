@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Mind, Program
-from tests.mind.marks import slow
-from tests.mind.rows import PAPER, ROBOT, row, think
+from tests.mind.rows import PAPER, ROBOT, row, slow, think
 
 SEEN = {3: (40, "robot", "Bo"), 7: (33, "beacon", "A"), 9: (12, "wall", "wall")}
 CLOSEST = "Closest(radar) = ArgMin{ray -> ray.distance :- ray in radar};"

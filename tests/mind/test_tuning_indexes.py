@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Mind, Program
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, row, think
+from tests.mind.rows import ROBOT, row, slow, think
 
 LISTS = f"""
 Road(robot_name:, start: r.start, finish: r.finish) distinct :-

@@ -5,8 +5,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Mind, Program
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, row, think
+from tests.mind.rows import ROBOT, row, slow, think
 
 GAPS = f"""
 Pair(robot_name:, left: r.angle, right: q.angle) :-

@@ -17,8 +17,7 @@ from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.mind.sqlite import tables
 from logical_robots_tui.mind.sqlite.layouts import fillings
 from logical_robots_tui.mind.tuning import tune
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, nearly_same, remembered, row, think
+from tests.mind.rows import ROBOT, nearly_same, remembered, row, slow, think
 
 ROADS = """
 Road(start: r.start, best? ArgMin= r.length -> r.doubt, doubt? Min= r.doubt) distinct :-

@@ -1,6 +1,6 @@
 """The compile process loads all that it needs before it gives up opening files."""
 
-from tests.mind.processes import python
+from tests.mind.rows import python
 
 SCRIPT = """
 import sys

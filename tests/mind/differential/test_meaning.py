@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Mind, Program, ProgramError
-from tests.mind.differential.closed_loop import fields, same_memory
-from tests.mind.differential.whole_programs import engines
+from tests.mind.differential.whole_programs import engines, same_memory, told
 
 _FILE = Path(__file__).parents[2] / "conformance" / "meaning.jsonl.gz"
 with gzip.open(_FILE, "rt", encoding="utf-8") as _lines:
@@ -35,7 +34,7 @@ def test_a_program_means_what_it_means_on_the_platform(record: Any) -> None:
         for decision in mind.think(FIRST["sensors"][moment["sensors"]], moment["memories"]):
             rows = [r for r in moment["rows"] if r["robot_name"] == decision.robot_name]
             if len(rows) == 1:  # both sides have own rules for none and several
-                ours = engines(fields(decision.desire))
-                assert ours == pytest.approx(engines(rows[0]["desire"]), rel=1e-6)
-                assert same_memory(decision.memory, rows[0]["memory"], 1e-6)
+                powers, memory = told(decision)
+                assert powers == pytest.approx(engines(rows[0]["desire"]), rel=1e-6)
+                assert same_memory(memory, rows[0]["memory"], 1e-6)
     mind.close()

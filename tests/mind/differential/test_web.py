@@ -17,8 +17,7 @@ from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.web import _SQL_WORDS, web_remarks
 from logical_robots_tui.paths import shipped_folder
 from tests.mind.differential.duckdb_reference import answer_in_one
-from tests.mind.marks import slow
-from tests.mind.rows import row
+from tests.mind.rows import row, slow
 
 FAILS = (RuleCompileException, TypeErrorCaughtException, duckdb.Error, TypeError, KeyError)
 COUNTING = "T(0) distinct; T(x + 1) distinct :- T(x), x < 60; P(n? Max= x) distinct :- T(x);"

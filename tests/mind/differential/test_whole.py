@@ -31,18 +31,15 @@ ONE_LEVEL_OR_ALL = max(3, settings().max_examples // 4)
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("text", [PROGRAMS[title] for title in SOME], ids=SOME)
-def test_a_program_means_the_same_as_on_duckdb(text: str, tmp_path: Path) -> None:
-    assert not differences(text, tmp_path, ONE_LEVEL_OR_ALL)
+@pytest.mark.parametrize(
+    "title",
+    [*SOME, *(pytest.param(t, marks=pytest.mark.proof) for t in PROGRAMS if t not in SOME)],
+)
+def test_a_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> None:
+    assert not differences(PROGRAMS[title], tmp_path, ONE_LEVEL_OR_ALL)
 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("text", PLAYERS.values(), ids=PLAYERS)
 def test_a_program_of_a_player_means_the_same(text: str, tmp_path: Path) -> None:
     assert not differences(text, tmp_path, ONE_LEVEL_OR_ALL)
-
-
-@pytest.mark.proof
-@pytest.mark.parametrize("title", [title for title in _TITLES if title not in SOME])
-def test_every_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> None:
-    assert not differences(PROGRAMS[title], tmp_path)

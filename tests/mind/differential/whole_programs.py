@@ -6,15 +6,12 @@ together as on the platform: what a program keeps at one moment of a level it fi
 """
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from logical_robots_tui.mind import Limits, Mind, Program
 from tests.mind.differential.comparing import same
 from tests.mind.differential.duckdb_reference import answer
-
-__all__ = ["ASKED", "MOMENTS", "PLAYERS", "PROGRAMS", "differences", "engines"]
 
 _HERE = Path(__file__).parent
 
@@ -28,8 +25,7 @@ Robot(robot_name:, desire:, memory:) :- Drive(robot_name:, desire:), Keep(robot_
 
 def _sections(name: str) -> dict[str, str]:
     sections = _HERE.joinpath(name).read_text("utf-8").split("## ")[1:]
-    titles_and_rules = (section.split("\n", 1) for section in sections)
-    return dict(titles_and_rules)
+    return {title: text for title, _, text in (part.partition("\n") for part in sections)}
 
 
 _PARTS = _sections("parts.txt")
@@ -57,15 +53,16 @@ def differences(text: str, folder: Path, most: int = len(MOMENTS)) -> list[str]:
         rows = moment["rows"]
         if moment["level"] != level:
             level, memories = moment["level"], {row["robot_name"]: "" for row in rows}
-        theirs = _by_robot(answer(ASKED.format(text), "Answer", rows, memories, folder))
+        answers = answer(ASKED.format(text), "Answer", rows, memories, folder)
+        theirs = {name: (desire, memory) for name, desire, memory in answers}
         quick, plain = (mind.think(rows, memories) for mind in minds)
         for mine, other in zip(quick, plain, strict=True):
             where = f"{level}, tick {moment['tick']}, {mine.robot_name}"
-            if not same(_told(mine), _told(other)):
-                found.append(f"{where}: quick {_told(mine)}, plain {_told(other)}")
+            if not same(told(mine), told(other)):
+                found.append(f"{where}: quick {told(mine)}, plain {told(other)}")
             wanted = theirs.get(mine.robot_name, (None, memories[mine.robot_name]))
-            if not same(_told(mine), (engines(wanted[0]), wanted[1])):
-                found.append(f"{where}: here {_told(mine)}, on DuckDB {wanted}")
+            if not same(told(mine), (engines(wanted[0]), wanted[1])):
+                found.append(f"{where}: here {told(mine)}, on DuckDB {wanted}")
         memories = {d.robot_name: d.memory for d in quick}
     for mind in minds:
         mind.close()
@@ -77,14 +74,19 @@ Answer(robot_name:, desire:, memory:) :- Robot(robot_name:, desire:, memory:);
 """
 
 
-def _by_robot(rows: list[tuple[Any, ...]]) -> Mapping[str, tuple[Any, Any]]:
-    return {name: (desire, memory) for name, desire, memory in rows}
+def same_memory(ours: Any, theirs: Any, tolerance: float = 1e-9) -> bool:
+    """Compare decisions; JSON in a text is here what it spells."""
+    if isinstance(theirs, tuple):
+        return all(map(same_memory, ours, theirs))
+    if isinstance(theirs, str) and isinstance(ours, dict | list):
+        theirs = json.loads(theirs)
+    return same(ours, theirs, tolerance)
 
 
-def _told(decision: Any) -> tuple[tuple[float, float], Any]:
+def told(decision: Any) -> tuple[tuple[float, float], Any]:
     desire = decision.desire
-    engines = (0.0, 0.0) if desire is None else (desire.left_engine, desire.right_engine)
-    return engines, decision.memory
+    powers = (0.0, 0.0) if desire is None else (desire.left_engine, desire.right_engine)
+    return powers, decision.memory
 
 
 def engines(desire: Any) -> tuple[float, float]:

@@ -21,8 +21,7 @@ from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, Work, charge
 from logical_robots_tui.mind.sqlite.registry import AGGREGATES
 from logical_robots_tui.mind.sqlite.texts import REPLACED
 from tests.mind.hostile.bounds import GROWTH, bounded_memory
-from tests.mind.marks import slow
-from tests.mind.rows import ROBOT, decision_of
+from tests.mind.rows import ROBOT, decision_of, slow
 
 SECONDS_OF_A_STEP = 4e-6
 SECONDS_OF_A_CALL = 0.5  # whatever is parsed once
