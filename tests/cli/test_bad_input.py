@@ -9,16 +9,12 @@ from tests.short import AHEAD, LEVEL
 
 LEVELS = {
     "no robots": (LEVEL.partition("[[robots]]")[0], "robots"),
-    "two robots of one name": (LEVEL + '[[robots]]\nname = "Pip"\nx = 20\ny = 12\n', "Pip"),
     "a row of the wrong length": (LEVEL.replace("#..........#\n", "#...#\n", 1), "row 2"),
-    "a goal for an unknown robot": (LEVEL.replace('["Pip"]', '["Pop"]'), "areas[0].goal_for"),
-    "a switch by an unknown beacon": (LEVEL + 'on_beacon = "Moon"\n', "areas[0].on_beacon"),
     "no TOML": ("walls = = 3", "line 1"),
     "a level of binary rubbish": ("\x00\x01\udcff\udcfe", "line 1"),
 }
 PROGRAMS = {
     "nothing": ("", "1:1:"),
-    "no Robot": ("Walker(x: 1);\n", "Robot"),
     "a mistake on line 3": (AHEAD + "Oops(x: ;\n", ":3:"),
     "an undefined predicate": (AHEAD.replace("Sensor(", "Senser("), "Senser"),
     "more than 1 MB": (AHEAD + "# " + "x" * 1_000_000, "1 MB"),

@@ -14,6 +14,7 @@ import logical_robots_tui
 from logical_robots_tui.cli import command as commands
 from logical_robots_tui.cli import listing
 from logical_robots_tui.cli.main import parser as command_parser
+from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.wording import join_names
 from tests.cli.running import Command, Told
 from tests.terminal import Terminal
@@ -163,25 +164,27 @@ def in_shell(words: str, typed: str = "") -> Told:
         input=typed,
         capture_output=True,
         text=True,
-        check=False,
         timeout=PATIENCE,
     )
     return Told(done.returncode, done.stdout, done.stderr)
 
 
+FULL = "logical-robots: Can't write to standard output: No space left on device.\n"
+
+
 @pytest.mark.sampled
 @pytest.mark.parametrize(
-    "typed", ["levels", "run 01-first-steps first-steps --ticks 5", "run nowhere nothing --json"]
+    ("typed", "told"),
+    [
+        ("levels > /dev/full", FULL),
+        ("run 01-first-steps first-steps --ticks 5 > /dev/full", FULL),
+        ("run nowhere nothing --json > /dev/full", FULL),
+        ("levels > /dev/full 2>&1", ""),
+        ("run nowhere nothing 2> /dev/full", ""),
+    ],
 )
-def test_a_full_disk_is_said_where_output_goes_there(typed: str) -> None:
-    refusal = in_shell(f"{typed} > /dev/full").refusal
-    assert refusal == "logical-robots: Can't write to standard output: No space left on device.\n"
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize("typed", ["levels > /dev/full 2>&1", "run nowhere nothing 2> /dev/full"])
-def test_where_nothing_can_be_said_the_exit_status_tells(typed: str) -> None:
-    assert in_shell(typed).status == 2
+def test_a_full_disk_is_told_where_anything_can_be_and_by_the_status(typed: str, told: str) -> None:
+    assert in_shell(typed).refusal == told
 
 
 def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
@@ -204,3 +207,27 @@ def test_a_stream_that_is_closed_is_an_empty_one(closed: str, tmp_path: Path) ->
     told = in_shell(f"play 01-first-steps --plain --data-dir '{tmp_path}' {closed}", "step\n")
     assert (told.status, told.err) == (0, "")
     assert ("Tick 1." in told.out) == (closed == "2>&-")
+
+
+def test_without_a_name_everything_is_listed_in_lines_that_fit_a_terminal(command: Command) -> None:
+    told = command("help").success
+    listed = {line.split("  ")[1] for line in told.splitlines() if line.startswith("  ")}
+    assert listed == {entry.name for entry in REFERENCE}
+    assert max(map(len, told.splitlines())) <= 90
+
+
+@pytest.mark.parametrize("name", ["ArgMin", "argmin"])
+def test_a_function_is_explained_with_an_example(name: str, command: Command) -> None:
+    assert command("help", name).success == (
+        "ArgMin{x -> y :- P(x, y)}\n"
+        "  the x of the smallest y (an aggregate)\n"
+        "\n"
+        "  ArgMin{x -> -x :- x in [1, 2]}\n"
+        "  gives 2\n"
+    )
+
+
+def test_a_misspelt_name_gets_a_suggestion(command: Command) -> None:
+    refusal = command("help", "Squrt").refusal
+    assert refusal == "logical-robots: There is no function Squrt. Did you mean Sqrt?\n"
+    assert "`logical-robots help` lists" in command("help", "Xyzzyx").err

@@ -47,11 +47,6 @@ def test_a_value_of_a_predicate_is_traced(
     assert (half["name"], half["value"]) == ("Pip's Half.x", 4)
 
 
-@pytest.mark.parametrize(
-    ("value", "message"),
-    [("at[x]", "'at[x]' is not a part"), ("memory.of", "This value has no part of")],
-)
-def test_a_part_that_is_not_there_is_named(
-    command: Command, asked: tuple[object, ...], value: str, message: str
-) -> None:
-    assert message in command(*asked, "--value", value).refusal
+def test_a_part_that_is_not_there_is_named(command: Command, asked: tuple[object, ...]) -> None:
+    assert "'at[x]' is not a part" in command(*asked, "--value", "at[x]").refusal
+    assert "This value has no part of" in command(*asked, "--value", "memory.of").refusal

@@ -31,21 +31,12 @@ def test_no_rows_is_status_1(tick: int, query: str, rows: list[object], short: A
     assert (told.status, told.data["rows"]) == (int(not rows), rows)
 
 
-@pytest.mark.parametrize(
-    ("tick", "query", "messages"),
-    [
-        (
-            10**9,  # told before the run
-            "Sensor(robot_nam:)",
-            ["query:1:8: Sensor has no column robot_nam", "Did you mean robot_name?"],
-        ),
-        (1, 'x in ["a"], x.field == 2', ["neither a record nor a list"]),
-    ],
-)
-def test_a_wrong_question_is_told_with_its_place_and_a_failing_one_with_the_reason(
-    tick: int, query: str, messages: list[str], short: Ask
-) -> None:
-    assert all(message in short("query", "--tick", tick, query).refusal for message in messages)
+def test_a_wrong_question_is_told_with_its_place_and_a_failing_one_with_why(short: Ask) -> None:
+    refusal = short("query", "--tick", 10**9, "Sensor(robot_nam:)").refusal  # before the run
+    assert "query:1:8: Sensor has no column robot_nam" in refusal
+    assert "Did you mean robot_name?" in refusal
+    failure = short("query", "--tick", 1, 'x in ["a"], x.field == 2').refusal
+    assert "neither a record nor a list" in failure
 
 
 @pytest.mark.slow

@@ -135,3 +135,9 @@ def test_a_question_names_what_is_nearest_or_nothing_at_all() -> None:
     assert did_you_mean("ALPA", ["Alpha", "Beta"]) == 'Did you mean "Alpha"?'
     assert did_you_mean("xyz", ["Alpha", "Beta"]) == ""
     assert did_you_mean("", []) == ""
+
+
+def test_the_number_of_a_shipped_level_is_a_name_of_it() -> None:
+    assert load_level("5").name == load_level("05").name == "05-lighthouse"
+    with pytest.raises(LevelError, match='no level called "99"'):
+        load_level("99")

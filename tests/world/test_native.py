@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from logical_robots_tui.world import Area, Beacon, LevelError, Robot, Visibility, load_level
+from logical_robots_tui.world.level import LevelQuestion
 
 FULL = Path(__file__).with_name("full.toml")
 
@@ -283,3 +284,36 @@ def test_a_bad_addition_is_refused(tmp_path: Path, addition: str, where: str, me
     error = refusal(tmp_path, f"{SMALL}\n{addition}\n")
     assert place(error) == where
     assert error.message == message
+
+
+def test_questions_are_read(tmp_path: Path) -> None:
+    asked = """
+      {ask = "Who sees a lamp?", answer = '''
+    Lit(robot_name:)
+    ''', ticks = [120, 480]},
+      {ask = "Where?", answer = "Here", ticks = [0], program = "wander"},
+    """
+    assert load_level(write(tmp_path, f"questions = [{asked}]\n{SMALL}")).questions == (
+        LevelQuestion("Who sees a lamp?", "Lit(robot_name:)", (120, 480)),
+        LevelQuestion("Where?", "Here", (0,), "wander"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "said"),
+    [
+        ('answer = "A"', ".ticks", '"ticks" must be ascending numbers up to 10000.'),
+        ('answer = "A", ticks = [480, 120]', ".ticks", '"ticks" must be ascending numbers'),
+        ('answer = "A", ticks = [1, 10001]', ".ticks", '"ticks" must be ascending numbers'),
+        ('answer = "A", ticks = 120', ".ticks", '"ticks" must be a list, not a number.'),
+        ('answer = "A", ticks = [1, "2"]', ".ticks[1]", '"ticks[1]" must be a number, not text.'),
+        ('answer = "A", ticks = [-1]', ".ticks[0]", '"ticks[0]" must be 0 or more, not -1.'),
+        ('answer = " ", ticks = [1]', ".answer", '"answer" is empty.'),
+        ("ticks = [1]", ".answer", '"answer" is missing.'),
+        ('answer = "A", ticks = [1], tick = 3', ".tick", '"tick" is not a known key.'),
+    ],
+)
+def test_a_mistake_in_a_question_is_told(tmp_path: Path, text: str, key: str, said: str) -> None:
+    error = refusal(tmp_path, f'questions = [{{ask = "Who?", {text}}}]\n{SMALL}')
+    assert place(error) == f"questions[0]{key}"
+    assert error.message.startswith(said)

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Level, Robot, World
-
-from .making import NAMES, levels, make_level
+from tests.world.making import NAMES, levels, make_level
 
 AHEAD = Desire(1, 1)
 ANN = Robot("Ann", 50.5, 50.5)
@@ -113,15 +112,12 @@ def powered(capacity: float, rate: float = 0.0) -> World:
     return World(make_level([robot]))
 
 
-def test_a_robot_without_a_desire_stands_still() -> None:
+def test_a_robot_drives_on_or_turns_to_its_right_and_without_a_desire_stands_still() -> None:
     world = World(make_level([ANN, BOB]))
     world.act({"Ann": AHEAD})
     ann, bob = world.robots
     assert (ann.x, ann.y, ann.left_engine, ann.right_engine) == (51.5, 50.5, 1.0, 1.0)
     assert (bob.x, bob.y, bob.left_engine, bob.right_engine) == (150.5, 50.5, 0.0, 0.0)
-
-
-def test_a_stronger_left_engine_turns_a_robot_to_its_right() -> None:
     world = World(make_level())
     world.act({"Ann": Desire(1, 0)})
     assert world.robots[0].angle == pytest.approx(1 / 20)
@@ -162,12 +158,9 @@ def test_a_wall_blocks_a_move_but_not_the_turn() -> None:
     assert robot.angle == pytest.approx(0.005)
     world.act({"Ann": Desire(-1, -1)})
     assert not world.robots[0].blocked
-
-
-def test_a_robot_that_only_turns_inside_a_wall_is_not_blocked() -> None:
     world = World(make_level(walls=[(50, 50)]))
     world.act({"Ann": Desire(1, -1)})
-    assert not world.robots[0].blocked
+    assert not world.robots[0].blocked, "who only turns inside a wall"
 
 
 def test_a_robot_with_an_empty_battery_is_dead_from_the_tick_that_empties_it() -> None:
@@ -200,3 +193,49 @@ def test_a_state_of_another_level_and_two_robots_of_one_name_are_refused() -> No
             world.restore(World(other).save())
     with pytest.raises(ValueError, match="different names"):
         World(make_level([ANN, ANN]))
+
+
+def face_to_face(*, solid: bool = True) -> Level:
+    level = make_level((Robot("Ann", 30.5, 50.5), Robot("Bob", 70.5, 50.5, angle=math.pi)))
+    return replace(level, solid_robots=solid)
+
+
+def drive(world: World, ticks: int, **powers: float) -> None:
+    for _ in range(ticks):
+        world.act({name: Desire(power, power) for name, power in powers.items()})
+
+
+def gap(world: World) -> float:
+    ann, bob = world.robots
+    return bob.x - ann.x
+
+
+def test_robots_that_meet_block_each_other_and_can_part() -> None:
+    world = World(face_to_face())
+    drive(world, 40, Ann=1, Bob=1)
+    assert 16 <= gap(world) <= 18
+    assert all(robot.blocked for robot in world.robots)
+    drive(world, 10, Ann=-1, Bob=1)
+    assert not any(robot.blocked for robot in world.robots)
+    assert world.robots[0].x < 40
+    free = World(face_to_face(solid=False))  # unless the level says otherwise
+    drive(free, 40, Ann=1, Bob=1)
+    assert gap(free) < -30
+    assert not any(robot.blocked for robot in free.robots)
+
+
+def test_the_order_of_the_robots_makes_no_difference() -> None:
+    level = face_to_face()
+    world, other = World(level), World(replace(level, robots=level.robots[::-1]))
+    for each in (world, other):
+        drive(each, 40, Ann=1, Bob=0.7)
+    assert world.robots == other.robots[::-1]
+
+
+def test_all_goals_are_to_be_reached_at_once_where_the_level_says_so() -> None:
+    homes = [Area(n, x, 50, 9, victory_robots=(n,)) for n, x in (("Ann", 30), ("Bob", 60))]
+    level = replace(face_to_face(), areas=tuple(homes))
+    first, both = World(level), World(replace(level, all_goals=True))
+    for world in (first, both):
+        drive(world, 15, Bob=1)
+    assert (first.won_at, both.won_at) == (1, 2)
