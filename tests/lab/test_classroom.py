@@ -21,35 +21,14 @@ from tests.lab.laboratory import (
 )
 from tests.short import AHEAD
 
-ASSIGNMENT = """
-[assignment]
-title = "Week 1"
-starts = 1
-ticks = 150
-roster = "roster.csv"
-[[level]]
-name = "01-first-steps.toml"
-[[level]]
-name = "02-open-space.toml"
-[limits]
-steps = 1_000_000
-run_steps = 3_000_000
-"""
+ASSIGNMENT = Path(__file__).with_name("classroom.toml").read_text("utf-8")
 
 STUDENTS = [
     *("Ada Lovelace", "Ben Ary", "Cem <b>Demir</b>", "Dot Ary"),
     *("Eve Hacker", "Fay Slow", "Gus Still", "Hal Two"),
 ]
 
-RENAMED = """
-Robot(robot_name:, desire: Move(s.forward_distance), memory: "") :-
-  Sensor(robot_name:, sensor: s);
-/* all mine */ Move(d) = (
-  if d < Wall() then {left_engine: 0.8, right_engine: -0.8}
-  else if (d) < 90 then {left_engine: 0.8, right_engine: 0.6}
-  else {left_engine: 0.8, right_engine: 0.8});
-Wall() = 40;
-"""
+RENAMED = Path(__file__).with_name("renamed.l").read_text("utf-8")
 
 SLOW = """
 N(x) :- x in Range(150);

@@ -15,28 +15,7 @@ from logical_robots_tui.lab.grading import grades_of
 from tests.cli.running import Command
 from tests.lab.laboratory import ENDLESS, FIRST_STEPS, STANDING, lane, page_of, rows, write_files
 
-ASSIGNMENT = """
-[assignment]
-title = "Week <1>"
-starts = 2
-ticks = 150
-roster = "roster.csv"
-show = ["won", "starts"]
-[[level]]
-name = "01-first-steps.toml"
-points = 10
-[[level]]
-name = "02-open-space.toml"
-points = 5
-[points]
-won = 3
-starts = 1
-[late]
-students = "late.csv"
-keep = 0.5
-[limits]
-steps = 100_000
-"""
+ASSIGNMENT = Path(__file__).with_name("grade.toml").read_text("utf-8")
 
 MISTAKE = 'Robot(robot_name:, desire: 1, memory: "") :- Snesor(robot_name:);\n'
 HOSTILE = b'=cmd|"\xff\x1b[31m\n<b>'

@@ -15,28 +15,7 @@ from logical_robots_tui.lab.folder import Folder
 from tests.cli.running import Command
 from tests.lab.laboratory import ENDLESS, exported, killed, page_of, recorded, rows, write_files
 
-HILL = """
-title = "A hill"
-cell = 10
-walls = '''
-####################
-#..................#
-#..................#
-#..................#
-####################
-'''
-match = {{ticks = {ticks}}}
-{teams}
-[[scores]]
-kind = "most"
-area = "Hill"
-
-[[areas]]
-name = "Hill"
-x = 100
-y = 25
-radius = 40
-"""
+HILL = Path(__file__).with_name("hill.txt").read_text("utf-8")
 ROBOTS = {"red": (40, 20, 0), "blue": (160, 30, 180), "gold": (160, 20, 180), "green": (40, 30, 0)}
 TEAM = """
 [[teams]]

@@ -7,23 +7,8 @@ import pytest
 from logical_robots_tui.world import Score, Team, load_level
 from tests.world.test_native import SMALL, place, refusal, write
 
-TEAMS = (
-    SMALL.replace("y = 15", 'y = 15\nteam = "red"')
-    + """
-[[robots]]
-name = "Bob"
-x = 25
-y = 15
-team = "blue"
-
-[[teams]]
-name = "red"
-program = "herd"
-
-[[teams]]
-name = "blue"
-"""
-)
+MATCH = Path(__file__).with_name("match.toml").read_text("utf-8")
+TEAMS = MATCH.partition("\n[match]")[0]
 
 
 def test_robots_may_be_in_teams(tmp_path: Path) -> None:
@@ -43,28 +28,6 @@ BAD_TEAMS = [
     ('program = "herd"', "program = 3", "teams[0].program", '"program" must be text'),
     ('[[teams]]\nname = "blue"', "", "robots[1].team", "there is no such team."),
 ]
-
-MATCH = (
-    TEAMS
-    + """
-[match]
-ticks = 50
-
-[[areas]]
-name = "hill"
-x = 15
-y = 15
-radius = 5
-
-[[scores]]
-kind = "hold"
-area = "hill"
-
-[[scores]]
-kind = "beacons"
-points = 2.5
-"""
-)
 
 
 def test_a_match_has_a_length_and_scores(tmp_path: Path) -> None:
