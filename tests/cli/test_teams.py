@@ -8,9 +8,7 @@ from tests.cli.running import Command
 from tests.game.playing import BACKWARDS, COUNTER
 from tests.game.test_teams import MATCH
 
-SCORED = (
-    "match = {ticks = 60}\n" + MATCH + '\n[[scores]]\nkind = "hold"\narea = "Door"\npoints = 2\n'
-)
+SCORED = f'match = {{ticks = 60}}\n{MATCH}\n[[scores]]\nkind = "hold"\narea = "Door"\npoints = 2\n'
 
 
 @pytest.fixture(autouse=True)

@@ -40,9 +40,7 @@ def tar_of(*headers: tuple[str, bytes, int], content: bytes = b"") -> bytes:
     return b"".join(blocks) + content
 
 
-@pytest.mark.parametrize(
-    "name", ["../x.l", "/etc/x.l", "a/../../x.l", r"..\x.l", r"C:\x.l", "a//x.l"]
-)
+@pytest.mark.parametrize("name", ["../x.l", "/x.l", "a/../../x.l", r"..\x.l", r"C:\x.l", "a//x.l"])
 @pytest.mark.parametrize("pack", [zipped, tarred])
 def test_no_path_leads_out(pack: Callable[[dict[str, str]], bytes], name: str) -> None:
     assert unpacked(pack({name: "x"})) == {"a.zip/x.l": "its path leads out of the archive"}

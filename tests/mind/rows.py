@@ -17,6 +17,13 @@ from tests.waiting import PATIENCE
 slow = partial(pytest.param, marks=pytest.mark.slow)
 """A case like another one, which the quick choice leaves out."""
 
+VISIBILITIES = [
+    ("own", "own"),
+    ("seen", "all"),
+    *(slow(*pair) for pair in (("own", "all"), ("seen", "own"), ("all", "own"), ("all", "all"))),
+]
+"""Which memories and sensors of others a robot sees."""
+
 ROBOT = (
     "Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: m) :- "
     "Sensor(robot_name:, sensor:), "

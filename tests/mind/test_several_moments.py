@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from logical_robots_tui.explain.diagnosis.sites import check_up
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.values import SensorRow, Value
-from tests.mind.rows import row, slow
+from tests.mind.rows import VISIBILITIES, row
 
 Rows = list[dict[str, Value]]
 
@@ -57,17 +57,7 @@ def in_any_order(views: list[Rows] | None) -> list[list[str]] | None:
     return None if views is None else [sorted(map(repr, rows)) for rows in views]
 
 
-@pytest.mark.parametrize(
-    ("memory", "sensor"),
-    [
-        ("own", "own"),
-        ("seen", "all"),
-        slow("seen", "own"),
-        slow("all", "own"),
-        slow("own", "all"),
-        slow("all", "all"),
-    ],
-)
+@pytest.mark.parametrize(("memory", "sensor"), VISIBILITIES)
 @settings(deadline=None)
 @given(moments=MOMENTS)
 def test_the_rows_at_several_moments_are_those_at_each(

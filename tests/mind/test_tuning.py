@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Mind, Program
-from tests.mind.rows import PAPER, ROBOT, row, slow, think
+from tests.mind.rows import PAPER, ROBOT, VISIBILITIES, row, slow, think
 
 SEEN = {3: (40, "robot", "Bo"), 7: (33, "beacon", "A"), 9: (12, "wall", "wall")}
 CLOSEST = "Closest(radar) = ArgMin{ray -> ray.distance :- ray in radar};"
@@ -107,17 +107,7 @@ def test_sensors_of_another_shape_are_thought_about_too() -> None:
         think(text, rows, {})
 
 
-@pytest.mark.parametrize(
-    ("memory", "sensor"),
-    [
-        ("own", "own"),
-        ("seen", "all"),
-        ("all", "own"),
-        slow("own", "all"),
-        slow("seen", "own"),
-        slow("all", "all"),
-    ],
-)
+@pytest.mark.parametrize(("memory", "sensor"), VISIBILITIES)
 def test_a_crowd_is_thought_about_as_a_few_are(memory: Any, sensor: Any) -> None:
     text = f"""
     Known(robot_name:, turn: memory.turn) :- Memory(robot_name:, memory:);

@@ -10,6 +10,7 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.world import list_levels, load_level
 from tests.mind.differential.comparing import same
 from tests.mind.differential.duckdb_reference import answer
+from tests.mind.differential.whole_programs import ASKED
 
 TICKS = (1, 40, 300)
 ROBOTS = 3
@@ -46,12 +47,8 @@ def is_large(level: str, program: str) -> bool:
 
 def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, Any]:
     rows = [row for row in frame.sensors if row["robot_name"] == name]
-    asked = (
-        f"{text}\nAnswer(robot_name:, desire:, memory:) :- Robot(robot_name:, desire:, memory:);"
-    )
-    ((_, desire, memory),) = answer(
-        asked, "Answer", rows, {name: frame.memories_before[name]}, folder
-    )
+    memories = {name: frame.memories_before[name]}
+    ((_, desire, memory),) = answer(ASKED.format(text), "Answer", rows, memories, folder)
     return {"desire": desire, "memory": memory}
 
 
