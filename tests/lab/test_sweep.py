@@ -102,13 +102,12 @@ def test_nothing_is_computed_again_and_differences_are_told(copied: Path, comman
 
 def test_a_worker_that_dies_is_told_of_and_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engines, "execute", deadly)
-    engine = LocalEngine(1)
-    answers: list[tuple[object, Answer]] = []
-    for text in (SHORT + "# deadly from 0;\n", SHORT):
-        engine.submit(text, task(text, ticks=3))
-        while not engine.free:
-            answers += engine.wait(1.0)
-    engine.close()
+    with closing(LocalEngine(1)) as engine:
+        answers: list[tuple[object, Answer]] = []
+        for text in (SHORT + "# deadly from 0;\n", SHORT):
+            engine.submit(text, task(text, ticks=3))
+            while not engine.free:
+                answers += engine.wait(1.0)
     (_, died), (_, lived) = answers
     assert (died.results, died.failure) == ((), "its worker process died")
     assert [begun for begun, _, _ in lived.results] == [0]

@@ -42,13 +42,12 @@ def test_lists_that_stayed_the_same_objects_count_as_they_would_anew(visible: An
 def test_a_value_of_the_same_text_is_the_same_object_where_nobody_changes_it() -> None:
     program = Program.compile(f"{ROBOT} m = {{all: Range(60), n: sensor.clock}};")
     for frozen in (True, False):
-        mind = Mind(program, frozen=frozen)
-        found: list[Any] = [
-            decision.memory
-            for clock in (1, 2)
-            for decision in mind.think([row("Ada", clock=clock), row("Bo", clock=clock)], {})
-        ]
-        mind.close()
+        with closing(Mind(program, frozen=frozen)) as mind:
+            found: list[Any] = [
+                decision.memory
+                for clock in (1, 2)
+                for decision in mind.think([row("Ada", clock=clock), row("Bo", clock=clock)], {})
+            ]
         assert [memory["n"] for memory in found] == [1, 1, 2, 2]
         assert all(memory["all"] == list(range(60)) for memory in found)
         assert (len({id(memory["all"]) for memory in found}) == 1) == frozen

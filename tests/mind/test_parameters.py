@@ -1,5 +1,7 @@
 """Predicates that are left open for `:=` to fill in."""
 
+from contextlib import closing
+
 import pytest
 
 from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError
@@ -36,10 +38,9 @@ def test_a_pattern_has_no_rows_of_its_own_and_says_why() -> None:
     program = Program.compile(f"{PATTERN}{ROBOT} Miner(robot_name:, distance: m);")
     rows = {predicate.name: predicate.has_rows for predicate in program.predicates}
     assert (rows["Spot"], rows["Worker"], rows["Miner"]) == (False, False, True)
-    mind = Mind(program)
-    with pytest.raises(QueryError, match="Worker uses Post, which is a parameter"):
+    refused = pytest.raises(QueryError, match="Worker uses Post, which is a parameter")
+    with closing(Mind(program)) as mind, refused:
         mind.query("Worker", ROWS, {})
-    mind.close()
 
 
 @pytest.mark.parametrize(

@@ -23,11 +23,10 @@ def exactly(expressions: Sequence[str], rules: str = "") -> dict[str, list[Any]]
     program = Program.compile(text)
     memories: list[Any] = []
     for plain in (False, True):
-        mind = Mind(program, plain=plain)
-        (decision,) = mind.think([row("Ada", sees=SEEN)], {"Ada": {"x": ANGLE}})
-        assert not decision.notices
-        memories.append(decision.memory)
-        mind.close()
+        with closing(Mind(program, plain=plain)) as mind:
+            (decision,) = mind.think([row("Ada", sees=SEEN)], {"Ada": {"x": ANGLE}})
+            assert not decision.notices
+            memories.append(decision.memory)
     names = dict(zip(expressions, calls, strict=True))
     return {text: [memory[name] for memory in memories] for text, name in names.items()}
 

@@ -1,7 +1,7 @@
 """Steps decide when a thought is ended; the clock is a guard, and marks what it ends."""
 
 import threading
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from dataclasses import replace
 
 import pytest
@@ -37,9 +37,8 @@ def test_a_thought_near_its_bound_ends_the_same_whatever_was_thought_before(
     counts = replace(program, statements={"Robot": COUNTS.format(30_000)}, tuned={})
     verdicts = set()
     for extra in range(0, 10 * STEPS_AT_ONCE, STEPS_AT_ONCE // 2):
-        mind = Mind(counts, limits=Limits(think_steps=29 * STEPS_AT_ONCE + extra))
-        found = {ends(mind) for _ in range(7)}
-        mind.close()
+        with closing(Mind(counts, limits=Limits(think_steps=29 * STEPS_AT_ONCE + extra))) as mind:
+            found = {ends(mind) for _ in range(7)}
         assert len(found) == 1, extra
         verdicts |= found
     assert verdicts == {"failed", "thought"}
@@ -59,9 +58,8 @@ def test_calls_of_functions_and_what_passes_through_them_are_counted(program: Pr
     text = "SELECT 'Ada' AS robot_name, natural_hash(printf('%1000000s', 'x')) AS memory"
     forced = replace(program, statements={"Robot": text}, tuned={})
     for steps, wanted in ((900_000, "failed"), (1_100_000, "thought")):
-        mind = Mind(forced, limits=Limits(think_steps=steps))
-        assert ends(mind) == wanted
-        mind.close()
+        with closing(Mind(forced, limits=Limits(think_steps=steps))) as mind:
+            assert ends(mind) == wanted
 
 
 def test_what_the_clock_ends_is_marked(program: Program) -> None:
@@ -118,13 +116,12 @@ def test_functions_that_are_offered_and_aggregates_are_counted() -> None:
     text = "printf('%1000000s', 'x')"
     for sql in (f"SELECT measured({text})", f"SELECT list_of_distinct({text})"):
         for steps, is_enough in ((900_000, False), (1_500_000, True)):
-            database = Database(Limits())
-            database.offer("measured", len)
-            within = Within(steps, 30.0, 10, None)
-            with nullcontext() if is_enough else pytest.raises(TooSlowError):
-                database.ask(sql, most=10, within=within)
-            assert not within.budget.is_late
-            database.close()
+            with closing(Database(Limits())) as database:
+                database.offer("measured", len)
+                within = Within(steps, 30.0, 10, None)
+                with nullcontext() if is_enough else pytest.raises(TooSlowError):
+                    database.ask(sql, most=10, within=within)
+                assert not within.budget.is_late
 
 
 NESTED = "".join(f"F{n}(x) = F{n + 1}(x);\n" for n in range(12)) + "F12(x) = Length(x);\n"
@@ -135,13 +132,12 @@ def test_what_a_proof_does_between_its_queries_is_counted() -> None:
     program = Program.compile(NESTED + ROBOT + "Memory(robot_name:, memory: t), m = F0(t);")
     found = {}
     for steps in (1_000_000, 200_000_000):
-        mind = Mind(program, limits=Limits(query_steps=steps))
-        try:
-            proof = Explainer(mind, "Ada", [row("Ada")], {"Ada": "x" * 100_000}).proof()
-            said = [f"{n.text}: {n.said}" for root in proof.nodes for _, n in root.walk()]
-            found[steps] = [each for each in said if "steps" in each]
-        except QueryError as error:
-            found[steps] = [str(error)]
-        mind.close()
+        with closing(Mind(program, limits=Limits(query_steps=steps))) as mind:
+            try:
+                proof = Explainer(mind, "Ada", [row("Ada")], {"Ada": "x" * 100_000}).proof()
+                said = [f"{n.text}: {n.said}" for root in proof.nodes for _, n in root.walk()]
+                found[steps] = [each for each in said if "steps" in each]
+            except QueryError as error:
+                found[steps] = [str(error)]
     assert found[200_000_000] == []
     assert "more than 1,000,000 steps" in found[1_000_000][0]

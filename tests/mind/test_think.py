@@ -2,6 +2,7 @@
 
 import math
 import threading
+from contextlib import closing
 from typing import Any
 
 import pytest
@@ -92,12 +93,11 @@ def test_a_map_that_is_kept_as_text_is_not_forgotten() -> None:
       old = Coalesce(TryCast(memory, {seen: [""], n: 0}), {seen: ["it's, x"], n: 0}),
       new = {seen: old.seen ++ ["a b"], n: old.n + 1};
     """
-    mind = Mind(Program.compile(rule))
-    memories: dict[str, Value] = {"Ada": ""}
-    for _ in range(3):
-        (decision,) = mind.think([row("Ada")], memories)
-        memories["Ada"] = decision.memory
-    mind.close()
+    with closing(Mind(Program.compile(rule))) as mind:
+        memories: dict[str, Value] = {"Ada": ""}
+        for _ in range(3):
+            (decision,) = mind.think([row("Ada")], memories)
+            memories["Ada"] = decision.memory
     assert memories["Ada"] == r"{'seen': ['it\'s, x', a b, a b, a b], 'n': 3.0}"
 
 
@@ -164,17 +164,16 @@ Robot(robot_name:, desire: {left_engine: s, right_engine: 0}, memory: 1) :-
 
 
 def test_a_thought_can_be_stopped_from_another_thread() -> None:
-    mind = Mind(Program.compile(ENDLESS))
-    stop = threading.Event()
+    with closing(Mind(Program.compile(ENDLESS))) as mind:
+        stop = threading.Event()
 
-    def stop_it() -> None:
-        until(lambda: _watcher._works)
-        stop.set()
+        def stop_it() -> None:
+            until(lambda: _watcher._works)
+            stop.set()
 
-    other = threading.Thread(target=stop_it)
-    other.start()
-    with pytest.raises(Stopped):
-        mind.think([row("Ada")], {}, stop=stop)
-    other.join(PATIENCE)
-    assert mind.query("Sensor", [row("Ada")], {}).rows
-    mind.close()
+        other = threading.Thread(target=stop_it)
+        other.start()
+        with pytest.raises(Stopped):
+            mind.think([row("Ada")], {}, stop=stop)
+        other.join(PATIENCE)
+        assert mind.query("Sensor", [row("Ada")], {}).rows

@@ -1,6 +1,7 @@
 """The quick way of evaluating a program gives what the plain one gives, and is taken."""
 
 from collections.abc import Callable
+from contextlib import closing
 from typing import Any
 
 import pytest
@@ -127,19 +128,17 @@ def test_a_crowd_is_thought_about_as_a_few_are(memory: Any, sensor: Any) -> None
     memories = {name: {"turn": i} for i, name in enumerate(names)}
     crowd = think(text, rows, memories, memory=memory, sensor=sensor)
     assert len({str(decision.memory) for decision in crowd}) > 1
-    mind = Mind(Program.compile(text), memory, sensor)
-    for some in (rows[:3], rows, rows[5:9]):
-        assert len(mind.think(some, memories)) == len(some)
-    mind.close()
+    with closing(Mind(Program.compile(text), memory, sensor)) as mind:
+        for some in (rows[:3], rows, rows[5:9]):
+            assert len(mind.think(some, memories)) == len(some)
 
 
 def test_the_same_names_with_other_rays_are_other_thoughts() -> None:
-    mind = Mind(Program.compile(PAPER))
-    moments = [[row("Ada", sees=seen)] for seen in ({}, SEEN, {0: (5, "wall", "wall")}, {})]
-    desires = [mind.think(rows, {})[0].desire for rows in moments]
-    assert desires[0] == desires[3]
-    assert len(set(map(str, desires))) == 3
-    mind.close()
+    with closing(Mind(Program.compile(PAPER))) as mind:
+        moments = [[row("Ada", sees=seen)] for seen in ({}, SEEN, {0: (5, "wall", "wall")}, {})]
+        desires = [mind.think(rows, {})[0].desire for rows in moments]
+        assert desires[0] == desires[3]
+        assert len(set(map(str, desires))) == 3
 
 
 CROWD = """
@@ -213,10 +212,9 @@ def test_rays_to_beacons_stand_apart_when_nothing_else_is_asked_for() -> None:
     }
     rows = [row("Ada", sees=SEEN), row("Bo")]
     assert [d.memory for d in think(text, rows, {})] == [[33, 1], [None, 0]]
-    mind = Mind(program)  # what was seen before is not seen any more
-    counts = [mind.think([row("Ada", sees=s)], {})[0].memory for s in (SEEN, {}, {}, SEEN, {})]
-    assert counts == [[33, 1], [None, 0], [None, 0], [33, 1], [None, 0]]
-    mind.close()
+    with closing(Mind(program)) as mind:
+        counts = [mind.think([row("Ada", sees=s)], {})[0].memory for s in (SEEN, {}, {}, SEEN, {})]
+        assert counts == [[33, 1], [None, 0], [None, 0], [33, 1], [None, 0]]
 
 
 NEAREST = [

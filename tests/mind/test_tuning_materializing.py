@@ -1,5 +1,6 @@
 """Predicates that are asked row by row of others are computed once, and mean the same."""
 
+from contextlib import closing
 from typing import Any
 
 import pytest
@@ -39,9 +40,8 @@ def test_gaps_are_found_as_the_plain_way_finds_them(visible: Any, robots: int) -
 @pytest.mark.parametrize("robots", [3, 33])
 def test_a_query_that_is_asked_for_each_pair_is_computed_once(robots: int) -> None:
     program = Program.compile(GAPS)
-    mind = Mind(program)
-    plan = mind.query_plan("Robot", looking(robots), {}).plan
-    mind.close()
+    with closing(Mind(program)) as mind:
+        plan = mind.query_plan("Robot", looking(robots), {}).plan
     assert [line for line in plan if "MATERIALIZE" in line and "Blocked" in line]
     (asked,) = [line for line in plan if "SEARCH" in line and "Blocked" in line]
     assert "AUTOMATIC COVERING INDEX" in asked
@@ -51,9 +51,8 @@ def test_a_query_that_is_asked_for_each_pair_is_computed_once(robots: int) -> No
 
 def test_each_robot_of_a_crowd_has_its_own_gaps() -> None:
     crowd = looking(33)
-    mind = Mind(Program.compile(GAPS))
-    assert mind.think(crowd, {}) == [mind.think([one], {})[0] for one in crowd]
-    mind.close()
+    with closing(Mind(Program.compile(GAPS))) as mind:
+        assert mind.think(crowd, {}) == [mind.think([one], {})[0] for one in crowd]
 
 
 def test_a_query_that_is_asked_once_a_robot_is_computed_once_where_all_see_everything() -> None:

@@ -107,7 +107,6 @@ def test_robots_and_rays_are_replaced_where_there_are_as_many_as_before(*, froze
         *([near], [far], [far], [bo, far], [bo, near], [near, bo], [short], [short], [near], [bo]),
         *([*many, near], [*many, far], [near, *many], [near], [near]),
     ):
-        alone = Mind(fresh)
-        assert mind.think(rows, {}) == alone.think(rows, {})
-        alone.close()
+        with closing(Mind(fresh)) as alone:
+            assert mind.think(rows, {}) == alone.think(rows, {})
     mind.close()

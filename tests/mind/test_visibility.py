@@ -1,5 +1,6 @@
 """Each robot reasons over exactly the rows that it may see."""
 
+from contextlib import closing
 from typing import Any, Literal
 
 import pytest
@@ -42,9 +43,8 @@ def test_a_program_overrides_the_level(memory: str) -> None:
 
 
 def test_a_query_says_in_whose_reasoning_a_row_holds() -> None:
-    mind = Mind(Program.compile(PROGRAM), memory="seen")
-    table = mind.query("Minds", ROWS, {})
-    mind.close()
+    with closing(Mind(Program.compile(PROGRAM), memory="seen")) as mind:
+        table = mind.query("Minds", ROWS, {})
     assert table.columns == ("l",)
     assert dict(zip(table.viewers, table.rows, strict=True)) == {
         "Ada": (["Ada", "Bo"],),
@@ -66,9 +66,8 @@ def test_a_query_says_in_whose_reasoning_a_row_holds() -> None:
 def test_a_decision_depends_on_nothing_hidden(
     hidden: Any, clock: int, visibility: Literal["own", "seen"]
 ) -> None:
-    mind = Mind(Program.compile(PROGRAM), memory=visibility)
-    before = mind.think(ROWS, {"Ada": 1, "Bo": 2, "Cy": 3})
-    changed = [ROWS[0], ROWS[1], row("Cy", clock=clock)]
-    after = mind.think(changed, {"Ada": 1, "Bo": 2, "Cy": hidden})
-    mind.close()
+    with closing(Mind(Program.compile(PROGRAM), memory=visibility)) as mind:
+        before = mind.think(ROWS, {"Ada": 1, "Bo": 2, "Cy": 3})
+        changed = [ROWS[0], ROWS[1], row("Cy", clock=clock)]
+        after = mind.think(changed, {"Ada": 1, "Bo": 2, "Cy": hidden})
     assert after[:2] == before[:2]

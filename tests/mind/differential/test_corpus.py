@@ -1,6 +1,7 @@
 """Every construct means here what the package makes of it on DuckDB."""
 
 import math
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -53,11 +54,10 @@ def assert_the_quick_way_answers(compiled: Program) -> None:
         assert "Answer" not in compiled.tuned  # a recursion has the plain way only
         return
     moment = Moment(ROWS, MEMORIES, "own", "own")
-    tables = TunedTables(Limits())
-    (view,) = moment.views
-    answer = tables.ask(compiled.tuned["Answer"], moment, view, Within(10**9, 10, 1000, None))
-    assert len(answer[1]) == 1
-    tables.close()
+    with closing(TunedTables(Limits())) as tables:
+        (view,) = moment.views
+        answer = tables.ask(compiled.tuned["Answer"], moment, view, Within(10**9, 10, 1000, None))
+        assert len(answer[1]) == 1
 
 
 @pytest.mark.sampled

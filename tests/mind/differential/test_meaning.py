@@ -2,6 +2,7 @@
 
 import gzip
 import json
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +30,11 @@ def test_a_program_means_what_it_means_on_the_platform(record: Any) -> None:
     except ProgramError:
         assert record["title"] in REFUSED
         return
-    mind = Mind(program, "all", "all")
-    for moment in record["moments"]:
-        for decision in mind.think(FIRST["sensors"][moment["sensors"]], moment["memories"]):
-            rows = [r for r in moment["rows"] if r["robot_name"] == decision.robot_name]
-            if len(rows) == 1:  # both sides have own rules for none and several
-                powers, memory = told(decision)
-                assert powers == pytest.approx(engines(rows[0]["desire"]), rel=1e-6)
-                assert same_memory(memory, rows[0]["memory"], 1e-6)
-    mind.close()
+    with closing(Mind(program, "all", "all")) as mind:
+        for moment in record["moments"]:
+            for decision in mind.think(FIRST["sensors"][moment["sensors"]], moment["memories"]):
+                rows = [r for r in moment["rows"] if r["robot_name"] == decision.robot_name]
+                if len(rows) == 1:  # both sides have own rules for none and several
+                    powers, memory = told(decision)
+                    assert powers == pytest.approx(engines(rows[0]["desire"]), rel=1e-6)
+                    assert same_memory(memory, rows[0]["memory"], 1e-6)

@@ -3,7 +3,7 @@
 import os
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -116,27 +116,26 @@ def refuses(database: Database, sql: str) -> bool:
 
 
 def test_sql_that_does_more_than_read_is_refused(tmp_path: Path) -> None:
-    database = Database(LIMITS)
-    database.load([("Ada", "{}")], [("Ada", "kept")])
-    for sql in REFUSED:
-        with nothing_touched(tmp_path):
-            assert refuses(database, sql), sql
-        assert database.ask("SELECT memory FROM Memory", most=10)[1] == [("kept",)], sql
-    database.close()
+    with closing(Database(LIMITS)) as database:
+        database.load([("Ada", "{}")], [("Ada", "kept")])
+        for sql in REFUSED:
+            with nothing_touched(tmp_path):
+                assert refuses(database, sql), sql
+            assert database.ask("SELECT memory FROM Memory", most=10)[1] == [("kept",)], sql
 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", RUNAWAY)
 def test_runaway_sql_ends(name: str, tmp_path: Path) -> None:
-    database = Database(LIMITS)
-    database.load([("Ada", "{}")], [("Ada", "kept")])
-    with (
-        nothing_touched(tmp_path),
-        suppress(sqlite3.Error, sqlite3.Warning, TooSlowError, TooMuchError),
-    ):
-        database.ask(RUNAWAY[name], most=10_000)
-    assert database.ask("SELECT memory, upper('abc') FROM Memory", most=10)[1] == [("kept", "ABC")]
-    database.close()
+    with closing(Database(LIMITS)) as database:
+        database.load([("Ada", "{}")], [("Ada", "kept")])
+        with (
+            nothing_touched(tmp_path),
+            suppress(sqlite3.Error, sqlite3.Warning, TooSlowError, TooMuchError),
+        ):
+            database.ask(RUNAWAY[name], most=10_000)
+        query = "SELECT memory, upper('abc') FROM Memory"
+        assert database.ask(query, most=10)[1] == [("kept", "ABC")]
 
 
 @pytest.mark.sampled
