@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.running import Ask, Command
+from tests.lab.laboratory import write_files
 from tests.short import AHEAD, LEVEL
 
 
@@ -21,23 +22,17 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def level(tmp_path: Path) -> Path:
-    path = tmp_path / "short.toml"
-    path.write_text(LEVEL, encoding="utf-8")
-    return path
+    return write_files(tmp_path, {"short.toml": LEVEL}) / "short.toml"
 
 
 @pytest.fixture
 def ahead(tmp_path: Path) -> Path:
-    path = tmp_path / "ahead.l"
-    path.write_text(AHEAD, encoding="utf-8")
-    return path
+    return write_files(tmp_path, {"ahead.l": AHEAD}) / "ahead.l"
 
 
 @pytest.fixture
 def still(tmp_path: Path) -> Path:
-    path = tmp_path / "still.l"
-    path.write_text(AHEAD.replace("0.5", "0"), encoding="utf-8")
-    return path
+    return write_files(tmp_path, {"still.l": AHEAD.replace("0.5", "0")}) / "still.l"
 
 
 @pytest.fixture

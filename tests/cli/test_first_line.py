@@ -8,7 +8,7 @@ from logical_robots_tui.game.replay import load_replay
 from logical_robots_tui.lab import engines
 from tests.cli.running import Command
 from tests.game.playing import HALL
-from tests.lab.laboratory import InlineEngine, rows
+from tests.lab.laboratory import InlineEngine, rows, write_files
 
 PLAIN = """\
 Speed() = 1;
@@ -33,9 +33,7 @@ values = [0.5, 1]
 @pytest.fixture(autouse=True)
 def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("hall.toml").write_text(HALL, "utf-8")
-    Path("plain.l").write_text(PLAIN, "utf-8")
-    Path("teams.l").write_text(LIKE_TEAMS, "utf-8")
+    write_files(tmp_path, {"hall.toml": HALL, "plain.l": PLAIN, "teams.l": LIKE_TEAMS})
 
 
 def test_it_is_checked_as_one(command: Command) -> None:

@@ -9,6 +9,7 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
 from tests.cli.running import Command
+from tests.lab.laboratory import write_files
 from tests.short import AHEAD, LEVEL
 
 SIZE, DISTANCE = 11, 24.5
@@ -17,9 +18,8 @@ GOALS = ("at most 9 ticks", "never blocked", "wins from all 20 starts")
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    path = tmp_path / "goals.toml"
-    path.write_text(f"second_goals = {list(GOALS)}\n{LEVEL}", "utf-8")
-    return path
+    text = f"second_goals = {list(GOALS)}\n{LEVEL}"
+    return write_files(tmp_path, {"goals.toml": text}) / "goals.toml"
 
 
 def test_a_run_says_which_are_reached(command: Command, file: Path, ahead: Path) -> None:

@@ -7,6 +7,7 @@ import pytest
 from tests.cli.running import Command
 from tests.game.playing import BACKWARDS, COUNTER
 from tests.game.test_teams import MATCH
+from tests.lab.laboratory import write_files
 
 SCORED = f'match = {{ticks = 60}}\n{MATCH}\n[[scores]]\nkind = "hold"\narea = "Door"\npoints = 2\n'
 
@@ -14,10 +15,8 @@ SCORED = f'match = {{ticks = 60}}\n{MATCH}\n[[scores]]\nkind = "hold"\narea = "D
 @pytest.fixture(autouse=True)
 def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("match.toml").write_text(SCORED, "utf-8")
-    Path("on.l").write_text(COUNTER, "utf-8")
-    Path("off.l").write_text(BACKWARDS, "utf-8")
-    Path("broken.l").write_text("\n\nRobot(x :- ;\n", "utf-8")
+    programs = {"on.l": COUNTER, "off.l": BACKWARDS, "broken.l": "\n\nRobot(x :- ;\n"}
+    write_files(tmp_path, {"match.toml": SCORED, **programs})
 
 
 @pytest.mark.parametrize(

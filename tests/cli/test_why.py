@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from tests.cli.running import Ask, Command, shown
+from tests.lab.laboratory import write_files
 
 TWO_RULES = """\
 Speed(d) = 1 :- d > 20;
@@ -18,9 +19,7 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "near") :-
 
 @pytest.fixture
 def two(tmp_path: Path) -> Path:
-    path = tmp_path / "two.l"
-    path.write_text(TWO_RULES)
-    return path
+    return write_files(tmp_path, {"two.l": TWO_RULES}) / "two.l"
 
 
 @pytest.fixture

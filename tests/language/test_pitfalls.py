@@ -14,18 +14,10 @@ from logical_robots_tui.language.source_text import prepare
 COMPARING = ["<", ">", "<=", ">=", "==", "!=", "in", "is", "is not"]
 OPERATORS = [*COMPARING, "&&", "||", "->", "++", "+", "-", "*", "/", "%", "^"]
 PLACES = [
-    "P(y) :- {};",
-    "P(y) :- Q(y), {}, Q(y);",
-    "P(y) :- Q(y) | {};",
-    "P(y) :- ~({});",
-    "P(y) :- y == {{f: {}}};",
-    "P(y) :- y == [{}];",
-    "P(y) :- y == F({});",
-    "P(y) :- y == F(n: {});",
-    "P(y) :- y == Sum{{1 :- z in [1], {}}};",
-    "P(y) :- y == List{{{} :- z in [1]}};",
-    "P(n: {});",
-    "P(n? Max= ({})) distinct;",
+    *("P(y) :- {};", "P(y) :- Q(y), {}, Q(y);", "P(y) :- Q(y) | {};", "P(y) :- ~({});"),
+    *("P(y) :- y == {{f: {}}};", "P(y) :- y == [{}];", "P(y) :- y == F({});"),
+    *("P(y) :- y == F(n: {});", "P(y) :- y == Sum{{1 :- z in [1], {}}};"),
+    *("P(y) :- y == List{{{} :- z in [1]}};", "P(n: {});", "P(n? Max= ({})) distinct;"),
 ]
 
 

@@ -15,19 +15,9 @@ EXPRESSIONS = {
     'ArgMax{n -> v :- n in ["a", "b"], v = (if n == "a" then 2 else 1)}': "a",
 }
 NULL = [
-    'Join(null, "-")',
-    'Split(null, ",")',
-    "Sort(null)",
-    "Sqrt(null)",
-    "Sqrt(-1)",
-    "Log(0)",
-    "(1 / 0) % 2",
-    "Size(null)",
-    "null / 2",
-    "memory.a.b.c",
-    "Element([1], 7)",
-    "Min{x :- x in []}",
-    "ArgMin{x -> x :- x in []}",
+    *('Join(null, "-")', 'Split(null, ",")', "Sort(null)", "Sqrt(null)", "Sqrt(-1)"),
+    *("Log(0)", "(1 / 0) % 2", "Size(null)", "null / 2", "memory.a.b.c"),
+    *("Element([1], 7)", "Min{x :- x in []}", "ArgMin{x -> x :- x in []}"),
 ]
 
 

@@ -10,6 +10,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.world import LevelError, list_levels, load_level
 from logical_robots_tui.world.levels import load
+from tests.lab.laboratory import write_files
 
 from .records import LEVELS
 from .test_native import SMALL
@@ -28,13 +29,8 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def levels(package: Path) -> Path:
-    folder = package / "levels"
-    folder.mkdir()
-    (folder / "02-maze.toml").write_text(SMALL)
-    (folder / "01-start.toml").write_text(SMALL)
-    (folder / "03-web.json").write_text(WEB)
-    (folder / "notes.md").write_text("No level.")
-    return folder
+    names = {"02-maze.toml": SMALL, "01-start.toml": SMALL, "03-web.json": WEB}
+    return write_files(package / "levels", {**names, "notes.md": "No level."})
 
 
 def refusal(path_or_name: str | Path) -> LevelError:
@@ -123,8 +119,7 @@ def test_a_huge_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_an_ending_decides_the_format_or_else_the_first_character(tmp_path: Path) -> None:
     files = {"a.JSON": SMALL, "b.toml": WEB, "native.txt": SMALL, "web": "\n  " + WEB}
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
+    write_files(tmp_path, files)
     assert "JSON" in refusal(tmp_path / "a.JSON").message
     assert "TOML" in refusal(tmp_path / "b.toml").message
     assert load_level(str(tmp_path / "native.txt")).title == "Small"

@@ -70,12 +70,8 @@ def test_what_is_written_is_written_as_on_duckdb_and_read_back(
 
 SPELLED = ["{'n': 1, 'w': hi}", "[a, 'b']", "[{'a': x, 'l': [a, b]}]", "[[a], [b, c]]", "[1, NULL]"]
 WANTED = [
-    {"n": "Num", "w": "Str"},
-    ["Num"],
-    ["Str"],
-    ["Bool"],
-    [["Str"]],
-    [{"a": "Str", "l": ["Str"]}],
+    *({"n": "Num", "w": "Str"}, ["Num"], ["Str"]),
+    *(["Bool"], [["Str"]], [{"a": "Str", "l": ["Str"]}]),
 ]
 
 

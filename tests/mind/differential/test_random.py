@@ -108,11 +108,8 @@ def programs() -> Text:
             "truth": truths(2),
             "example": st.sampled_from(
                 [
-                    "{count: 0}",
-                    '{count: "", name: ""}',
-                    "{plan: {done: true}, name: 0}",
-                    '{seen: [{u: "", d: 0}]}',
-                    '{missing: {deep: ""}, count: 0}',
+                    *("{count: 0}", '{count: "", name: ""}', "{plan: {done: true}, name: 0}"),
+                    *('{seen: [{u: "", d: 0}]}', '{missing: {deep: ""}, count: 0}'),
                 ]
             ),
         }

@@ -87,23 +87,11 @@ def called(name: str, database: Database) -> Iterator[tuple[tuple[str, ...], int
 
 
 LIKE = [
-    ("", "", True),
-    ("", "%", True),
-    ("a", "", False),
-    ("abc", "abc", True),
-    ("abc", "ABC", False),
-    ("abc", "a%", True),
-    ("abc", "%c", True),
-    ("abc", "%b%", True),
-    ("abc", "a_c", True),
-    ("abc", "a__c", False),
-    ("aba", "ab%ba", False),
-    ("abba", "ab%ba", True),
-    ("a.c", "a.c", True),
-    ("abc", "a.c", False),
-    ("aXbXc", "a%X_", True),
-    ("line\nline", "l_ne%l%e", True),
-    ("aaab", "%a%a%a%a%b", False),
+    *(("", "", True), ("", "%", True), ("a", "", False), ("abc", "abc", True)),
+    *(("abc", "ABC", False), ("abc", "a%", True), ("abc", "%c", True), ("abc", "%b%", True)),
+    *(("abc", "a_c", True), ("abc", "a__c", False), ("aba", "ab%ba", False)),
+    *(("abba", "ab%ba", True), ("a.c", "a.c", True), ("abc", "a.c", False)),
+    *(("aXbXc", "a%X_", True), ("line\nline", "l_ne%l%e", True), ("aaab", "%a%a%a%a%b", False)),
 ]
 
 
@@ -114,19 +102,10 @@ def test_like_is_like(database: Database) -> None:
 
 
 REPLACED = [
-    "instr('abc', 'c')",
-    "instr('abc', '')",
-    "instr('abc', 'x')",
-    "instr(12345, 34)",
-    "replace('abcabc', 'b', 'xy')",
-    "replace('abc', '', 'x')",
-    "replace(121, 1, 3)",
-    "trim('  a ')",
-    "ltrim('xxa', 'x')",
-    "rtrim('axyx', 'xy')",
-    "trim(NULL)",
-    "replace('a', NULL, 'b')",
-    "'50%' LIKE '50!%' ESCAPE '!'",
+    *("instr('abc', 'c')", "instr('abc', '')", "instr('abc', 'x')", "instr(12345, 34)"),
+    *("replace('abcabc', 'b', 'xy')", "replace('abc', '', 'x')", "replace(121, 1, 3)"),
+    *("trim('  a ')", "ltrim('xxa', 'x')", "rtrim('axyx', 'xy')", "trim(NULL)"),
+    *("replace('a', NULL, 'b')", "'50%' LIKE '50!%' ESCAPE '!'"),
 ]
 
 
