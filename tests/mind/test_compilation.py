@@ -16,7 +16,7 @@ from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
 from logical_robots_tui.mind.compiling import compiler, worker
 from logical_robots_tui.processes import helper
-from tests.mind.rows import ROBOT, slow
+from tests.mind.rows import ROBOT, python, slow
 from tests.waiting import PATIENCE, until
 
 HEAVY = (
@@ -224,3 +224,43 @@ def test_compiling_tells_how_far_it_is() -> None:
     text = "A(1);\nB(x) :- A(x);\n" + ROBOT + "B(m), m < 98765;"
     Program.compile(text, report=lambda done, of_all: told.append((done, of_all)))
     assert told == [(0, 3), (1, 3), (2, 3)]
+
+
+SCRIPT = """
+import sys
+from logical_robots_tui.explain.worker import JOBS
+from logical_robots_tui.mind.compiling import worker
+
+worker.warm_up()
+jobs = {**worker._JOBS, **JOBS}
+before = set(sys.modules)
+program, *wrong = sys.argv[1:]
+kinds = '{"Robot": {}}'
+for request in (
+    *({"text": text} for text in (program, *wrong)),
+    *({"text": program, "query": query, "columns": {}} for query in ("1 + 1", "Robot(", "x > ")),
+    {"text": program, "constants": {"Near": "2"}},
+    {"text": program, "checkup": []},
+    {"text": program, "predicate": "Robot", "within": "", "kinds": kinds},
+    {"called": 'Robot(memory: "a")'},
+):
+    worker.answer(request, jobs)
+print(*sorted(set(sys.modules) - before))
+"""
+
+PROGRAM = """
+Near() = 3;
+Far(x) distinct :- x in [1, 2], x > Near();
+Robot(robot_name:, desire: {left_engine: Sum{x :- Far(x)}, right_engine: 0}, memory: "") :-
+  Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "wal";
+"""
+WRONG = (
+    "Robot(",
+    "Robot(robot_name: x) :- Snesor(robot_name: x);",
+    "P(x) :- Q(x;",
+    "A(x:) :- A(x:);",
+)
+
+
+def test_no_request_loads_a_module() -> None:
+    assert python(SCRIPT, PROGRAM, *WRONG).strip() == ""

@@ -1,4 +1,4 @@
-"""Any query about a program: a call, an expression, conditions, whole rules."""
+"""Any query about a program: a call, an expression, conditions, whole rules; and its plan."""
 
 from contextlib import closing
 from typing import Any
@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError, Table
-from tests.mind.rows import row, slow
+from logical_robots_tui.mind.asking import plan_lines
+from tests.mind.rows import PAPER, row, slow
 
 PROGRAM = """\
 # The last rule of this program has no semicolon, and then there is a comment.
@@ -160,3 +161,22 @@ def test_nonsense_is_refused_or_answered_and_never_stumbles(query: str) -> None:
 def test_columns_are_called_like_the_parameters(rules: str, columns: tuple[str, ...]) -> None:
     with closing(Mind(Program.compile(f"{rules};\n{IDLE}"))) as mind:
         assert mind.query("P", [row("Ada")], {}).columns == columns
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_the_sql_and_the_plan_are_those_of_what_is_run(plain: bool) -> None:
+    with closing(Mind(Program.compile(PAPER), plain=plain)) as mind:
+        found = mind.query_plan("Robot", [row("Ada")], {})
+    assert bool(found.tuned) is not plain
+    assert "SELECT" in found.generated
+    assert any("Sensor" in line for line in found.plan)
+    assert found.milliseconds > 0
+
+
+def test_a_function_and_an_input_have_no_plan_and_steps_of_one_are_indented() -> None:
+    with closing(Mind(Program.compile(PAPER))) as mind:
+        for predicate, reason in (("FreedomMotion", "function of its arguments"), ("Sensor", None)):
+            with pytest.raises(QueryError, match=reason):
+                mind.query_plan(predicate, [row("Ada")], {})
+    rows = [(2, 0, 0, "outer"), (5, 2, 0, "inner"), (7, 0, 0, "next")]
+    assert plan_lines(rows) == ("outer", "  inner", "next")
