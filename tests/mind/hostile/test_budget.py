@@ -274,7 +274,7 @@ def test_an_aggregate_holds_no_more_than_it_is_charged_for(name: str, item: str)
 
 @pytest.mark.parametrize(
     ("count", "most", "growth"),
-    [(30, 6 * 1024**2, 60 * 1024**2), slow(90, Limits().aggregate_bytes, GROWTH)],
+    [(8, 2 * 1024**2, 20 * 1024**2), slow(90, Limits().aggregate_bytes, GROWTH)],
 )
 def test_what_aggregates_hold_is_bounded(count: int, most: int, growth: int) -> None:
     sets = ", ".join(f"s{n}? Set= {{a: {{b: {{}}, c: x + {n}}}}}" for n in range(count))
