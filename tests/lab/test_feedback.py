@@ -20,18 +20,7 @@ from logical_robots_tui.toml_files import TomlFileError
 from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS, STANDING, rows, write_files
 
-ASSIGNMENT = """
-[assignment]
-starts = 0
-roster = "roster.csv"
-by_hand = "by-hand.csv"
-[[level]]
-name = "01-first-steps"
-[late]
-after = 2026-01-31T12:00:00Z
-extensions = "extensions.csv"
-keep = 0.5
-"""
+ASSIGNMENT = Path(__file__).with_name("feedback.toml").read_text("utf-8")
 
 
 @pytest.fixture

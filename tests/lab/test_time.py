@@ -27,16 +27,7 @@ from tests.waiting import PATIENCE
 HEAVY = "N(x) :- x in Range(100);\n" + STILL.format(
     "Sum{x * y :- N(x), N(y)} + sensor.clock", '""', SENSOR
 )
-ASSIGNMENT = """
-[assignment]
-starts = 0
-ticks = 150
-roster = "roster.csv"
-[[level]]
-name = "01-first-steps.toml"
-[[level]]
-name = "02-open-space"
-"""
+ASSIGNMENT = Path(__file__).with_name("time.toml").read_text("utf-8")
 
 
 def test_a_program_that_thinks_too_much_is_too_slow_at_a_tick_that_is_always_the_same() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Collection, Sequence
 from contextlib import closing
 from dataclasses import asdict, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -29,19 +30,7 @@ ROBOT = (
     "Sensor(robot_name:, sensor:), "
 )
 
-PAPER = """\
-FreedomMotion(radar) = WeightedAverage {
-  x.distance -> x.angle :- x in radar
-};
-Robot(robot_name:, desire:, memory: "I am a robot") :-
-  Sensor(robot_name:, sensor:),
-  freedom = FreedomMotion(sensor.radar),
-  speed = 0.5,
-  desire = {
-    left_engine:  speed - freedom + 0.1,
-    right_engine: speed + freedom
-  };
-"""
+PAPER = Path(__file__).with_name("paper.l").read_text("utf-8")
 
 
 def ray(index: int, distance: int = 200, seen: str = "none", label: str = "nothing") -> Any:

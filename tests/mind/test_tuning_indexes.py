@@ -1,6 +1,7 @@
 """Indexes: few robots make them for joins with rows of lists only, and think the same."""
 
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -8,22 +9,7 @@ import pytest
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import ROBOT, row, slow, think
 
-LISTS = f"""
-Road(robot_name:, start: r.start, finish: r.finish) distinct :-
-  Memory(robot_name:, memory:), r in memory.roads;
-Known(label: p.label, far? Min= p.far) distinct :- Memory(memory:), p in memory.places;
-Near(robot_name:, label: ray.label, distance: ray.distance) :-
-  Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "beacon";
-Place(label: finish, far? Min= far + 1) distinct :-
-  Road(start:, finish:), Known(label: start, far:);
-Ahead(robot_name:, far? Min= far) distinct :- Near(robot_name:, label:), Place(label:, far:);
-{ROBOT} m = {{
-  ahead: AnyValue{{f :- Ahead(robot_name:, far: f)}},
-  far: Sum{{f :- Place(far: f)}},
-  loops: Sum{{1 :- Road(start: a, finish: b), Road(start: b, finish: a)}},
-  mine: Sum{{f :- Road(robot_name:, start: s), Known(label: s, far: f)}}
-}};
-"""
+LISTS = Path(__file__).with_name("lists.l").read_text("utf-8")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Predicates that are asked row by row of others are computed once, and mean the same."""
 
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -8,16 +9,7 @@ import pytest
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import ROBOT, row, slow, think
 
-GAPS = f"""
-Pair(robot_name:, left: r.angle, right: q.angle) :-
-  Sensor(robot_name:, sensor:), r in sensor.radar, q in sensor.radar, r.angle > q.angle;
-Blocked(robot_name:, left:, right:) distinct :-
-  Pair(robot_name:, left:, right:), Sensor(robot_name:, sensor:), r in sensor.radar,
-  r.distance < 60, r.angle <= left, r.angle >= right;
-Gap(robot_name:, middle? ArgMax= (left + right) / 2 -> left - right) distinct :-
-  Pair(robot_name:, left:, right:), ~Blocked(robot_name:, left:, right:);
-{ROBOT} m = Max{{g :- Gap(robot_name:, middle: g)}};
-"""
+GAPS = Path(__file__).with_name("gaps.l").read_text("utf-8")
 """The widest gap between what is near: for each pair of rays it is asked what is between them."""
 
 

@@ -5,6 +5,7 @@ import re
 from collections import OrderedDict
 from contextlib import closing
 from dataclasses import asdict, replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,25 +20,7 @@ from logical_robots_tui.mind.sqlite.layouts import fillings
 from logical_robots_tui.mind.tuning import tune
 from tests.mind.rows import ROBOT, nearly_same, remembered, row, slow, think
 
-ROADS = """
-Road(start: r.start, best? ArgMin= r.length -> r.doubt, doubt? Min= r.doubt) distinct :-
-  Memory(memory:), r in memory.report;
-Road(start: r.start, best? ArgMin= r.length -> r.doubt, doubt? Min= r.doubt) distinct :-
-  Memory(memory:), r in memory.roads;
-Longest(start:, road? ArgMax= {length:, doubt:} -> length) distinct :-
-  Road(start:, best: length, doubt:);
-Mine(robot_name:, start: r.start) :- Memory(robot_name:, memory:), r in memory.report;
-Number(n? Count= start) distinct :- Mine(start:);
-Starts(items? List= start) distinct :- Mine(start:);
-"""
-TOLD = f"""{ROADS}{ROBOT}
-  m = {{
-    roads: List{{{{start:, best:, doubt:}} :- Road(start:, best:, doubt:)}},
-    longest: List{{{{start:, road:}} :- Longest(start:, road:)}},
-    number: Max{{n :- Number(n:)}}, starts: AnyValue{{i :- Starts(items: i)}},
-    mine: List{{s :- Mine(robot_name:, start: s)}}
-  }};
-"""
+TOLD = Path(__file__).with_name("roads.l").read_text("utf-8")
 
 number = st.integers(-3, 3) | st.sampled_from([0.5, -2.25, 1e15, float("inf"), float("-inf")])
 value = st.none() | st.booleans() | number | st.sampled_from(["A", "B", "", "é", '{"a":1}'])

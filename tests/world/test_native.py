@@ -11,20 +11,7 @@ from logical_robots_tui.world.level import LevelQuestion
 
 FULL = Path(__file__).with_name("full.toml")
 
-SMALL = """\
-title = "Small"
-cell = 10
-walls = '''
-####
-#..#
-####
-'''
-
-[[robots]]
-name = "Ann"
-x = 15
-y = 15
-"""
+SMALL = Path(__file__).with_name("small.toml").read_text("utf-8")
 
 
 def write(folder: Path, text: str) -> Path:
