@@ -8,50 +8,16 @@ from logical_robots_tui.cli.check import diagnostics
 from logical_robots_tui.game import list_programs, load_program
 from tests.cli.running import Command
 
-ROBOT = "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}"
-SENSOR = "Sensor(robot_name:, sensor:)"
-BROKEN = f"""\
-Robot(robot_name:, desire:, memory: "") :-
-  {SENSOR},
-\tdesire = {{left_engine: sensor.clok, right_engine: Sqrtt(2)}};
-"""
-DOUBTFUL = f"{ROBOT}) :- Sensor(robot_name:);\n"
-HERE = f"{ROBOT},\n  memory: {{order: 1}}) :- Sensor(robot_name:);\n"
-NAMED = f"""\
-Robot(robot_name:, desire: {{left_engine: speed, right_engine: 1}}, memory: "") :-
-  {SENSOR},
-  short = sensor.forward_distance < 60, speed = (if short then 1 else 0);
-"""
-SEEKING = f'{ROBOT}, memory: "") :-\n  {SENSOR}, sensor.forward_label != "Hrbour";\n'
+CHECKED = {
+    name: case.split("-- told\n")
+    for name, _, case in (
+        part.partition("\n")
+        for part in Path(__file__).with_name("checked.txt").read_text("utf-8").split("== ")[1:]
+    )
+}
+"""Programs by name, each with what is told about it."""
 
-BROKEN_IS = """\
-{}:3:32: error: A sensor has no field clok
-   desire = {{left_engine: sensor.clok, right_engine: Sqrtt(2)}};
-                                 ^^^^
-  Did you mean clock?
-{}:3:52: error: Sqrtt is not defined
-   desire = {{left_engine: sensor.clok, right_engine: Sqrtt(2)}};
-                                                     ^^^^^
-  Did you mean Sqrt?
-"""
-HERE_IS = """\
-{}:2:12: warning: order is a word of SQL, which the web platform can't read as a field
-    memory: {{order: 1}}) :- Sensor(robot_name:);
-             ^^^^^
-  Choose another name.
-"""
-NAMED_IS = """\
-{}:3:3: warning: '=' is read before '<': this means (short = sensor.forward_distance) < 60
-    short = sensor.forward_distance < 60, speed = (if short then 1 else 0);
-    ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
-  Put the comparison in parentheses: short = (sensor.forward_distance < 60).
-"""
-SEEKING_IS = """\
-{}:2:57: warning: No robot, beacon or solid area of this level is called "Hrbour"
-    Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";
-                                                          ^^^^^^^^
-  Did you mean "Harbour"?
-"""
+DOUBTFUL = "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}) :- Sensor(robot_name:);\n"
 
 
 @pytest.fixture
@@ -60,24 +26,21 @@ def program(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("text", "options", "status", "lines"),
+    ("name", "options", "status", "is_told"),
     [
-        (BROKEN, (), 2, BROKEN_IS),
-        (HERE, (), 0, ""),
-        (HERE, ("--web",), 0, HERE_IS),
-        (NAMED, (), 0, NAMED_IS),
-        (NAMED, ("--web",), 0, NAMED_IS),
-        (NAMED, ("--level", "01-first-steps"), 0, NAMED_IS),
-        (SEEKING, (), 0, ""),
-        (SEEKING, ("--level", "05-lighthouse"), 0, SEEKING_IS),
+        *(("broken", (), 2, True), ("here", (), 0, False), ("here", ("--web",), 0, True)),
+        *(("named", (), 0, True), ("named", ("--web",), 0, True)),
+        ("named", ("--level", "01-first-steps"), 0, True),
+        *(("seeking", (), 0, False), ("seeking", ("--level", "05-lighthouse"), 0, True)),
     ],
 )
 def test_what_is_wrong_is_told_with_its_line_a_caret_and_a_hint(
-    command: Command, program: Path, text: str, options: tuple[str, ...], status: int, lines: str
+    command: Command, program: Path, name: str, options: tuple[str, ...], status: int, is_told: bool
 ) -> None:
+    text, lines = CHECKED[name]
     program.write_text(text)
     told = command("check", program, *options)
-    assert (told.status, told.out) == (status, lines.format(program, program))
+    assert (told.status, told.out) == (status, lines.format(program, program) if is_told else "")
 
 
 def test_a_program_that_can_run_is_met_with_silence_or_warnings_and_one_that_is_missing_is_told(
@@ -88,12 +51,12 @@ def test_a_program_that_can_run_is_met_with_silence_or_warnings_and_one_that_is_
     assert command("check", program).refusal.count("\n") == 1
     program.write_text(DOUBTFUL)
     assert ":1:1: warning: Robot sets no memory" in command("check", program).success
-    program.write_text(HERE)
+    program.write_text(CHECKED["here"][0])
     assert command("check", program, "--web", "--json").data["ok"] is True
 
 
 def test_one_mistake_of_several_is_enough(command: Command, program: Path, ahead: Path) -> None:
-    program.write_text(BROKEN)
+    program.write_text(CHECKED["broken"][0])
     told = command("check", ahead, program, "--json")
     assert (told.status, told.data["ok"]) == (2, False)
     fine, wrong = told.data["programs"]

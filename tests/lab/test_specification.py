@@ -27,21 +27,7 @@ from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, write_experiment, write_files
 
 BEGIN = '[experiment]\nlevel = "01-first-steps"\nprogram = "first.l"\n'
-TANGLED = """
-[experiment]
-level = "01-first-steps"
-starts = -1
-tics = 20
-[[vary]]
-constant = "Near"
-values = 3
-[[vary]]
-values = [1]
-frm = 2
-[measure]
-won = 3
-[limit]
-"""
+TANGLED = Path(__file__).with_name("tangled.toml").read_text("utf-8")
 TOURNAMENTS = {
     '[tournament]\nlevel = "16-nope"\ntitel = "x"\n': ["2: ", "3: "],
     '[tournament]\nformat = "knockout"\nstarts = -1\nseats = 2\n': ["1: ", "2: ", "3: ", "4: "],

@@ -17,26 +17,9 @@ from tests.lab.laboratory import ENDLESS, exported, killed, page_of, recorded, r
 
 HILL = Path(__file__).with_name("hill.txt").read_text("utf-8")
 ROBOTS = {"red": (40, 20, 0), "blue": (160, 30, 180), "gold": (160, 20, 180), "green": (40, 30, 0)}
-TEAM = """
-[[teams]]
-name = "{team}"
-[[robots]]
-name = "of {team}"
-team = "{team}"
-x = {x}
-y = {y}
-heading = {heading}
-"""
+TEAM = Path(__file__).with_name("team.txt").read_text("utf-8")
 
-ARENA = """
-[tournament]
-title = "The hill"
-level = "hill.toml"
-starts = {starts}
-{more}
-[limits]
-steps = 100_000
-"""
+ARENA = Path(__file__).with_name("arena.txt").read_text("utf-8")
 
 DRIVE = """
 Robot(robot_name:, desire: {{left_engine: {speed}, right_engine: {speed}}}, memory: "") :-

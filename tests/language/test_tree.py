@@ -3,6 +3,7 @@
 import dataclasses
 import re
 from functools import cache
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -17,19 +18,7 @@ from tests.mind.test_no_false_alarm import SUBTLE
 
 package_patches.install()  # as in the compile process
 
-FORMS = """
-Fact("a", 1.5, {x: true, y: null}, [1, [2]]);
-Sum(total? += x * 2, best? Max= x) distinct :- Fact(y, x) | Fact(x, y), ~Fact(x:);
-Chosen(x) = (if x > 1 then "many" else if x == 1 then "one" else "none");
-Double(x) --> x + x;
-Rest(a:, ..r) :- Other(a:, ..r), Cast(a, "INT64") == 3;
-Close(x) :- ((if x > 1 then 2 else x) ) is not null, (x + 1) * (x - 2) == (if x == 1 then x else 2),
-  (Fact(x, y) | (y == 2)), x == ((1) + 2), ~(Fact(x, y), (x + 1) in [1]), ")" ++ x == (x ++ "(");
-Made := Old(Near: Far, Limit: 3);
-@Limit(Rest, 3);
-@OrderBy(Rest, "a DESC");
-Odd(x) couldbe :- x in [1, 3] && x != 2, n += (1 :- Odd(y)), z == ArgMax{y -> x :- Odd(y)};
-"""
+FORMS = Path(__file__).with_name("forms.l").read_text("utf-8")
 
 PAIR = re.compile(r"\([^(){}[\]]*\)|\[[^(){}[\]]*\]|{[^(){}[\]]*}")
 

@@ -1,5 +1,7 @@
 """The constructs of Logica, as a robot's program meets them."""
 
+from pathlib import Path
+
 import pytest
 
 from tests.mind.differential.comparing import here
@@ -26,23 +28,7 @@ def test_an_expression_has_its_value_and_null_gives_null() -> None:
     assert all_remembered(NULL) == dict.fromkeys(NULL)
 
 
-RULES = """
-Double(x) = 2 * x;
-P(1); P(2);
-Has(x) = y :- y += 1, P(x);
-Or(x) :- P(x), x > 1 | x == 9, P(1);
-Total() += x :- P(x);
-Row(a: 1, b: 2); Row(a: 1, b: 3);
-Most(a:, b? Max= b) distinct :- Row(a:, b:);
-Copy(..r) :- Row(..r);
-Q(5); F(x) :- P(x); G := F(P: Q);
-Best(x) ArgMin= n -> v :- x = 1, n in [3, 4], v = 10 - n;
-Edge(1, 2); Edge(2, 3);
-Reach(a, b) distinct :- Edge(a, b);
-Reach(a, c) distinct :- Reach(a, b), Edge(b, c);
-@OrderBy(Last, "col0 DESC"); @Limit(Last, 1); Last(x) :- x in [1, 3, 2];
-Angle(radar) = ArgMax{r.angle -> r.distance :- r in radar};
-"""
+RULES = Path(__file__).with_name("rules.l").read_text("utf-8")
 
 
 def test_rules_mean_what_they_say() -> None:

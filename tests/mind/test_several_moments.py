@@ -2,6 +2,7 @@
 
 from contextlib import closing
 from functools import cache
+from pathlib import Path
 from typing import Literal
 
 import pytest
@@ -15,15 +16,7 @@ from tests.mind.rows import VISIBILITIES, row
 
 Rows = list[dict[str, Value]]
 
-TEXT = """
-Met(robot_name:, who: ray.label) distinct :-
-  Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "robot";
-Heard(robot_name:, other:, n:) :-
-  Sensor(robot_name:), Memory(robot_name: other, memory:), n = memory.n, n > 1;
-Most(robot_name:, best? Max= n) distinct :- Heard(robot_name:, n:), ~Met(robot_name:, who: "Cy");
-Robot(robot_name:, desire: {left_engine: best, right_engine: 0}, memory: {n: best}) :-
-  Most(robot_name:, best:), best > 2;
-"""
+TEXT = Path(__file__).with_name("moments.l").read_text("utf-8")
 ROBOTS = ("Ada", "Bo", "Cy")
 SIGHTS = st.dictionaries(
     st.integers(0, 30),
