@@ -144,7 +144,7 @@ def test_a_picture_has_the_names_of_beacons_and_areas(
     drawn = command("level", "show", name).out
     assert command("level", "show", name, "--svg", path).status == 0
     for kind in (level.beacons, level.areas):
-        for wanted, times in Counter(each.name for each in kind).items():
+        for wanted, times in Counter(item.name for item in kind).items():
             assert drawn.count(wanted) >= times
             assert path.read_text("utf-8").count(f">{escape(wanted)}<") >= times
 

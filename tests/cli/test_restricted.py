@@ -253,18 +253,18 @@ def test_a_folder_that_cant_be_made_is_told_in_a_sentence(tmp_path: Path) -> Non
 def test_a_player_has_so_many_games_and_no_more(tmp_path: Path) -> None:
     games = [opened(game(tmp_path, "--plain", "02-open-space")) for _ in range(MOST_GAMES)]
     try:
-        for each in games:
-            assert each.stdout is not None
-            while "Type help" not in each.stdout.readline():
-                assert each.poll() is None
+        for process in games:
+            assert process.stdout is not None
+            while "Type help" not in process.stdout.readline():
+                assert process.poll() is None
         assert f"You have {MOST_GAMES} games open" in in_lines(tmp_path, "").refusal
         games[0].kill()
         games[0].wait(PATIENCE)
         assert in_lines(tmp_path, "quit\n").status == 0
     finally:
-        for each in games:
-            each.kill()
-            each.communicate(timeout=PATIENCE)
+        for process in games:
+            process.kill()
+            process.communicate(timeout=PATIENCE)
 
 
 def test_a_player_in_lines_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None:
@@ -284,8 +284,8 @@ def test_a_player_in_lines_is_told_of_another_game_and_can_end_it(tmp_path: Path
     games = [OpenGames(own) for _ in range(MOST_GAMES)]
     with pytest.raises(InputError, match=f"You have {MOST_GAMES} games open"):
         OpenGames(own)
-    for each in games:
-        release(each._handle)
+    for other in games:
+        release(other._handle)
 
 
 @pytest.mark.slow

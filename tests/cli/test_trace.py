@@ -52,7 +52,7 @@ def test_one_robot_only(command: Command, ahead: Path) -> None:
     told = command("trace", "04-everybody-home", ahead, "--ticks", 1, "--robot", second)
     (line,) = lines(told.out)
     assert [robot["name"] for robot in line["robots"]] == [second]
-    assert [each["robot"] for each in line["decisions"]] == [second]
+    assert [decision["robot"] for decision in line["decisions"]] == [second]
     assert list(line["sensors"]) == list(line["memories"]) == [second]
 
 

@@ -129,7 +129,7 @@ def test_what_was_not_run_or_not_matched_stays_ungraded(exported: Path) -> None:
     ]
     with folder.ledger() as ledger:
         found = grades_of(msgspec.structs.replace(manifest, students=tuple(students)), ledger)
-    assert {each.student.id for each in found if each.points is None} == {"4"}
+    assert {grade.student.id for grade in found if grade.points is None} == {"4"}
 
 
 def test_the_report_is_one_page_and_says_what_is_missing_without_the_extra(

@@ -99,7 +99,7 @@ def test_exports_of_moodle_canvas_gradescope_and_nbgrader_are_matched(tmp_path: 
         },
         ROSTER + "1004,Dot\n",
     )
-    got = {each.id: (each.submission, each.late, each.remarks) for each in manifest.students}
+    got = {s.id: (s.submission, s.late, s.remarks) for s in manifest.students}
     assert got == {
         "1001": ("Ada Lovelace_398021", False, ()),
         "1002": ("müllerzoë_12345", True, ()),
@@ -163,7 +163,7 @@ def test_a_roster_of_a_spreadsheet_is_read_and_misspelt_columns_are_told(tmp_pat
     files = {"ada.l": "one"}
     for separator in ",;\t":
         manifest = planned(tmp_path, files, f"\ufeffid{separator}submision\r\nada{separator}x\r\n")
-        assert [(each.id, each.submission) for each in manifest.students] == [("ada", "ada")]
+        assert [(s.id, s.submission) for s in manifest.students] == [("ada", "ada")]
         assert account_of(manifest)[1:] == [
             'roster.csv: The column "submision" is not known. Did you mean "submission"?'
         ]
@@ -181,7 +181,7 @@ def test_a_roster_of_a_spreadsheet_is_read_and_misspelt_columns_are_told(tmp_pat
 )
 def test_a_submission_is_matched_without_marks(tmp_path: Path, file: str, roster: str) -> None:
     manifest = planned(tmp_path, {f"{file}.l": "one"}, f"id,{roster}")
-    assert [(each.id, each.submission) for each in manifest.students] == [("7", file)]
+    assert [(student.id, student.submission) for student in manifest.students] == [("7", file)]
 
 
 def test_before_it_runs_it_says_who_was_matched(tmp_path: Path, command: Command) -> None:

@@ -69,10 +69,10 @@ def test_what_is_sampled_is_sampled_together_and_crossed_with_the_rest() -> None
         sample={"count": 5},
     )
     assert len(found) == 10
-    points = [(each["Near"], each["robots.*.heading"]) for each in found]
+    points = [(setting["Near"], setting["robots.*.heading"]) for setting in found]
     assert points[:5] == points[5:]
     assert len({*points}) == 5
-    assert [each["title"] for each in found] == ["a"] * 5 + ["b"] * 5
+    assert [setting["title"] for setting in found] == ["a"] * 5 + ["b"] * 5
 
 
 @given(

@@ -73,9 +73,9 @@ def test_strengths_are_those_that_the_shares_were_made_with() -> None:
 
 def test_the_better_one_is_first_and_equal_ones_share_their_ranks() -> None:
     ranking = ranking_of_shares(NAMES, PAIRS, some_shares())
-    assert [each.player for each in ranking.standings[:3]] == ["ada", "ben", "cem"]
-    assert [each.rank for each in ranking.standings] == ["1", "2", "3", "4-5", "4-5"]
-    assert all(each.low <= each.share <= each.high for each in ranking.standings)
+    assert [standing.player for standing in ranking.standings[:3]] == ["ada", "ben", "cem"]
+    assert [standing.rank for standing in ranking.standings] == ["1", "2", "3", "4-5", "4-5"]
+    assert all(standing.low <= standing.share <= standing.high for standing in ranking.standings)
     assert ranking.pairings["ada", "ben"].share == 1 - ranking.pairings["ben", "ada"].share
     assert ranking == ranking_of_shares(NAMES, PAIRS, some_shares()), "the same each time"
 
@@ -113,7 +113,7 @@ def test_rock_paper_and_scissors_are_a_cycle() -> None:
     shares = np.array([[float((names[i], names[j]) in won)] * 3 for i, j in pairs])
     ranking = ranking_of_shares(names, pairs, shares)
     assert ranking.cycles == (("paper", "rock", "scissors"),)
-    assert [each.rank for each in ranking.standings] == ["1-3", "1-3", "1-3", "4"]
+    assert [standing.rank for standing in ranking.standings] == ["1-3", "1-3", "1-3", "4"]
     assert ranking_of_shares(names, pairs, np.full_like(shares, 0.5)).cycles == ()
 
 
@@ -122,13 +122,13 @@ def test_matches_that_are_missing_are_left_out() -> None:
     shares[0, 3] = np.nan
     shares[1] = np.nan
     ranking = ranking_of_shares(NAMES, PAIRS, shares)
-    played = {each.player: each.pairings for each in ranking.standings}
+    played = {standing.player: standing.pairings for standing in ranking.standings}
     assert played == {"ada": 3, "ben": 4, "cem": 3, "dot": 4, "eve": 4}
     assert ("ada", "cem") not in ranking.pairings
     assert ranking.pairings["ada", "ben"].share == pytest.approx(np.nanmean(shares[0]))
     # Before the first match nothing is known.
     ranking = ranking_of_shares(NAMES, PAIRS, np.full((len(PAIRS), 3), np.nan))
-    assert [each.rank for each in ranking.standings] == ["1-5"] * 5
+    assert [standing.rank for standing in ranking.standings] == ["1-5"] * 5
     assert not ranking.pairings
 
 
@@ -152,10 +152,10 @@ def rounds_of(count: int, rounds: int) -> list[tuple[tuple[int, int], ...]]:
 def test_nobody_meets_anybody_twice_in_a_swiss_tournament(count: int, rounds: int) -> None:
     found = rounds_of(count, rounds)
     assert len(found) == rounds
-    pairs = [pair for each in found for pair in each]
+    pairs = [pair for meetings in found for pair in meetings]
     assert len(set(pairs)) == len(pairs) == rounds * (count // 2)
-    rests = [(set(range(count)) - {n for pair in each for n in pair}) for each in found]
-    assert [len(each) for each in rests] == [count % 2] * rounds
+    rests = [(set(range(count)) - {n for pair in meetings for n in pair}) for meetings in found]
+    assert [len(rest) for rest in rests] == [count % 2] * rounds
     assert len(set().union(*rests)) == rounds * (count % 2), "nobody rests twice"
     assert found == rounds_of(count, rounds)
 

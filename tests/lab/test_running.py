@@ -150,12 +150,12 @@ def test_a_run_that_takes_too_long_is_not_a_result() -> None:
 def test_a_run_that_is_explained_is_the_same_run_and_always_explained_alike() -> None:
     turning = STILL.format("0.5", '""', SENSOR)
     plain, *explained = (
-        only(execute(task(turning, is_explained=each))) for each in (False, True, True)
+        only(execute(task(turning, is_explained=is_on))) for is_on in (False, True, True)
     )
     assert explained[0] == explained[1]
     paths, findings = explained[0].paths, explained[0].findings
     assert plain == msgspec.structs.replace(explained[0], paths={}, findings=())
-    assert [each.kind for each in findings] == ["unfinished"]
+    assert [finding.kind for finding in findings] == ["unfinished"]
     assert 100 < len(paths["Ada"]) <= 201
     end = plain.ends[0]
     assert paths["Ada"][-1] == (round(end.x), round(end.y))

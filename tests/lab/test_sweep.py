@@ -163,7 +163,7 @@ def test_a_silent_worker_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     def stop_the_worker() -> None:
         if not stopped and recorded(folder.path) > 0:
-            stopped.extend(each.pid or 0 for each in multiprocessing.active_children())
+            stopped.extend(child.pid or 0 for child in multiprocessing.active_children())
             for pid in stopped:
                 os.kill(pid, signal.SIGSTOP)
 

@@ -256,5 +256,5 @@ def test_with_four_teams_each_player_has_each_seat_once(tmp_path: Path, command:
         seats = [cell.settings for cell in manifest.cells if set(cell.settings.values()) == names]
         assert len(seats) == 2
         for team in teams:
-            assert {each[team] for each in seats} == names
+            assert {seat[team] for seat in seats} == names
     assert rows(out / "ranking.csv")[0]["player"] == "fast"

@@ -15,7 +15,7 @@ RAY = "Sensor(robot_name:, sensor:), ray in sensor.radar"
 def mentioned(text: str) -> list[tuple[str, str]]:
     parsed = parse(prepare(text))
     found = Inference(parsed.statements, text, parsed.doubtful).mentions
-    return [(each.text, each.of) for each in found]
+    return [(mention.text, mention.of) for mention in found]
 
 
 LABELS = [
@@ -52,7 +52,7 @@ def test_a_label_is_recognised_wherever_it_comes_from_and_other_texts_are_not_na
 
 def told(text: str, of: str) -> list[tuple[str, str]]:
     found = unknown_names([Mention(text, of, 1, 1, "")], NAMES)
-    return [(each.message, each.hint) for each in found]
+    return [(remark.message, remark.hint) for remark in found]
 
 
 def test_an_unknown_name_is_told_with_the_nearest_and_a_label_of_the_level_is_not() -> None:

@@ -65,7 +65,7 @@ def test_what_the_parser_reads_first_is_marked_in_its_column(*, is_all: bool) ->
 
 
 def test_in_a_body_the_parser_reads_every_condition_and_arrow_after_an_equation() -> None:
-    late = [each for each in OPERATORS if is_read_first(PLACES[0], each)]
+    late = [operator for operator in OPERATORS if is_read_first(PLACES[0], operator)]
     assert late == ["<", ">", "<=", ">=", "==", "!=", "in", "&&", "||", "->"]
 
 

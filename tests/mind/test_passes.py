@@ -25,7 +25,7 @@ Moment = tuple[Sequence[SensorRow], Mapping[str, Value]]
 
 PAGE = Path(__file__).parents[2] / "docs" / "speed.md"
 
-OPTIONAL = [each.name for each in PASSES if not each.required]
+OPTIONAL = [step.name for step in PASSES if not step.required]
 LEFT_OUT: list[Collection[str]] = [*({name} for name in OPTIONAL), OPTIONAL]
 """Each pass alone, and all of them together."""
 
@@ -83,7 +83,7 @@ def check(
 
 
 def test_each_pass_has_a_name_of_its_own_and_is_documented() -> None:
-    assert len({each.name for each in PASSES}) == len(PASSES)
+    assert len({step.name for step in PASSES}) == len(PASSES)
     for each in PASSES:
         assert f"`{each.name}`" in PAGE.read_text(encoding="utf-8")
 

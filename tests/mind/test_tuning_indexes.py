@@ -130,6 +130,6 @@ def test_memories_are_found_by_name_and_not_by_a_constant_in_them(robots: int) -
     ]
     memories: dict[str, Any] = {name: {"settled": n % 2 == 0} for n, name in enumerate(names)}
     found: list[Any] = [d.memory for d in think(text, rows, memories, memory="seen")]
-    assert all(each["distance"] for each in found)
+    assert all(memory["distance"] for memory in found)
     made = automatic(Program.compile(text), rows, memories, "seen")
     assert not [line for line in made if "Settled" not in line]

@@ -40,7 +40,7 @@ def emptied(level: Level, **charges: float) -> World:
 
 
 def charges(world: World) -> dict[str, float]:
-    return {each.name: each.battery_level for each in world.robots}
+    return {robot.name: robot.battery_level for robot in world.robots}
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,7 @@ def test_a_circle_of_predicates_is_marked_once(tmp_path: Path) -> None:
     text = f"{CIRCLE} P(n? Max= x) distinct :- A(x);"
     ((steps,),) = there(text, tmp_path)
     assert steps < 7
-    assert [each.excerpt for each in remarks(text)] == ["A"]
+    assert [remark.excerpt for remark in remarks(text)] == ["A"]
 
 
 def is_refused(
