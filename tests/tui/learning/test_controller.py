@@ -178,6 +178,14 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
         await game.sees("of 20 varied starts")
 
 
+async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short: Path) -> None:
+    text = load_program("first-steps-starter").text
+    async with opened(data_dir, level=short, text=text, ready=True) as game:
+        await game.press(*["plus"] * 6, "space", sees="Won by a reference program")
+    assert record_of(data_dir).record(str(short)).state == "started"
+    assert versions(data_dir, short) == []
+
+
 async def test_applied_programs_and_the_starter_come_back(data_dir: Path, short: Path) -> None:
     starter = load_program("obstacle-avoider").text
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
