@@ -9,7 +9,7 @@ import pytest
 from logical_robots_tui.game import Game
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Level
-from tests.game.playing import COUNTER, Play, game, hall
+from tests.game.playing import COUNTER, Play, hall
 from tests.virtual_time import VirtualClock, VirtualLoop
 
 
@@ -30,24 +30,20 @@ def level(tmp_path: Path) -> Level:
 
 
 @pytest.fixture
-async def hall_game(tmp_path: Path) -> AsyncIterator[Game]:
-    made = game(tmp_path, clock=VirtualClock())
-    yield made
-    await made.close()
+async def game(play: Play) -> Game:
+    return play(clock=VirtualClock())
 
 
 @pytest.fixture
-async def play(tmp_path: Path) -> AsyncIterator[Play]:
-    opened: list[Game] = []
+async def play(level: Level) -> AsyncIterator[Play]:
+    games: list[Game] = []
 
-    def open_game(
-        program: str | Program = COUNTER, level: Level | None = None, **options: Any
-    ) -> Game:
+    def open_game(program: str | Program = COUNTER, level: Level = level, **options: Any) -> Game:
         compiled = Program.compile(program) if isinstance(program, str) else program
-        opened.append(Game(level or hall(tmp_path), compiled, **options))
-        opened[-1].pace.speed = None
-        return opened[-1]
+        games.append(Game(level, compiled, **options))
+        games[-1].pace.speed = None
+        return games[-1]
 
     yield open_game
-    for each in opened:
-        await each.close()
+    for game in games:
+        await game.close()

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any, Protocol
 
-from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game import Game
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Level, load_level
@@ -58,15 +57,9 @@ def hall(tmp_path: Path) -> Level:
     return load_level(path)
 
 
-def game(tmp_path: Path, text: str = COUNTER, clock: Clock = CLOCK) -> Game:
-    made = Game(hall(tmp_path), Program.compile(text), clock=clock)
-    made.pace.speed = None
-    return made
-
-
 class Play(Protocol):
     """Opens a game, flat out and in the hall unless told otherwise, that is closed at the end."""
 
     def __call__(
-        self, program: str | Program = COUNTER, level: Level | None = None, **options: Any
+        self, program: str | Program = COUNTER, level: Level = ..., **options: Any
     ) -> Game: ...

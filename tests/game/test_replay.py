@@ -23,7 +23,7 @@ from logical_robots_tui.game.replay import Replay, Verifier, gather, load_replay
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world.level import alike
 from tests.damage import Change, changed, changes
-from tests.game.playing import BACKWARDS, Play, game
+from tests.game.playing import BACKWARDS, Play, hall
 from tests.game.test_live_edits import LEVEL, counter, edited, edits
 from tests.mind.hostile.bounds import bounded_memory, bounded_work
 
@@ -146,7 +146,7 @@ async def test_without_programs_the_world_is_the_same_and_nothing_of_them_is_in_
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Replay:
     async def play() -> Replay:
-        played = game(tmp_path_factory.mktemp("whole"))
+        played = Game(hall(tmp_path_factory.mktemp("whole")), counter())
         await played.run_until(tick=20)
         played.change_level(played.level, {"Ada": (60.0, 25.0, 1.0)})
         await played.run_until(tick=40)

@@ -13,10 +13,10 @@ HERE = f"{CLOCK}t in [10, 11, 12, 40, 41, 77]"
 
 
 @pytest.fixture
-async def game(hall_game: Game) -> Game:
-    while hall_game.frame.tick < 100:
-        await hall_game.run_until(tick=100)
-    return hall_game
+async def game(game: Game) -> Game:
+    while game.frame.tick < 100:
+        await game.run_until(tick=100)
+    return game
 
 
 async def sought(game: Game, begin: int, way: int, query: str = HERE) -> int | None:
