@@ -8,8 +8,6 @@ from logical_robots_tui.explain.why.explanation import RuleFound
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import row
 
-__all__ = ["REST", "below", "find", "proof", "stop", "texts", "the_rule", "why"]
-
 REST = """
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :- Sensor(robot_name:);
 """
@@ -38,20 +36,10 @@ def why(
         return explainer.why(Ask(predicate, given or {}, within))
 
 
-def proof(
-    text: str,
-    predicate: str = "Robot",
-    robot: str = "Ada",
-    *,
-    rows: list[Any] | None = None,
-    memories: dict[str, Any] | None = None,
-    given: dict[str, Any] | None = None,
-    depth: int = 100,
-) -> Proof:
+def proof(text: str, predicate: str = "Robot", *, depth: int = 100, **given: Any) -> Proof:
     """The whole proof of a row of a predicate."""
     with _mind(text) as mind:
-        explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
-        return explainer.proof(Ask(predicate, given or {}), depth=depth)
+        return Explainer(mind, "Ada", [row("Ada")], {}).proof(Ask(predicate, given), depth=depth)
 
 
 def the_rule(text: str, predicate: str = "Robot", **asked: Any) -> RuleFound:
@@ -64,6 +52,12 @@ def stop(rule: RuleFound) -> Node:
     """The part of a rule that failed."""
     assert rule.stopped_by is not None
     return rule.stopped_by
+
+
+def asked(node: Node) -> Ask:
+    """What a node can be asked."""
+    assert node.asked is not None
+    return node.asked
 
 
 def find(node: Node, text: str) -> Node:

@@ -1,14 +1,16 @@
 """Refutations: what fails is named where it fails, and what holds is not said to fail."""
 
 from itertools import pairwise
-from typing import Any
 
-import pytest
-
-from tests.explain.asking import below, find, proof, stop, texts, the_rule, why
+from tests.explain.asking import asked, below, find, proof, stop, texts, the_rule, why
 
 ITEMS = "Item(x: 1, y: 2); Item(x: 2, y: 3);"
-
+REACH = """Edge(1, 2); Edge(2, 1);
+Reach(a:, b:) distinct :- Edge(a, b);
+Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
+REACH = """Edge(1, 2); Edge(2, 1);
+Reach(a:, b:) distinct :- Edge(a, b);
+Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
 COUNTING = """
 Number(x: 0) distinct;
 Number(x: x + 1) distinct :- Number(x:), x < {most};
@@ -29,10 +31,9 @@ def test_an_alternative_that_holds_is_not_said_to_fail_when_what_fails_stands_be
 def test_where_several_alternatives_hold_each_is_told_with_what_fails_behind_it() -> None:
     rule = the_rule("P(x:) :- x in [1, 2], (x == 1 | x == 2), x > 5;", "P")
     said = "this alternative holds, but not what comes after it"
-    assert [
-        (node.text, node.said, node.holds, node.children[-1].text)
-        for node in below(rule.node, "alternative")
-    ] == [("x == 1", said, None, "x > 5"), ("x == 2", said, None, "x > 5")]
+    for node, text in zip(below(rule.node, "alternative"), ("x == 1", "x == 2"), strict=True):
+        assert (node.text, node.said, node.holds) == (text, said, None)
+        assert node.children[-1].text == "x > 5"
 
 
 def test_of_two_choices_only_the_one_that_fails_is_said_to_fail() -> None:
@@ -48,17 +49,14 @@ def test_what_fails_before_any_alternative_is_told_once() -> None:
 
 
 def test_what_holds_before_the_part_that_fails_is_explained_by_its_own_values() -> None:
-    rule = the_rule(
-        "P(y:) :- x in [1], y == (if x == 1 then Coalesce(x + 1, x) else 9), z == F(x + 2, x),\n"
-        "  x > 5; F(a, b) = a + b;",
-        "P",
-    )
+    text = """P(y:) :- x in [1], y == (if x == 1 then Coalesce(x + 1, x) else 9), z == F(x + 2, x),
+      x > 5; F(a, b) = a + b;"""
+    rule = the_rule(text, "P")
     taken = find(rule.node, "Coalesce(x + 1, x)")
     assert (taken.said, taken.values) == ("this branch is taken", (2,))
     assert texts(taken.children) == ["x + 1"]
     call = find(rule.node, "F(x + 2, x)")
-    assert call.asked is not None
-    assert call.asked.given == {"col0": 3, "col1": 1, "logica_value": 4}
+    assert asked(call).given == {"col0": 3, "col1": 1, "logica_value": 4}
 
 
 def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
@@ -73,26 +71,16 @@ def test_what_a_function_in_a_column_came_out_as_can_be_asked() -> None:
     text = f"F(a) = a + 1; {ITEMS} P(x:, z: F(x)) :- Item(x:);"
     stopped = stop(the_rule(text, "P", given={"x": 1, "z": 1}))
     assert (stopped.said, stopped.values) == ("actual value", (2,))
-    assert stopped.asked is not None
-    assert stopped.asked.given == {"col0": 1, "logica_value": 2}
+    assert asked(stopped).given == {"col0": 1, "logica_value": 2}
 
 
-@pytest.mark.parametrize(
-    ("rule", "given", "text", "values"),
-    [
-        ("P(x:, z:) :- Item(x:, y:), z == y + 1;", {"z": 1}, "z", (3, 4)),
-        ("P(x:, z: y + 1) :- Item(x:, y:), y > 10;", {"x": 1, "z": 1}, "y > 10", ()),
-    ],
-    ids=["a column that an equation gives", "conditions before columns"],
-)
-def test_what_came_out_otherwise_is_named(
-    rule: str, given: dict[str, Any], text: str, values: tuple[Any, ...]
-) -> None:
-    stopped = stop(the_rule(f"{ITEMS} {rule}", "P", given=given))
-    assert (stopped.text, stopped.values) == (text, values)
-
-
-def test_a_fact_tells_which_of_its_columns_is_another() -> None:
+def test_what_came_out_otherwise_is_named_and_a_fact_tells_which_column_is_another() -> None:
+    rules = f"""{ITEMS} P(x:, z:) :- Item(x:, y:), z == y + 1;
+    Q(x:, z: y + 1) :- Item(x:, y:), y > 10;"""
+    column = stop(the_rule(rules, "P", given={"z": 1}))  # that an equation gives
+    condition = stop(the_rule(rules, "Q", given={"x": 1, "z": 1}))  # before columns
+    assert (column.text, column.values) == ("z", (3, 4))
+    assert (condition.text, condition.values) == ("y > 10", ())
     near, other = why(ITEMS, "Item", given={"x": 1, "y": 7}).rules
     assert [(n.text, n.said, n.values) for n in near.node.children] == [("y", "actual value", (2,))]
     assert near.node.said == "gives no row"
@@ -100,8 +88,7 @@ def test_a_fact_tells_which_of_its_columns_is_another() -> None:
 
 
 def test_a_failed_call_shows_all_it_was_asked_for_nearest_first() -> None:
-    text = """
-    Kind(object: "wall", label: "Blue"); Kind(object: "robot", label: "Bo");
+    text = """Kind(object: "wall", label: "Blue"); Kind(object: "robot", label: "Bo");
     P(object:) :- object in ["beacon", "wall"], label in ["Red", "Blues"], Kind(object:, label:);"""
     stopped = stop(the_rule(text, "P"))
     assert texts(stopped.children) == [
@@ -123,14 +110,10 @@ def test_of_many_calls_only_the_nearest_is_proved_and_those_that_are_too_many_ar
 
 
 def test_a_circle_in_a_refutation_is_named() -> None:
-    text = """
-    Edge(1, 2); Edge(2, 1);
-    Reach(a:, b:) distinct :- Edge(a, b);
-    Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
-    found = proof(text, "Reach", given={"a": 1, "b": 9})
-    notes = [n.text for root in found.nodes for n in below(root, "note")]
+    refuted = proof(REACH, "Reach", a=1, b=9)
+    notes = [note.text for root in refuted.nodes for note in below(root, "note")]
     assert notes == ["Reach(a: 1, b: 9) is asked above; no row follows from itself."]
-    assert (found.complete, found.is_cut) == (True, False)
+    assert (refuted.complete, refuted.is_cut) == (True, False)
 
 
 def test_a_recursion_that_was_cut_off_is_named_where_a_row_is_missing() -> None:
@@ -139,9 +122,8 @@ def test_a_recursion_that_was_cut_off_is_named_where_a_row_is_missing() -> None:
         "@Recursive(Number, 10) would allow more."
     )
     text = f"{COUNTING.format(most=100)} Big(x) :- Number(x:), x > 20;"
-    for predicate, values in (("Number", {"x": 50}), ("Big", {})):
-        explained = why(text, predicate, given=dict(values))
-        assert explained.nodes[-1].text == expected
+    assert why(text, "Number", given={"x": 50}).nodes[-1].text == expected
+    assert why(text, "Big").nodes[-1].text == expected
     assert why(text, "Number", given={"x": 3}).nodes[-1].text != expected
     whole = f"{COUNTING.format(most=3)} Big(x) :- Number(x:), x > 20;"
     assert [rule.node.kind for rule in why(whole, "Big").rules] == ["rule"]
