@@ -1,7 +1,6 @@
 """Diagnosis of a run: what is told is true, and each sort of mistake is told with its line."""
 
 import asyncio
-from collections.abc import Iterator
 
 import pytest
 
@@ -18,55 +17,45 @@ PLAIN = f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:);'
 
 
 async def diagnosed(level: Level, text: str, ticks: int = 6) -> Diagnosis:
-    return await diagnosis_of(Game(level, Program.compile(text)), ticks)
-
-
-async def diagnosis_of(made: Game, ticks: int) -> Diagnosis:
+    game = Game(level, Program.compile(text))
     try:
-        await made.run_until(tick=ticks)
-        return await diagnose(made)
+        await game.run_until(tick=ticks)
+        return await diagnose(game)
     finally:
-        await made.close()
+        await game.close()
 
 
-def told(found: Diagnosis) -> Iterator[tuple[str, int | None]]:
-    for each in found.findings:
-        yield each.kind, each.span.line if each.span else None
+def places(diagnosis: Diagnosis) -> list[tuple[str, int | None]]:
+    """The kinds and lines of findings."""
+    return [(one.kind, one.span.line if one.span else None) for one in diagnosis.findings]
 
 
-def the_kinds(found: Diagnosis) -> list[str]:
-    return [kind for kind, _ in told(found)]
+def kinds(diagnosis: Diagnosis) -> list[str]:
+    return [finding.kind for finding in diagnosis.findings]
 
 
-def the(found: Diagnosis, kind: str) -> tuple[Finding, Span]:
+def the(diagnosis: Diagnosis, kind: str) -> tuple[Finding, Span]:
     """The first finding of a kind, and its place."""
-    finding = next(each for each in found.findings if each.kind == kind)
+    finding = next(finding for finding in diagnosis.findings if finding.kind == kind)
     assert finding.span is not None
     return finding, finding.span
 
 
-NO_MISTAKES = {
-    "all is used": PLAIN,
-    "a predicate without columns": f"Awake() :- Sensor(robot_name: r);\n{PLAIN[:-1]}, Awake();",
-    "a text that is not a name": PLAIN.replace(
-        '""', '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'
-    ),
-}
-
-
-@pytest.mark.parametrize("text", NO_MISTAKES.values(), ids=NO_MISTAKES)
-async def test_where_there_is_no_mistake_there_is_nothing_to_tell(play: Play, text: str) -> None:
-    played = play(text)
-    assert extent(await diagnose(played)) == "There are no ticks to examine yet."
-    found = await diagnosis_of(played, 6)
-    assert found.findings == ()
-    assert extent(found) == "Ticks 1 to 6, not won."
+async def test_where_there_is_no_mistake_there_is_nothing_to_tell(play: Play) -> None:
+    answer = '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'
+    used = f"Awake() :- Sensor(robot_name: r);\n{PLAIN[:-1]}, Awake();"  # a predicate
+    game = play(used.replace('""', answer))  # with texts that are no names
+    assert extent(await diagnose(game)) == "There are no ticks to examine yet."
+    await game.run_until(tick=6)
+    diagnosis = await diagnose(game)
+    assert diagnosis.findings == ()
+    assert extent(diagnosis) == "Ticks 1 to 6, not won."
 
 
 async def test_a_text_that_the_program_gives_itself_is_no_mistake(level: Level) -> None:
     text = PLAIN.replace("robot_name:);", "robot_name:), Plan(phase: Now(robot_name));")
     rules = 'Plan(phase: "out");\nNow(name) = (if name == "Ada" then "out" else "in");'
-    assert "unknown string" not in the_kinds(await diagnosed(level, f"{rules}\n{text}"))
+    assert "unknown string" not in kinds(await diagnosed(level, f"{rules}\n{text}"))
 
 
 async def test_a_comparison_beside_an_equation_is_told_with_what_it_lacks(level: Level) -> None:
@@ -120,17 +109,15 @@ TOLD = [
 
 
 async def test_each_mistake_of_many_is_told_with_its_line(level: Level) -> None:
-    found = await diagnosed(level, WRONG)
-    places = list(zip(told(found), found.findings, strict=True))
-    missing = [
-        (kind, line, said)
-        for kind, line, said in TOLD
-        if not any(place == (kind, line) and said in each.message for place, each in places)
-    ]
-    assert not missing, places
+    diagnosis = await diagnosed(level, WRONG)
+    messages = [finding.message for finding in diagnosis.findings]
+    findings = list(zip(places(diagnosis), messages, strict=True))
+    for *place, words in TOLD:
+        assert any(there == (*place,) and words in message for there, message in findings), findings
 
 
-MISTAKES = {
+Mistake = tuple[str, tuple[str, int], str]
+MISTAKES: dict[str, Mistake] = {
     "a memory that is lost": (
         f"Robot(robot_name:, {ENGINES}, memory: {{count: n}}) :- n < 3,\n"
         "  Memory(robot_name:, memory:), n == Coalesce(memory.count, 0) + 1;\n"
@@ -166,13 +153,12 @@ MISTAKES = {
 }
 
 
-@pytest.mark.parametrize(("text", "place", "said"), MISTAKES.values(), ids=MISTAKES)
-async def test_a_mistake_is_told_with_its_line(
-    level: Level, text: str, place: tuple[str, int], said: str
-) -> None:
-    found = await diagnosed(level, text)
-    assert place in list(told(found))
-    assert any(said in each.message for each in found.findings)
+@pytest.mark.parametrize("mistake", MISTAKES.values(), ids=MISTAKES)
+async def test_a_mistake_is_told_with_its_line(level: Level, mistake: Mistake) -> None:
+    text, place, words = mistake
+    diagnosis = await diagnosed(level, text)
+    assert place in places(diagnosis)
+    assert any(words in finding.message for finding in diagnosis.findings)
 
 
 async def test_where_the_values_of_an_engine_that_is_null_came_from_is_told(level: Level) -> None:
@@ -196,28 +182,24 @@ Spotted := Seen(Far: Other);
 
 
 async def test_of_a_made_predicate_the_conditions_are_told_that_it_really_has(level: Level) -> None:
-    words = [each.message for each in (await diagnosed(level, COPIED)).findings]
-    assert any("`r.distance > 8000` never held in Spotted in the" in each for each in words)
-    assert not any("`r.distance > 9000` never held in Spotted" in each for each in words)
+    messages = str([finding.message for finding in (await diagnosed(level, COPIED)).findings])
+    assert "`r.distance > 8000` never held in Spotted in the" in messages
+    assert "`r.distance > 9000` never held in Spotted" not in messages
 
 
-@pytest.mark.parametrize(
-    "rules",
-    [
+async def test_a_program_with_copies_of_any_kind_can_be_watched(level: Level) -> None:
+    for rules in (  # of a made predicate, of a recursion
         "A(x: 1); B(x: 2); P(x:) :- A(x:); C := P(A: B); Q(x:) :- C(x:), A(x:); D := Q(A: B);",
         "@Recursive(T, 5); T(x: 1) distinct; T(x: y + 1) distinct :- T(x: y), y < 4; D := T();",
-    ],
-    ids=["of a made predicate", "of a recursion"],
-)
-async def test_a_program_with_copies_of_any_kind_can_be_watched(level: Level, rules: str) -> None:
-    assert (await diagnosed(level, f"{rules}\n{PLAIN[:-1]}, ~D(x: 7);", 2)).findings
+    ):
+        assert (await diagnosed(level, f"{rules}\n{PLAIN[:-1]}, ~D(x: 7);", 2)).findings
 
 
 async def test_of_a_pattern_that_is_only_copied_nothing_is_told(level: Level) -> None:
     both = COPIED.replace("> 8000", "< 9000").replace("~Spotted", "Spotted")
-    found = await diagnosed(level, both.replace(", ~Seen(robot_name:)", ""))
-    assert set(the_kinds(found)) <= {"never false"}
-    assert ("never true", 1) in list(told(await diagnosed(level, both)))
+    copied = await diagnosed(level, both.replace(", ~Seen(robot_name:)", ""))
+    assert set(kinds(copied)) <= {"never false"}
+    assert ("never true", 1) in places(await diagnosed(level, both))
 
 
 ONCE = (
@@ -230,82 +212,72 @@ ONCE = (
 
 
 @pytest.mark.parametrize("asked", ["== 50", "> 52", "> 49 || sensor.clock == 2"])
-async def test_what_never_held_is_told_with_the_number_of_cases_in_which_it_was_asked(
-    level: Level, asked: str
-) -> None:
-    found = await diagnosed(level, ONCE.replace("ASKED", asked), 60)
-    words = [(each.severity, each.message) for each in found.findings if '"left"' in each.message]
-    said = '`word == "left"` never held in the 16 cases evaluated, first at tick 53.'
-    assert words == ([("note", said)] if asked == "> 52" else [])
+async def test_what_never_held_is_told_with_the_cases_that_asked(level: Level, asked: str) -> None:
+    findings = (await diagnosed(level, ONCE.replace("ASKED", asked), 60)).findings
+    notes = [(note.severity, note.message) for note in findings if '"left"' in note.message]
+    message = '`word == "left"` never held in the 16 cases evaluated, first at tick 53.'
+    assert notes == ([("note", message)] if asked == "> 52" else [])
 
 
-@pytest.mark.parametrize(
-    ("text", "findings"),
-    [
-        (
-            "Nearer(robot_name:) :- Near(robot_name:);\n"
-            "Near(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"
-            f'Robot(robot_name:, {ENGINES}, memory: "") :-\n'
-            "  Sensor(robot_name:),\n  ~Nearer(robot_name:);",
-            [("no rows", 3), ("no rows", 1), ("never false", 6)],
-        ),
-        (f"{PLAIN[:-2]}, sensor:),\n  !(sensor.clock > 9000);", [("never true", 2)]),
-    ],
-    ids=["causes come before what follows", "a condition and its negation are one"],
-)
-async def test_what_belongs_together_is_told_together(
-    level: Level, text: str, findings: list[tuple[str, int]]
-) -> None:
-    assert list(told(await diagnosed(level, text))) == findings
+async def test_causes_are_told_before_what_follows_from_them(level: Level) -> None:
+    text = f"""Nearer(robot_name:) :- Near(robot_name:);
+Near(robot_name:) :- Sensor(robot_name:, sensor:),
+  sensor.clock > 9000;
+Robot(robot_name:, {ENGINES}, memory: "") :-
+  Sensor(robot_name:),
+  ~Nearer(robot_name:);"""
+    findings = [("no rows", 3), ("no rows", 1), ("never false", 6)]
+    assert places(await diagnosed(level, text)) == findings
+
+
+async def test_a_condition_and_its_negation_are_one(level: Level) -> None:
+    text = f"{PLAIN[:-2]}, sensor:),\n  !(sensor.clock > 9000);"
+    assert places(await diagnosed(level, text)) == [("never true", 2)]
 
 
 async def test_what_happens_in_one_tick_of_many_is_not_said_never_to_happen(level: Level) -> None:
     text = """Robot(robot_name:, desire: {left_engine: if sensor.clock == 1234 then 0.2 else 0,
       right_engine: if sensor.clock == 9234 then 0.2 else 0},
       memory: "") :- Sensor(robot_name:, sensor:);"""
-    found = await diagnosed(level, text, 1300)
-    assert found.last == 1300
-    assert [place for place in told(found) if place[0].startswith("never")] == [("never true", 2)]
+    diagnosis = await diagnosed(level, text, 1300)
+    assert diagnosis.last == 1300
+    never = [place for place in places(diagnosis) if place[0].startswith("never")]
+    assert never == [("never true", 2)]
 
 
 async def test_nothing_is_said_of_what_is_too_much_to_ask(level: Level) -> None:
     text = f"Big(x:) :- x in Range(1500), y == 3000,\n  x == y - 1;\n{PLAIN[:-1]}, ~Big();"
-    found = await diagnosed(level, text)
-    assert found.left_out == 1
-    assert 2 not in [line for _, line in told(found)]
-    assert "too expensive to examine: 1." in extent(found)
-    found = await diagnosed(level, text.replace("1500", "500"))
-    assert ("no rows", 2) in list(told(found))
+    diagnosis = await diagnosed(level, text)
+    assert diagnosis.left_out == 1
+    assert 2 not in [line for _, line in places(diagnosis)]
+    assert "too expensive to examine: 1." in extent(diagnosis)
+    assert ("no rows", 2) in places(await diagnosed(level, text.replace("1500", "500")))
 
 
 async def test_another_future_ends_it(play: Play) -> None:
-    made = play(PLAIN)
-    await made.run_until(tick=60)
-    made.back(30)
-    made.use(Program.compile(PLAIN.replace("0.1", "0.2")))
-    await made.run_until(tick=61)
-
-    def turn(_done: int, _all: int) -> None:
-        made.history.change_branch()
-
-    made.use(Program.compile(f"Odd(robot_name:) :- Sensor(robot_name:), 1 == 2;\n{PLAIN}"))
+    game = play(PLAIN)
+    await game.run_until(tick=60)
+    game.back(30)
+    game.use(Program.compile(PLAIN.replace("0.1", "0.2")))
+    await game.run_until(tick=61)
+    game.use(Program.compile(f"Odd(robot_name:) :- Sensor(robot_name:), 1 == 2;\n{PLAIN}"))
     with pytest.raises(Superseded):
-        await diagnose(made, report=turn)
+        await diagnose(game, report=lambda _done, _all: game.history.change_branch())
 
 
 async def test_only_the_ticks_of_the_present_program_count(play: Play) -> None:
-    made = play(f"{PLAIN}\n{PLAIN.replace('0.1', '0.2')}")
-    await made.run_until(tick=3)
-    assert the_kinds(await diagnose(made)) == ["several rows"]
-    made.use(Program.compile(PLAIN))
-    await made.run_until(tick=5)
-    found = await diagnose(made)
-    assert (found.first, found.last, found.findings) == (4, 5, ())
+    game = play(f"{PLAIN}\n{PLAIN.replace('0.1', '0.2')}")
+    await game.run_until(tick=3)
+    assert kinds(await diagnose(game)) == ["several rows"]
+    game.use(Program.compile(PLAIN))
+    await game.run_until(tick=5)
+    diagnosis = await diagnose(game)
+    assert (diagnosis.first, diagnosis.last, diagnosis.findings) == (4, 5, ())
 
 
 async def test_it_can_be_stopped_and_tells_how_far_it_is(play: Play) -> None:
-    made = play(PLAIN)
-    await made.run_until(tick=200)
+    game = play(PLAIN)
+    await game.run_until(tick=200)
     steps: list[tuple[int, int]] = []
     begun = asyncio.Event()
 
@@ -314,8 +286,8 @@ async def test_it_can_be_stopped_and_tells_how_far_it_is(play: Play) -> None:
         begun.set()
 
     text = "Odd(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock == -1;"
-    made.use(Program.compile(f"{text}\n{PLAIN}"))
-    task = asyncio.create_task(diagnose(made, report=report))
+    game.use(Program.compile(f"{text}\n{PLAIN}"))
+    task = asyncio.create_task(diagnose(game, report=report))
     await begun.wait()
     task.cancel()
     with pytest.raises(asyncio.CancelledError):

@@ -2,19 +2,11 @@
 
 import pytest
 
-from logical_robots_tui.game import Game
-from logical_robots_tui.game.diagnosing import Diagnosis
-from logical_robots_tui.mind import Program
 from logical_robots_tui.world.levels.native import read_native
 from tests.game.playing import HALL
-from tests.game.test_diagnosing import diagnosis_of, the
+from tests.game.test_diagnosing import diagnosed, kinds, the
 
 NO_DOOR = read_native(HALL.split("[[areas]]")[0], "no door", "")
-
-
-async def without_door(text: str, ticks: int = 300) -> Diagnosis:
-    """What is said of some ticks in a hall without a way out."""
-    return await diagnosis_of(Game(NO_DOOR, Program.compile(text)), ticks)
 
 
 async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of() -> None:
@@ -27,7 +19,7 @@ async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of()
   {{left_engine: {left}, right_engine: {right}}};
 Robot(robot_name:, desire: Go(),
   memory: "") :- Sensor(robot_name:);"""
-        finding, span = the(await without_door(text), kind)
+        finding, span = the(await diagnosed(NO_DOOR, text, 300), kind)
         assert finding.message.startswith(words)
         assert span.line == 3
         assert {span.line for span in finding.others} <= {1, 2}
@@ -36,19 +28,14 @@ Robot(robot_name:, desire: Go(),
 async def test_who_has_just_got_stuck_is_not_on_its_way() -> None:
     text = "Robot(robot_name:, desire: {left_engine: E, right_engine: E}) :- Sensor(robot_name:);"
     for engine, is_on_way in (("0.1", True), ("1", False)):
-        found = await without_door(text.replace("E", engine), ticks=200)
-        kinds = {each.kind for each in found.findings}
-        assert ("unfinished" in kinds, "blocked" in kinds) == (is_on_way, False)
+        told = kinds(await diagnosed(NO_DOOR, text.replace("E", engine), 200))
+        assert ("unfinished" in told, "blocked" in told) == (is_on_way, False)
 
 
-@pytest.mark.parametrize(
-    ("last", "kind"),
-    [
-        (0, "circle"),
-        pytest.param(1, "blocked", marks=pytest.mark.slow),
-        pytest.param(2, "still", marks=pytest.mark.slow),
-    ],
-)
+VARIANTS = [pytest.param(*case, marks=pytest.mark.slow) for case in ((1, "blocked"), (2, "still"))]
+
+
+@pytest.mark.parametrize(("last", "kind"), [(0, "circle"), *VARIANTS])
 async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(last: int, kind: str) -> None:
     rules = [
         'Robot(robot_name:, memory: "", desire:) :- Sensor(robot_name:),\n'
@@ -56,7 +43,7 @@ async def test_of_several_rows_the_rule_whose_row_counts_is_told_of(last: int, k
         for left, right in ((1, -1), (1, 1), (0, 0))
     ]
     rules.append(rules.pop(last))
-    _, span = the(await without_door("\n".join(rules)), kind)
+    _, span = the(await diagnosed(NO_DOOR, "\n".join(rules), 300), kind)
     assert span.line == 6
 
 
@@ -76,7 +63,7 @@ Robot(robot_name: "Bo", desire:, memory: "") :- Worker(robot_name: "Bo", desire:
 
 
 async def test_who_stands_still_does_so_by_the_rule_that_gave_its_row_copied_or_not() -> None:
-    finding, span = the(await without_door(COPIES), "still")
+    finding, span = the(await diagnosed(NO_DOOR, COPIES, 300), "still")
     assert (finding.robot, span.line, span.text) == ("Ada", 8, "Stop()")
 
 
@@ -91,9 +78,9 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {state:, n
 
 
 async def test_who_makes_no_progress_in_a_state_is_told_of_where_the_state_is_set() -> None:
-    found = await without_door(STATES)
-    assert [each.kind for each in found.findings].count("unchanged") == 1
-    finding, span = the(found, "unchanged")
+    diagnosis = await diagnosed(NO_DOOR, STATES, 300)
+    assert kinds(diagnosis).count("unchanged") == 1
+    finding, span = the(diagnosis, "unchanged")
     assert finding.message == 'Ada\'s memory.state stayed "wait" from tick 1 to 300.'
     assert span.line == 7
     assert 5 in {span.line for span in finding.others}

@@ -4,11 +4,10 @@ import asyncio
 
 import pytest
 
-from logical_robots_tui.game import Game, diagnosing
+from logical_robots_tui.game import diagnosing
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose_run, extent
-from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Level
-from tests.game.test_diagnosing import diagnosis_of
+from tests.game.test_diagnosing import diagnosed
 from tests.game.test_run import opened
 
 TICKS = 120
@@ -32,14 +31,8 @@ async def of_run(level: Level, ticks: int = TICKS) -> tuple[Diagnosis, list[Diag
         return await diagnose_run(run, ticks, show=shown.append), shown
 
 
-async def of_game(level: Level) -> Diagnosis:
-    return await diagnosis_of(Game(level, Program.compile(TEXT)), TICKS)
-
-
-async def test_a_run_is_diagnosed_as_that_of_a_game_and_what_was_found_is_kept(
-    level: Level,
-) -> None:
-    there = await of_game(level)
+async def test_a_run_is_diagnosed_as_that_of_a_game_and_findings_are_kept(level: Level) -> None:
+    there = await diagnosed(level, TEXT, TICKS)
     assert len(there.findings) > 2
     more, shown = await of_run(level, TICKS + 1)  # computed
     assert more.examined is None
@@ -66,7 +59,7 @@ async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level:
 async def test_without_the_second_process_it_takes_longer(
     level: Level, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
 ) -> None:
-    expected = await of_game(level)
+    expected = await diagnosed(level, TEXT, TICKS)
 
     def refuse(*_: object) -> None:
         raise error
