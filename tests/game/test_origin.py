@@ -3,13 +3,14 @@
 import pytest
 
 from logical_robots_tui.explain.why.explanation import Ask, Source, Subject, part_of
-from logical_robots_tui.game import Link, Origin, Run, origin_in_game, origin_in_run, read_part
+from logical_robots_tui.game import Link, Origin, origin_in_game, origin_in_run, read_part
 from logical_robots_tui.game.debugging.inquiry import path_text
 from logical_robots_tui.game.debugging.origin import link_lines
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.values import Value, spell
 from logical_robots_tui.world import Level
 from tests.game.playing import Play
+from tests.game.test_run import opened
 
 PHASES = """
 Start(robot_name:) :- Memory(robot_name:, memory:), memory == "";
@@ -30,11 +31,8 @@ def subject(value: str, predicate: str = "Robot", **given: Value) -> Subject:
 
 
 async def origin(level: Level, asked: Subject, tick: int = 9, text: str = PHASES) -> Origin:
-    run = Run(level, Program.compile(text))
-    try:
+    async with opened(level, text) as run:
         return await origin_in_run(run, level.robots[0].name, asked, tick)
-    finally:
-        await run.close()
 
 
 async def links(level: Level, value: str, tick: int = 9, text: str = PHASES) -> tuple[Link, ...]:
@@ -56,11 +54,10 @@ def stretch(link: Link) -> tuple[Value, int, int]:
 
 def robot(fields: str, body: str, rest: str = "") -> str:
     """A program with these fields of the memory."""
-    return (
-        f"{rest}\nRobot(robot_name:, desire: {{left_engine: 0, right_engine: 0}}, "
-        f"memory: {{{fields}}}) :-\n"
-        f"  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), {body};\n"
-    )
+    return f"""{rest}
+Robot(robot_name:, desire: {{left_engine: 0, right_engine: 0}}, memory: {{{fields}}}) :-
+  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), {body};
+"""
 
 
 # -- memories: the tick of the last change ---------------------------------------------------------
@@ -83,62 +80,46 @@ async def test_what_a_value_was_made_from_is_followed_in_turn(level: Level) -> N
     assert stretch(first) == (1, 2, 5)
 
 
-async def test_a_value_that_is_made_again_in_each_tick_is_the_same_since_it_first_was(
-    level: Level,
-) -> None:
+async def test_a_value_made_again_in_each_tick_is_the_same_since_it_first_was(level: Level) -> None:
     text = robot("word:", 'word = (if sensor.clock > 3 then "late" else "early")')
     (link,) = await links(level, "memory.word", text=text)
     assert stretch(link) == ("late", 4, 9)
 
 
 async def test_a_state_machine_of_facts_goes_back_from_phase_to_phase(level: Level) -> None:
-    text = robot(
-        "phase:",
-        'Plan(phase: now, next:, at:), now == Coalesce(memory.phase, "out"),\n'
-        "  phase = (if sensor.clock == at then next else now)",
-        'Plan(phase: "out", next: "fetch", at: 3);\n'
-        'Plan(phase: "fetch", next: "home", at: 6);\n'
-        'Plan(phase: "home", next: "home", at: 0);',
-    )
-    found = [each for each in await links(level, "memory.phase", text=text) if each.path]
-    assert [*map(stretch, found)] == [("home", 6, 9), ("fetch", 3, 5), ("out", 1, 2)]
-    assert lines(found[0])[1:3] == [
+    phases = """Plan(phase: "out", next: "fetch", at: 3);
+Plan(phase: "fetch", next: "home", at: 6);
+Plan(phase: "home", next: "home", at: 0);"""
+    now = """Plan(phase: now, next:, at:), now == Coalesce(memory.phase, "out"),
+  phase = (if sensor.clock == at then next else now)"""
+    phase = await links(level, "memory.phase", text=robot("phase:", now, phases))
+    home, fetch, out = [link for link in phase if link.path]
+    assert [*map(stretch, (home, fetch, out))] == [("home", 6, 9), ("fetch", 3, 5), ("out", 1, 2)]
+    assert lines(home)[1:3] == [
         'line 2: Plan(phase: "fetch", next: "home", at: 6)',
         "as in line 6 holds: sensor.clock == at",
     ]
 
 
-@pytest.mark.parametrize(
-    ("made", "said", "begun"),
-    [
-        (
-            "(if sensor.clock == 2 then 20 else memory.n - 1)",
-            "counts down by 1 since tick 3, from 20 (2.)",
-            (20, 2, 2),
-        ),
-        (
-            "(if sensor.clock in [2, 4, 5, 8] then Coalesce(memory.n, 0) + 1 else memory.n)",
-            "counts up by 1, 3 times since tick 4, from 1 (2.)",
-            (1, 2, 3),
-        ),
-        (
-            "(if sensor.clock == 2 then 64 else memory.n / 2)",
-            "changes in each tick since tick 3, from 64.0 (2.)",
-            (64, 2, 2),
-        ),
-    ],
-    ids=["a counter", "a counter with pauses", "what is made from itself in each tick"],
-)
-async def test_what_counts_is_one_link_that_goes_on_before_its_steps(
-    level: Level, made: str, said: str, begun: tuple[Value, int, int]
-) -> None:
-    count, begin = await links(level, "memory.n", text=robot("n:", f"n = {made}"))
-    assert said in lines(count)
-    assert stretch(begin) == begun
-    if "down" in said:
-        assert count.steps is not None
-        assert (count.value, count.tick, count.steps.by, count.steps.since) == (13, 9, -1, 3)
-        assert count.began == 1
+async def test_what_counts_is_one_link_that_goes_on_before_its_steps(level: Level) -> None:
+    text = robot(
+        "down:, up:, half:",
+        """down = (if sensor.clock == 2 then 20 else memory.down - 1),
+  up = (if sensor.clock in [2, 4, 5, 8] then Coalesce(memory.up, 0) + 1 else memory.up),
+  half = (if sensor.clock == 2 then 64 else memory.half / 2)""",
+    )
+    for field, line, begin in (
+        ("down", "counts down by 1 since tick 3, from 20 (2.)", (20, 2, 2)),
+        ("up", "counts up by 1, 3 times since tick 4, from 1 (2.)", (1, 2, 3)),
+        ("half", "changes in each tick since tick 3, from 64.0 (2.)", (64, 2, 2)),
+    ):
+        count, first = await links(level, f"memory.{field}", text=text)
+        assert line in lines(count)
+        assert stretch(first) == begin
+        if field == "down":
+            assert count.steps is not None
+            assert (count.value, count.tick, count.steps.by, count.steps.since) == (13, 9, -1, 3)
+            assert count.began == 1
 
 
 async def test_a_value_that_follows_the_clock_is_not_a_counter(level: Level) -> None:
@@ -147,9 +128,7 @@ async def test_a_value_that_follows_the_clock_is_not_a_counter(level: Level) -> 
     assert lines(link)[-1] == f"read from {link.robot}'s sensor.clock = 9"
 
 
-async def test_a_value_that_a_join_makes_equal_to_a_memory_comes_from_the_memory(
-    level: Level,
-) -> None:
+async def test_a_value_that_a_join_makes_equal_to_a_memory_comes_from_it(level: Level) -> None:
     text = robot(
         "copy:, at:",
         "at = (if sensor.clock == 4 then 2 else Coalesce(memory.at, 1)),\n"
@@ -161,9 +140,7 @@ async def test_a_value_that_a_join_makes_equal_to_a_memory_comes_from_the_memory
     assert lines(copy)[-1] == f"copied from {at.robot}'s memory.at = 2 (2.)"
 
 
-async def test_a_value_that_nobody_wrote_is_from_the_start_or_since_the_first_thought(
-    level: Level,
-) -> None:
+async def test_a_value_nobody_wrote_is_from_the_start_or_the_first_thought(level: Level) -> None:
     text = "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}) :- Sensor(robot_name:);"
     (link,) = await links(level, "memory", text=text)
     assert (link.value, link.tick) == ("", 0)
@@ -173,17 +150,17 @@ async def test_a_value_that_nobody_wrote_is_from_the_start_or_since_the_first_th
 
 
 async def test_an_element_of_a_list_is_followed_to_the_tick_that_added_it(level: Level) -> None:
-    text = """
-    Item(x:) :- Memory(memory:), x in TryCast(memory, {all: [Num]}).all;
-    Item(x: sensor.clock) :- Sensor(sensor:), sensor.clock in [2, 5];
-    Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {all:}) :-
-      Sensor(robot_name:), all = Set{x :- Item(x:)};
-    """
+    text = robot(
+        "all:",
+        "all = Set{x :- Item(x:)}",
+        """Item(x:) :- Memory(memory:), x in TryCast(memory, {all: [Num]}).all;
+    Item(x: sensor.clock) :- Sensor(sensor:), sensor.clock in [2, 5];""",
+    )
     for place in ("[1]", "[-1]"):
         (link,) = await links(level, f"memory.all{place}", text=text)
         assert stretch(link) == (5, 5, 9)
         assert source(link).rule is not None
-        assert lines(link)[0].endswith("by the rule in line 3")
+        assert lines(link)[0].endswith("by the rule in line 2")
 
 
 async def test_another_robots_memory_is_told_apart_and_followed(level: Level) -> None:
@@ -226,8 +203,8 @@ async def test_a_column_of_a_predicate_and_a_function_are_traced(level: Level) -
     assert ray.read is not None
     assert part_of(ray.read.value, ("distance",)) == link.value
     assert lines(link)[0].startswith(f"read from {link.robot}'s ray ")
-    found = await origin(level, subject("value.left_engine", "Speed", way=12), text=RAYS)
-    assert [each.value for each in found.links] == [0.012]
+    (speed,) = (await origin(level, subject("value.left_engine", "Speed", way=12), text=RAYS)).links
+    assert speed.value == 0.012
 
 
 async def test_an_expression_and_a_variable_of_a_rule_are_traced(level: Level) -> None:
@@ -237,8 +214,8 @@ async def test_an_expression_and_a_variable_of_a_rule_are_traced(level: Level) -
     assert span.text == "Coalesce(memory.seen, 0) + 1"
     by_place = await origin(level, Subject(Ask(), "", span=span, value=2), 6)
     assert by_place.links[0].name == span.text
-    for found in (by_name, by_place):
-        assert [each.tick for each in found.links] == [6, 2]
+    for seen in (by_name, by_place):
+        assert [link.tick for link in seen.links] == [6, 2]
 
 
 async def test_a_game_is_asked_with_the_program_that_decided(level: Level, play: Play) -> None:
@@ -246,25 +223,19 @@ async def test_a_game_is_asked_with_the_program_that_decided(level: Level, play:
     await game.run_until(tick=6)
     game.use(Program.compile(PHASES.replace("fetch", "other")))
     await game.run_until(tick=9)
-    found = await origin_in_game(game, level.robots[0].name, subject("memory.plan.phase"))
-    (link,) = found.links
+    (link,) = (await origin_in_game(game, "Ada", subject("memory.plan.phase"))).links
     assert (link.value, link.tick) == ("fetch", 4)
 
 
-@pytest.mark.parametrize(
-    ("value", "predicate", "message"),
-    [
+async def test_what_is_not_there_is_named(level: Level) -> None:
+    for value, predicate, message in (
         ("memory.plan.at", "Robot", "plan has no part at"),
         ("desire.speed", "Robot", "This value has no part speed"),
         ("plan", "Robot", "Robot has no column plan; it has robot_name, desire, memory"),
         ("robot_name", "Start", "Start has no such row"),
-    ],
-)
-async def test_what_is_not_there_is_named(
-    level: Level, value: str, predicate: str, message: str
-) -> None:
-    with pytest.raises(QueryError, match=message):
-        await origin(level, subject(value, predicate))
+    ):
+        with pytest.raises(QueryError, match=message):
+            await origin(level, subject(value, predicate))
 
 
 def test_the_path_of_a_part_can_be_written_and_read_and_what_names_no_part_is_refused() -> None:
