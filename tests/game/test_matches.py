@@ -10,7 +10,7 @@ from logical_robots_tui.game import Matches, find_matches
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.world import Level
 from tests.game.playing import COUNTER
-from tests.game.test_run import opened
+from tests.game.test_run import ENDLESS_AT_41, opened
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 QUERY = f"{CLOCK}t in [3, 4, 9]"
@@ -37,56 +37,43 @@ def entry(folder: Path) -> Path:
     return path
 
 
-async def test_the_stretches_are_told_and_not_asked_for_again(
+async def test_the_stretches_of_each_question_robot_and_number_of_ticks_are_asked_for_once(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert await found(level) == FOUND
     assert (FOUND.holds_in, FOUND.failed_in) == (3, 0)
-    monkeypatch.setattr(Mind, "ask", None)
-    assert await found(level) == FOUND
-
-
-async def test_another_question_robot_or_number_of_ticks_is_asked(level: Level) -> None:
-    assert await found(level) == FOUND
     assert (await found(level, f"{CLOCK}t in [3, 4]")).stretches == ((3, 4),)
     assert (await found(level, ticks=8)).stretches == ((3, 4),)
     here = 'Memory(robot_name:, memory: 5), robot_name == "Bo"'
-    assert (await found(level, here)).stretches == ((6, 6),)
-    assert (await found(level, here, robot="Bo")).stretches == ((6, 6),)
-    assert (await found(level, here, robot="Ada")).stretches == ()
+    for robot, stretches in (("", ((6, 6),)), ("Bo", ((6, 6),)), ("Ada", ())):
+        assert (await found(level, here, robot=robot)).stretches == stretches
+    monkeypatch.setattr(Mind, "ask", None)
+    assert await found(level) == FOUND
 
 
 FALSE = ([3, 99], [9, 3], [0, 3], ["3", 4], [3, 4, 5])
 FORGED = [{"ticks": 20, "won_at": None, "stretches": [stretch]} for stretch in FALSE]
 
 
-async def test_a_false_or_damaged_answer_is_dropped(level: Level, folder: Path) -> None:
+async def test_an_answer_that_is_false_or_damaged_or_of_another_question_is_dropped(
+    level: Level, folder: Path
+) -> None:
+    await found(level, f"{CLOCK}t in [3, 4]")
+    other = entry(folder).read_bytes()
+    entry(folder).unlink()
     await found(level)
     path = entry(folder)
     content = path.read_bytes()
-    forged = [*FORGED, {"ticks": 20, "stretches": []}, []]
-    bodies = [json.dumps(each).encode() for each in forged]
-    written = [
-        hashlib.sha256(path.stem.encode() + body).hexdigest().encode() + b"\n" + body
-        for body in bodies
-    ]
-    written += [
-        content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
-        for at in (0, 10, 70, len(content) - 1)
-    ]
-    for each in written:
-        path.write_bytes(each)
-        assert await found(level) == FOUND, each
-
-
-async def test_the_answer_of_another_question_is_dropped(level: Level, folder: Path) -> None:
-    await found(level, f"{CLOCK}t in [3, 4]")
-    other = entry(folder)
-    content = other.read_bytes()
-    other.unlink()
-    await found(level)
-    entry(folder).write_bytes(content)
-    assert await found(level) == FOUND
+    contents = [other]
+    for forged in (*FORGED, {"ticks": 20, "stretches": []}, []):
+        body = json.dumps(forged).encode()
+        digest = hashlib.sha256(path.stem.encode() + body).hexdigest()
+        contents.append(digest.encode() + b"\n" + body)
+    places = (0, 10, 70, len(content) - 1)
+    contents += [content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :] for at in places]
+    for false in contents:
+        path.write_bytes(false)
+        assert await found(level) == FOUND, false
 
 
 async def test_what_failed_may_hold_another_time_and_is_not_kept(
@@ -96,16 +83,11 @@ async def test_what_failed_may_hold_another_time_and_is_not_kept(
     assert matches.stretches == ((1, 1), (3, 5))
     assert matches.failed == ((2, 2),)
     assert "neither a record nor a list" in matches.reason
-    assert kept(folder) == []
+    assert not kept(folder)
 
 
 @pytest.mark.slow
-async def test_nothing_is_kept_of_a_run_with_a_thought_that_was_cut_off(
-    level: Level, folder: Path
-) -> None:
-    endless = "N(x) :- x in Range(3000);\nBig(s? += a * b) distinct :- N(a), N(b), N(c);\n"
-    text = endless + COUNTER.replace(
-        "left_engine: 1,", "left_engine: (if n == 5 then Sum{s :- Big(s:)} else 1),"
-    )
+async def test_nothing_is_kept_of_a_run_with_a_thought_cut_off(level: Level, folder: Path) -> None:
+    text = ENDLESS_AT_41.replace("41", "5")
     assert (await found(level, text=text)).stretches == FOUND.stretches
-    assert kept(folder) == []
+    assert not kept(folder)

@@ -172,7 +172,7 @@ async def test_what_is_held_in_memory_is_bounded_and_what_is_dropped_computed_an
     assert await known(level) == in_gap[0] - 1
 
 
-async def test_a_recording_that_is_too_large_is_dropped_and_the_oldest_go_first(
+async def test_recordings_too_large_are_dropped_and_the_oldest_go_first(
     level: Level, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await frames(level)
@@ -202,18 +202,18 @@ ENDLESS_AT_41 = (
 
 
 async def test_what_a_guard_ended_is_not_kept_nor_what_follows(level: Level) -> None:
-    limits = Limits(think_seconds=0.2, think_steps=10**12)
-    found = await frames(level, 42, ENDLESS_AT_41, limits)
-    assert [frame.is_reliable for frame in found] == [True] * 41 + [False] * 2
-    async with opened(level, ENDLESS_AT_41, limits) as again:
+    late = Limits(think_seconds=0.2, think_steps=10**12)
+    seen = await frames(level, 42, ENDLESS_AT_41, late)
+    assert [frame.is_reliable for frame in seen] == [True] * 41 + [False] * 2
+    async with opened(level, ENDLESS_AT_41, late) as again:
         assert again.last == 40
 
 
 async def test_what_took_too_many_steps_is_kept(level: Level) -> None:
-    limits = Limits(think_steps=1_000_000)
-    found = await frames(level, 44, ENDLESS_AT_41, limits)
-    assert [len(frame.decisions[0].notices) for frame in found[1:]] == [0] * 40 + [1] * 4
-    async with opened(level, ENDLESS_AT_41, limits) as again:
+    few = Limits(think_steps=1_000_000)
+    seen = await frames(level, 44, ENDLESS_AT_41, few)
+    assert [len(frame.decisions[0].notices) for frame in seen[1:]] == [0] * 40 + [1] * 4
+    async with opened(level, ENDLESS_AT_41, few) as again:
         assert (again.last, again.lasts) == (44, True)
 
 
