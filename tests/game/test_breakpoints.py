@@ -31,13 +31,13 @@ def game(play: Play) -> Game:
 
 async def stops(game: Game, *breakpoints: Breakpoint, ticks: int = 200) -> list[Hit]:
     """All that is hit in a run of so many ticks, which stops each time."""
-    for each in breakpoints:
-        game.breakpoints.add(each)
-    found: list[Hit] = []
+    for breakpoint_ in breakpoints:
+        game.breakpoints.add(breakpoint_)
+    hits: list[Hit] = []
     while game.frame.tick < ticks:
         await game.run_until(tick=ticks)
-        found += game.hits
-    return found
+        hits += game.hits
+    return hits
 
 
 HITS: list[tuple[Breakpoint, list[int], str]] = [
@@ -66,10 +66,10 @@ HITS: list[tuple[Breakpoint, list[int], str]] = [
 
 
 async def test_a_run_stops_where_it_is_to_and_says_with_what_values(game: Game) -> None:
-    hits = await stops(game, *(given for given, _, _ in HITS))
-    for given, ticks, values in HITS:
-        mine = [hit for hit in hits if hit.breakpoint == given]
-        assert [hit.tick for hit in mine][: max(len(ticks), 1)] == ticks, given
+    hits = await stops(game, *(wanted for wanted, _, _ in HITS))
+    for wanted, ticks, values in HITS:
+        mine = [hit for hit in hits if hit.breakpoint == wanted]
+        assert [hit.tick for hit in mine][: max(len(ticks), 1)] == ticks, wanted
         if mine:
             assert values in mine[0].values
             assert len(mine[0].values) < 300
@@ -86,8 +86,8 @@ async def test_one_of_a_table_that_always_changes_stops_a_run_each_time(game: Ga
 
 
 async def test_a_run_at_any_pace_stops_at_a_breakpoint_and_goes_on_from_it(game: Game) -> None:
-    game.breakpoints.add(Breakpoint("enters", "Door"))
-    game.breakpoints.add(Breakpoint("leaves", "Door"))
+    for event in ("enters", "leaves"):
+        game.breakpoints.add(Breakpoint(event, "Door"))
     await game.run()
     assert "Ada" in game.frame.after.areas[0].visitors
     assert [hit.breakpoint.event for hit in game.hits] == ["enters"]
@@ -120,30 +120,23 @@ async def test_one_that_is_switched_off_or_deleted_does_not_stop_a_run(game: Gam
     assert game.breakpoints.on == (enters,)
 
 
-PROBLEMS = [
-    (Breakpoint("rows", "Sean"), 'The program has no predicate Sean. Did you mean "Seen"?'),
-    (Breakpoint("change", "WeightedAverage"), "function of its arguments"),
-    (Breakpoint("rows"), "needs the name of a predicate"),
-    (Breakpoint("enters", "Dor"), 'This level has no area Dor. Did you mean "Door"?'),
-    (Breakpoint("loses sight", "Lmap"), "Nothing in this level is called Lmap."),
-    (Breakpoint("notice", "nonsense"), "No notice is called nonsense."),
-    (Breakpoint("blocked", robot="Eve"), "This level has no robot Eve."),
-    (Breakpoint("change", "Tens", column="ten"), "Tens has no column ten."),
-]
-
-
 async def test_one_that_can_not_be_hit_says_why_and_the_run_goes_on(game: Game) -> None:
+    problems = {
+        Breakpoint("rows", "Sean"): 'The program has no predicate Sean. Did you mean "Seen"?',
+        Breakpoint("change", "WeightedAverage"): "function of its arguments",
+        Breakpoint("rows"): "needs the name of a predicate",
+        Breakpoint("enters", "Dor"): 'This level has no area Dor. Did you mean "Door"?',
+        Breakpoint("loses sight", "Lmap"): "Nothing in this level is called Lmap.",
+        Breakpoint("notice", "nonsense"): "No notice is called nonsense.",
+        Breakpoint("blocked", robot="Eve"): "This level has no robot Eve.",
+        Breakpoint("change", "Tens", column="ten"): "Tens has no column ten.",
+    }
     near = Breakpoint("rows", "Near")
-    hits = await stops(game, *(given for given, _ in PROBLEMS), near, ticks=110)
+    hits = await stops(game, *problems, near, ticks=110)
     assert [hit.breakpoint for hit in hits] == [near]
-    for given, problem in PROBLEMS:
-        assert problem in game.problem_with(given)
+    for wrong, problem in problems.items():
+        assert problem in game.problem_with(wrong)
     assert not game.problem_with(near)
-
-
-async def test_one_of_a_predicate_that_the_edited_program_has_no_more_says_so(game: Game) -> None:
-    near = Breakpoint("rows", "Near")
-    game.breakpoints.add(near)
     game.use(Program.compile(TEXT.replace("Near(", "Close(")))
     assert "no predicate Near" in game.problem_with(near)
     await game.run_until(tick=120)
@@ -185,5 +178,5 @@ def test_words_say_what_a_breakpoint_is_about() -> None:
         Breakpoint("notice", "no row"): "a notice “no row” appears",
         Breakpoint("notice"): "a notice appears",
     }
-    assert [each.words for each in told] == list(told.values())
+    assert [about.words for about in told] == list(told.values())
     assert len(Breakpoints(told)) == len(told)

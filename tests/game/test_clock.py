@@ -62,7 +62,7 @@ def test_with_a_tenth_of_a_processor_a_run_is_the_same() -> None:
 
 
 @pytest.mark.usefixtures("late")
-async def test_from_the_tick_on_in_which_the_clock_ended_a_thought_nothing_is_reliable(
+async def test_from_the_tick_in_which_the_clock_ended_a_thought_none_is_reliable(
     play: Play,
 ) -> None:
     game = play(AHEAD, read_native(LEVEL, "short", ""))

@@ -36,7 +36,7 @@ RIGHT = Table(("robot_name", "far"), (("Ada", 1.5), ("Bob", 2), ("Cat", 2)))
 
 
 @given(tables(), st.randoms(use_true_random=False))
-def test_the_order_of_rows_and_columns_and_other_names_do_not_matter(
+def test_the_order_of_rows_and_columns_and_names_do_not_matter(
     right: Table, random: Random
 ) -> None:
     rows, places = list(right.rows), list(range(len(right.columns)))
@@ -121,9 +121,7 @@ async def test_an_answer_may_fail_and_what_it_gave_is_shown(examiner: Examiner) 
     assert "At tick 100 it gives" in verdict.words
 
 
-async def test_a_mistake_is_shown_at_its_place_and_that_of_a_level_is_the_level_s(
-    examiner: Examiner,
-) -> None:
+async def test_a_mistake_is_shown_at_its_place_or_is_the_level_s(examiner: Examiner) -> None:
     query = "Way(far: sensor.forward) :- Sensors(sensor:)"
     with pytest.raises(ProgramError) as caught:
         await examiner.check(AHEAD, query)

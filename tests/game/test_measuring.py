@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,28 +11,20 @@ import pytest
 from benchmarks.reference import measure_reference
 from logical_robots_tui import Program, list_levels, load_level
 from logical_robots_tui.game import level_key, load_program, measuring, reference_for
-from logical_robots_tui.game.measuring import (
-    Trial,
-    measure,
-    patience_for,
-    play_through,
-    try_starts,
-    vary_start,
-)
+from logical_robots_tui.game.measuring import Trial, measure, play_through, try_starts, vary_start
 from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import Level
+from tests.explain.asking import REST
 from tests.game.playing import SLOW, Play
 from tests.short import AHEAD
 from tests.short import LEVEL as SHORT
 from tests.waiting import until
 
-STILL = """\
-Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 1) :- Sensor(robot_name:);
-"""
+STILL = REST.replace('""', "1")
 
 
 @pytest.fixture
@@ -59,13 +52,10 @@ def test_the_size_is_the_number_of_names_literals_and_operators() -> None:
         assert size_of(text) == size, text
 
 
-async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back(
-    level: Level, play: Play
-) -> None:
+async def test_the_distance_is_what_all_robots_have_driven(level: Level, play: Play) -> None:
     game = play(AHEAD, level)
     history = game.history
-    for _ in range(10):
-        await game.step()
+    await game.run_until(tick=10)
     driven = game.frame.after.robots[0].x - 12
     assert history.driven(10) == pytest.approx(driven)
     game.go_to(4)
@@ -98,9 +88,9 @@ def test_goals_bring_others_together_in_varied_starts_with_other_names() -> None
     level = load_level("14-right-of-way")
     homes = {frozenset(area.victory_robots) for area in level.areas}
     starts = [vary_start(level, seed) for seed in range(100)]
-    found = [{frozenset(area.victory_robots) for area in start.areas} for start in starts]
-    assert not any(homes & each for each in found)
-    assert len({frozenset(each) for each in found}) == 9
+    goals = [frozenset(frozenset(area.victory_robots) for area in start.areas) for start in starts]
+    assert not any(homes & others for others in goals)
+    assert len({*goals}) == 9
     for start in starts:
         west = {robot.name for robot in start.robots if robot.x < 300}
         assert [set(area.victory_robots) == west for area in start.areas] == [False, True]
@@ -116,8 +106,8 @@ def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Le
     assert 40 < played.won_at < 60
     assert 20 < played.distance < 40
     assert play_through(level, program, 10).won_at is None
-    assert patience_for(1000) >= 2000  # a varied start may take twice as long
-    assert patience_for(19_000) <= 40_000
+    assert measuring.patience_for(1000) >= 2000  # a varied start may take twice as long
+    assert measuring.patience_for(19_000) <= 40_000
     assert play_through(level, Program.compile(STILL), 30).distance == 0
 
 
@@ -134,23 +124,23 @@ def test_starts_are_tried_one_by_one_and_can_be_stopped(level: Level) -> None:
 
 async def test_a_program_is_measured_in_a_process_that_tells_how_far_it_is(level: Level) -> None:
     program = Program.compile(AHEAD)
-    told: list[Trial] = []
-    known = await measure(level, program, None, told.append)
+    trials: list[Trial] = []
+    measures = await measure(level, program, None, trials.append)
     played = play_through(level, program, 1000)
-    assert known is not None
-    assert known[:3] == (played.won_at, 11, played.distance)
-    assert known.starts == 20
-    assert told[-1] == Trial(20, known.wins or 0, 20)
-    assert [trial.tried for trial in told] == list(range(1, 21))
+    assert measures is not None
+    assert measures[:3] == (played.won_at, 11, played.distance)
+    assert measures.starts == 20
+    assert trials[-1] == Trial(20, measures.wins or 0, 20)
+    assert [trial.tried for trial in trials] == list(range(1, 21))
 
 
-def test_what_is_known_is_not_played_again_and_who_does_not_win_has_no_measures(
+def test_known_measures_are_not_taken_again_and_who_does_not_win_has_none(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     known = Measures(ticks=55, size=7, distance=1.0)
-    found = measuring._measure(level, Program.compile(AHEAD), known)
-    assert found is not None
-    assert (found.ticks, found.size, found.distance, found.starts) == (55, 7, 1.0, 20)
+    measures = measuring._measure(level, Program.compile(AHEAD), known)
+    assert measures is not None
+    assert (*measures[:3], measures.starts) == (55, 7, 1.0, 20)
     monkeypatch.setattr(measuring, "MOST_TICKS", 50)
     assert measuring._measure(level, Program.compile(STILL), None) is None
 
@@ -169,18 +159,14 @@ async def test_measuring_ends_with_its_process_when_it_is_cancelled(level: Level
     await asyncio.to_thread(until, lambda: not measuring_processes())
 
 
-def measuring_processes() -> list[int]:
-    """Processes that measure for this one."""
-    children = Path("/proc/self/task").glob("*/children")
-    pids = [int(pid) for file in children for pid in file.read_text().split()]
-    return [pid for pid in pids if "game.measuring" in command_of(pid)]
-
-
-def command_of(pid: int) -> str:
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_text()
-    except OSError:
-        return ""
+def measuring_processes() -> list[str]:
+    """Commands that measure for this process."""
+    commands = []
+    for children in Path("/proc/self/task").glob("*/children"):
+        for pid in children.read_text().split():
+            with suppress(OSError):
+                commands.append(Path(f"/proc/{pid}/cmdline").read_text())
+    return [command for command in commands if "game.measuring" in command]
 
 
 def test_progress_at_a_level_of_ones_own_is_kept_by_its_path(level: Level) -> None:
@@ -199,10 +185,8 @@ def test_there_are_references_for_each_level_that_has_a_solution() -> None:
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize(
-    ("name", "program"),
-    [(name, each) for name, table in reference_table().items() for each in table],
-)
-async def test_the_reference_is_what_its_program_does(name: str, program: str) -> None:
-    found = await measure_reference(load_level(name), program)
-    assert found == reference_table()[name][program], "run `make measures`"
+@pytest.mark.parametrize("name", reference_table())
+async def test_the_references_are_what_their_programs_do(name: str) -> None:
+    for program, measures in reference_table()[name].items():
+        found = await measure_reference(load_level(name), program)
+        assert found == measures, f"{program}: run `make measures`"

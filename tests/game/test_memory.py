@@ -4,17 +4,14 @@ import os
 import subprocess
 import sys
 from copy import deepcopy
+from typing import Any
 
 import orjson
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.mind.limits import (
-    HEAVIEST_CHARACTER,
-    weight_of,
-    weight_of_row,
-    weight_of_text,
-)
+from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER as HEAVIEST
+from logical_robots_tui.mind.limits import weight_of, weight_of_row, weight_of_text
 from logical_robots_tui.values import Value
 from tests.mind.rows import ROBOT, row
 from tests.waiting import PATIENCE
@@ -125,14 +122,12 @@ def test_one_robot_fills_the_history_and_the_oldest_ticks_are_dropped() -> None:
     assert most < MOST - SCREEN
 
 
+def in_a_crowd(name: str) -> Any:
+    return pytest.param(name, marks=[pytest.mark.proof] * (not name.startswith("long")))
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "what",
-    [
-        pytest.param(name, marks=[pytest.mark.proof] * (not name.startswith("long")))
-        for name in HUNGRY | MANY_ROWS
-    ],
-)
+@pytest.mark.parametrize("what", [*map(in_a_crowd, HUNGRY | MANY_ROWS)])
 def test_the_memories_of_a_hundred_stay_within_bounds(what: str) -> None:
     ticks = 25 if what == "what can't be packed" else 10
     most, kinds = played("13-swarm", ROBOT + (HUNGRY | MANY_ROWS)[what] + ";", ticks)
@@ -177,7 +172,7 @@ def test_what_text_says_of_objects_is_never_too_little() -> None:
         text = orjson.dumps(value).decode()
         weight = weight_of(value, 10**9)
         assert weight < weight_of_row(["Ada", text])
-        assert weight <= min(weight_of_text(text), len(text) * HEAVIEST_CHARACTER)
+        assert weight <= min(weight_of_text(text), len(text) * HEAVIEST)
         assert len(text) < 1000 or weight_of(value, 1000) > 1000
 
 

@@ -52,11 +52,8 @@ async def test_nothing_but_the_team_looked_at_is_visible(match: Level, play: Pla
     """Not even to a program that asks to see all, and that commands the others' robots."""
     game = play(teams(NOSY, COUNTER), match)
     frame = await game.run_until(tick=3)
-    assert frame.memories == {
-        "Ada": {"others": 2, "seen": 2},
-        "Bo": 3,
-        "Cy": {"others": 2, "seen": 2},
-    }
+    two = {"others": 2, "seen": 2}
+    assert frame.memories == {"Ada": two, "Bo": 3, "Cy": two}
     assert frame.after.robots[1].x == 43
     (ada, bo, _) = frame.decisions
     assert [notice.kind for notice in ada.notices] == ["unknown robot"]
@@ -89,17 +86,6 @@ async def test_one_program_may_play_every_team(match: Level, play: Play) -> None
     assert frame.memories == {"Ada": two, "Bo": one, "Cy": two}
 
 
-async def test_a_team_that_uses_up_its_budget_costs_the_other_nothing(
-    match: Level, play: Play
-) -> None:
-    game = play(teams(SLOW, COUNTER), match, limits=Limits(think_steps=300_000))
-    frame = await game.run_until(tick=3)
-    assert frame.memories["Bo"] == 3
-    assert not frame.decisions[1].notices
-    assert {notice.kind for notice in frame.decisions[0].notices} == {"failed"}
-    assert frame.is_reliable
-
-
 FLOOD = """
 Long(x) = (if Length(x) < 1 then "0123456789" else x ++ x ++ x ++ x);
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: Long(memory)) :-
@@ -107,13 +93,18 @@ Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: Long(memor
 """
 
 
-async def test_a_team_that_floods_its_memory_costs_the_other_nothing(
+async def test_a_team_without_budget_or_memory_costs_the_other_nothing(
     match: Level, play: Play
 ) -> None:
-    game = play(teams(FLOOD, COUNTER), match)
-    alone = play(teams(COUNTER, COUNTER), match)
+    slow = play(teams(SLOW, COUNTER), match, limits=Limits(think_steps=300_000))
+    frame = await slow.run_until(tick=3)
+    assert frame.memories["Bo"] == 3
+    assert not frame.decisions[1].notices
+    assert {notice.kind for notice in frame.decisions[0].notices} == {"failed"}
+    assert frame.is_reliable
+    flooded, alone = play(teams(FLOOD, COUNTER), match), play(teams(COUNTER, COUNTER), match)
     for _ in range(15):
-        frame, quiet = await game.step(), await alone.step()
+        frame, quiet = await flooded.step(), await alone.step()
         assert frame.memories["Bo"] == quiet.memories["Bo"]
         assert not frame.decisions[1].notices
     assert frame.decisions[0].notices
@@ -128,13 +119,12 @@ async def test_a_match_ends_and_may_go_on(tmp_path: Path, play: Play) -> None:
     game = play(teams(COUNTER, BACKWARDS), load_level(path))
     await game.run_until(tick=50)
     assert game.frame.tick == 8
-    found = standing(game.level, game.frame.after)
-    assert found["red"] > found["blue"]
+    scores = standing(game.level, game.frame.after)
+    assert scores["red"] > scores["blue"]
     game.back(3)
-    assert standing(game.level, game.frame.after)["red"] < found["red"]
-    game.pace.speed = None
+    assert standing(game.level, game.frame.after)["red"] < scores["red"]
     await game.run()
     assert game.frame.tick == 8
     await game.run_until(tick=12)
     assert game.frame.tick == 12
-    assert standing(game.level, game.frame.after) == found
+    assert standing(game.level, game.frame.after) == scores
