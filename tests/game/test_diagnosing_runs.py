@@ -1,12 +1,13 @@
-"""Diagnosis of a run with two processes: nothing else is found than with one."""
+"""Diagnosis of whole runs: found as in a game, kept, and nothing against shipped programs."""
 
 import asyncio
 
 import pytest
 
-from logical_robots_tui.game import diagnosing
+from logical_robots_tui.game import diagnosing, load_program
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose_run, extent
-from logical_robots_tui.world import Level
+from logical_robots_tui.paths import shipped_folder
+from logical_robots_tui.world import Level, list_levels, load_level
 from tests.game.test_diagnosing import diagnosed
 from tests.game.test_run import opened
 
@@ -22,15 +23,13 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 1) :-
 """
 
 
-pytestmark = pytest.mark.usefixtures("folder")
-
-
 async def of_run(level: Level, ticks: int = TICKS) -> tuple[Diagnosis, list[Diagnosis]]:
     shown: list[Diagnosis] = []
     async with opened(level, TEXT) as run:
         return await diagnose_run(run, ticks, show=shown.append), shown
 
 
+@pytest.mark.usefixtures("folder")
 async def test_a_run_is_diagnosed_as_that_of_a_game_and_findings_are_kept(level: Level) -> None:
     there = await diagnosed(level, TEXT, TICKS)
     assert len(there.findings) > 2
@@ -47,6 +46,7 @@ async def test_a_run_is_diagnosed_as_that_of_a_game_and_findings_are_kept(level:
     assert await of_run(level) == (found, [])
 
 
+@pytest.mark.usefixtures("folder")
 async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level: Level) -> None:
     async with opened(level) as run:
         frame = await run.frame(200)
@@ -55,6 +55,7 @@ async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level:
     assert found.last == found.won_at == frame.after.won_at
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("error", [OSError, pytest.param(RuntimeError, marks=pytest.mark.slow)])
 async def test_without_the_second_process_it_takes_longer(
     level: Level, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
@@ -68,6 +69,7 @@ async def test_without_the_second_process_it_takes_longer(
     assert (await of_run(level))[0].findings == expected.findings
 
 
+@pytest.mark.usefixtures("folder")
 async def test_what_was_found_before_it_is_stopped_is_kept(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -86,3 +88,63 @@ async def test_what_was_found_before_it_is_stopped_is_kept(
         with pytest.raises(asyncio.CancelledError):
             await task
     assert "of these ticks were examined." in extent(shown[-1])
+
+
+ENOUGH = 6000  # ticks in which every solution wins
+DEFAULT = 3000  # ticks in which not all of them do
+CURVES = "05-lighthouse"
+PROGRAMS = shipped_folder("programs")
+SOLUTIONS = [(level, str(load_level(level).solution)) for level in list_levels()]
+REFERENCES = [
+    (level, f"references/{path.stem}")
+    for level, solution in SOLUTIONS
+    for path in sorted((PROGRAMS / "references").glob(f"{solution}-*.l"))
+]
+ARENAS = [
+    (path.stem, f"arenas/{path.stem[3:]}{kind}")
+    for path in sorted((shipped_folder("levels") / "arenas").glob("*.toml"))
+    for kind in ("", "-sparring")
+]
+
+
+async def check(level: str, program: str, ticks: int) -> Diagnosis:
+    """The diagnosis of a program, of which nothing warns."""
+    async with opened(load_level(level), load_program(PROGRAMS / f"{program}.l").text) as run:
+        found = await diagnose_run(run, ticks)
+    assert [each.message for each in found.findings if each.severity == "warning"] == []
+    assert found.second_step == 1
+    return found
+
+
+async def check_victory(level: str, program: str) -> None:
+    """What is noted of a program that wins is that something never happened; and that is true."""
+    found = await check(level, program, ENOUGH)
+    assert found.won_at is not None
+    assert {each.kind for each in found.findings} <= {"never true", "never false", "never null"}
+
+
+@pytest.mark.parametrize(
+    ("level", "program"),
+    [
+        SOLUTIONS[0],
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in SOLUTIONS if case[0] == CURVES),
+    ],
+)
+async def test_of_a_solution_nothing_is_held_against_it(level: str, program: str) -> None:
+    await check_victory(level, program)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("level", "program"), [*SOLUTIONS, *REFERENCES])
+async def test_of_no_reference_program_anything_is_held_against_it(
+    level: str, program: str
+) -> None:
+    await check_victory(level, program)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("level", "program"), [*SOLUTIONS, *ARENAS])
+async def test_before_its_victory_or_in_a_match_nothing_is_held_against_a_program(
+    level: str, program: str
+) -> None:
+    await check(level, program, DEFAULT)

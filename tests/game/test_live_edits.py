@@ -14,7 +14,7 @@ from logical_robots_tui.game import Frame, Game
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility
 from logical_robots_tui.world.world import Pose
-from tests.game.playing import BACKWARDS, COUNTER, Play
+from tests.game.playing import BACKWARDS, COUNTER
 from tests.waiting import PATIENCE
 from tests.world.making import make_level
 
@@ -67,18 +67,18 @@ deeds = st.one_of(
 )
 
 
-def edited(played: Game, edit: int, poses: int) -> Frame:
+def edited(game: Game, edit: int, poses: int) -> Frame:
     """Change the level under way, and put elsewhere who is still there."""
-    level = EDITS[edit](played.level)
+    level = EDITS[edit](game.level)
     names = {robot.name for robot in level.robots}
     there = {name: pose for name, pose in POSES[poses].items() if name in names}
-    return played.change_level(level, there)
+    return game.change_level(level, there)
 
 
-async def reached(played: Game, tick: int) -> None:
+async def reached(game: Game, tick: int) -> None:
     """Wait until a game that runs is that far."""
     there = asyncio.Event()
-    played.listen(lambda frame: there.set() if frame.tick >= tick else None)
+    game.listen(lambda frame: there.set() if frame.tick >= tick else None)
     await asyncio.wait_for(there.wait(), PATIENCE)
 
 
@@ -87,31 +87,26 @@ def counter() -> Program:
     return Program.compile(COUNTER)
 
 
-@pytest.fixture
-def played(play: Play) -> Game:
-    return play()
-
-
 @settings(max_examples=min(25, settings().max_examples), deadline=None)
 @given(st.lists(deeds, max_size=14))
 def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
     done: list[tuple[str, int, int]],
 ) -> None:
     async def play() -> None:
-        played = Game(LEVEL, counter())
-        branch: list[tuple[Frame, Level]] = [(played.frame, LEVEL)]
+        game = Game(LEVEL, counter())
+        branch: list[tuple[Frame, Level]] = [(game.frame, LEVEL)]
 
         async def step() -> None:
-            frame = await played.step()
+            frame = await game.step()
             if frame.tick == len(branch):
-                branch.append((frame, played.level))
+                branch.append((frame, game.level))
             seen(frame)
 
         def seen(frame: Frame) -> None:
             then, level = branch[frame.tick]
             assert frame == then
-            assert np.array_equal(played.level.walls, level.walls)
-            assert played.level.robots == level.robots
+            assert np.array_equal(game.level.walls, level.walls)
+            assert game.level.robots == level.robots
 
         try:
             for what, number, more in done:
@@ -119,110 +114,105 @@ def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
                     for _ in range(number):
                         await step()
                 elif what == "go to":
-                    seen(played.go_to(number % len(branch)))
+                    seen(game.go_to(number % len(branch)))
                 else:
-                    frame = edited(played, number, more)
+                    frame = edited(game, number, more)
                     del branch[frame.tick :]
-                    branch.append((frame, played.level))
-            seen(played.go_to(0))
-            while played.frame.tick < len(branch) - 1:
+                    branch.append((frame, game.level))
+            seen(game.go_to(0))
+            while game.frame.tick < len(branch) - 1:
                 await step()
             for tick in range(len(branch) - 1, -1, -1):
-                seen(played.go_to(tick))
+                seen(game.go_to(tick))
         finally:
-            await played.close()
+            await game.close()
 
     asyncio.run(play())
 
 
-async def test_a_wall_stops_robots_from_the_next_tick_on(played: Game) -> None:
-    await played.run_until(tick=20)
-    before, original = played.frame, played.level
+async def test_a_wall_stops_robots_from_the_next_tick_on(game: Game) -> None:
+    await game.run_until(tick=20)
+    before, original = game.frame, game.level
     assert not before.after.robots[0].blocked
     x = int(before.after.robots[0].x)
-    played.change_level(walled(original, x + 2))
-    assert played.history.marks.at(20)[0].kind == "edit"
-    await played.run_until(tick=30)
-    assert played.frame.after.robots[0].blocked
-    assert played.go_to(19).after.robots == before.before.robots
-    assert np.array_equal(played.level.walls, original.walls)
-    await played.run_until(tick=21)
-    assert not np.array_equal(played.level.walls, original.walls)
+    game.change_level(walled(original, x + 2))
+    assert game.history.marks.at(20)[0].kind == "edit"
+    await game.run_until(tick=30)
+    assert game.frame.after.robots[0].blocked
+    assert game.go_to(19).after.robots == before.before.robots
+    assert np.array_equal(game.level.walls, original.walls)
+    await game.run_until(tick=21)
+    assert not np.array_equal(game.level.walls, original.walls)
 
 
-async def test_a_robot_is_put_elsewhere_while_the_game_runs(played: Game) -> None:
-    running = asyncio.create_task(played.run())
-    await reached(played, 5)
-    tick = played.change_level(played.level, {"Ada": (150.0, 20.0, 0.0)}).tick
-    await reached(played, tick + 3)
-    played.pause()
+async def test_a_robot_is_put_elsewhere_while_the_game_runs(game: Game) -> None:
+    running = asyncio.create_task(game.run())
+    await reached(game, 5)
+    tick = game.change_level(game.level, {"Ada": (150.0, 20.0, 0.0)}).tick
+    await reached(game, tick + 3)
+    game.pause()
     await running
-    after = played.frame_at(tick + 1)
+    after = game.frame_at(tick + 1)
     assert after.before.robots[0].x == 150.0
     assert after.after.robots[0].x == 151.0
     with pytest.raises(ValueError, match="Nobody"):
-        played.change_level(played.level, {"Nobody": (0, 0, 0)})
+        game.change_level(game.level, {"Nobody": (0, 0, 0)})
 
 
-async def test_a_tick_that_was_gone_back_to_comes_back_as_changed(played: Game) -> None:
-    await played.run_until(tick=5)
-    played.back()
-    played.go_to(5)
-    moved = played.change_level(played.level, {"Ada": (75.0, 20.0, 0.0)})
-    await played.step()
-    assert played.back().after == moved.after
+async def test_a_tick_that_was_gone_back_to_comes_back_as_changed(game: Game) -> None:
+    await game.run_until(tick=5)
+    game.back()
+    game.go_to(5)
+    moved = game.change_level(game.level, {"Ada": (75.0, 20.0, 0.0)})
+    await game.step()
+    assert game.back().after == moved.after
 
 
-async def test_beginning_again_does_not_do_again_what_was_done_by_hand(played: Game) -> None:
-    original = played.level
-    await played.run_until(tick=10)
-    plain = await played.step()
-    played.go_to(10)
-    played.change_level(walled(original, 100), {"Bo": (20.0, 40.0, 0.0)})
-    await played.run_until(tick=15)
-    played.restart(original)
-    assert (await played.run_until(tick=11)) == plain
-    assert played.level is original
-    assert played.history.other is not None
-    played.restart(walled(original, 100))
-    assert played.history.level_at(0).walls[30, 100]
+async def test_beginning_again_does_not_do_again_what_was_done_by_hand(game: Game) -> None:
+    level, start = game.level, game.frame
+    game.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
+    await game.run_until(tick=3)
+    assert game.restart(level) == start
+    assert game.frame_at(0) == start
+    frame = await game.step()
+    assert frame.after.robots[0].x == pytest.approx(start.after.robots[0].x + 1)
+    await game.run_until(tick=10)
+    plain = await game.step()
+    game.go_to(10)
+    game.change_level(walled(level, 100), {"Bo": (20.0, 40.0, 0.0)})
+    await game.run_until(tick=15)
+    game.restart(level)
+    assert (await game.run_until(tick=11)) == plain
+    assert game.level is level
+    assert game.history.other is not None
+    game.restart(walled(level, 100))
+    assert game.history.level_at(0).walls[30, 100]
 
 
-async def test_beginning_again_takes_back_who_was_put_elsewhere_at_the_start(played: Game) -> None:
-    original = played.frame
-    level = played.level
-    played.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
-    await played.run_until(tick=3)
-    assert played.restart(level) == original
-    assert played.frame_at(0) == original
-    frame = await played.step()
-    assert frame.after.robots[0].x == pytest.approx(original.after.robots[0].x + 1)
-
-
-async def test_another_program_begins_another_future_before_an_edit(played: Game) -> None:
-    await played.run_until(tick=10)
-    played.change_level(played.level, {"Ada": (150.0, 20.0, 0.0)})
-    await played.run_until(tick=12)
-    played.go_to(5)
-    played.use(Program.compile(BACKWARDS))
-    frame = await played.run_until(tick=11)
+async def test_another_program_begins_another_future_before_an_edit(game: Game) -> None:
+    await game.run_until(tick=10)
+    game.change_level(game.level, {"Ada": (150.0, 20.0, 0.0)})
+    await game.run_until(tick=12)
+    game.go_to(5)
+    game.use(Program.compile(BACKWARDS))
+    frame = await game.run_until(tick=11)
     assert frame.after.robots[0].x < 50
-    played.change_branch()
-    assert played.frame.after.robots[0].x > 150
+    game.change_branch()
+    assert game.frame.after.robots[0].x > 150
 
 
-async def test_a_new_robot_thinks_from_the_next_tick_on_and_marks_know_who(played: Game) -> None:
-    await played.run_until(tick=40)
-    level = with_robot(played.level, "Cy")
-    frame = played.change_level(level)
+async def test_a_new_robot_thinks_from_the_next_tick_on_and_marks_know_who(game: Game) -> None:
+    await game.run_until(tick=40)
+    level = with_robot(game.level, "Cy")
+    frame = game.change_level(level)
     assert (frame.decisions, frame.memories) == ((), {"Cy": "", "Ada": 40, "Bo": 40})
-    while played.frame.tick < 120:
-        await played.step()
-    assert played.frame.memories == {"Cy": 80, "Ada": 120, "Bo": 120}
-    memory = next(mark for mark in played.history.marks.at(60) if mark.kind == "memory")
+    while game.frame.tick < 120:
+        await game.step()
+    assert game.frame.memories == {"Cy": 80, "Ada": 120, "Bo": 120}
+    memory = next(mark for mark in game.history.marks.at(60) if mark.kind == "memory")
     assert set(memory.names) == {"Ada", "Bo", "Cy"}
-    assert played.history.marks.nearest(0, 1, (), "Cy") == 41
-    played.change_level(without_robot(level, 1))
-    while played.frame.tick < 130:
-        await played.step()
-    assert set(played.history.marks.at(125)[0].names) == {"Cy", "Bo"}
+    assert game.history.marks.nearest(0, 1, (), "Cy") == 41
+    game.change_level(without_robot(level, 1))
+    while game.frame.tick < 130:
+        await game.step()
+    assert set(game.history.marks.at(125)[0].names) == {"Cy", "Bo"}

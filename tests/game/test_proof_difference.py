@@ -3,9 +3,7 @@
 import pytest
 
 from logical_robots_tui.explain import Explainer
-from logical_robots_tui.game import Game
 from logical_robots_tui.game.debugging.proof_difference import (
-    Comparison,
     ProofDifference,
     compare_proofs,
     condition_of,
@@ -61,18 +59,18 @@ class Two:
         self, level: Level, here: str, there: str, *, memories: tuple[Value, Value] = ("", "")
     ) -> None:
         rows = World(level).sense()
-        self._minds = [Mind(Program.compile(text)) for text in (here, there)]
+        minds = [Mind(Program.compile(text)) for text in (here, there)]
         self._explainers = [
             Explainer(mind, "Ada", rows, {"Ada": memory, "Bo": ""})
-            for mind, memory in zip(self._minds, memories, strict=True)
+            for mind, memory in zip(minds, memories, strict=True)
         ]
         mine, other = (explainer.proof() for explainer in self._explainers)
-        self.found = first_difference(mine, other, here, there)
+        self.first = first_difference(mine, other, here, there)
 
     @property
     def difference(self) -> ProofDifference:
-        assert self.found is not None
-        return self.found
+        assert self.first is not None
+        return self.first
 
     @property
     def texts(self) -> tuple[str | None, str | None]:
@@ -80,14 +78,13 @@ class Two:
         return here.text if here else None, there.text if there else None
 
     def condition(self) -> tuple[str, str] | None:
-        asked = self.difference.asked
-        whys = [each.why(asked) for each in self._explainers]
-        found = condition_of(self.difference, *whys)
-        return None if found is None else (found[0].text, found[1])
+        whys = [explainer.why(self.difference.asked) for explainer in self._explainers]
+        condition = condition_of(self.difference, *whys)
+        return condition and (condition[0].text, condition[1])
 
 
 def test_proofs_that_are_the_same_do_not_differ(level: Level) -> None:
-    assert Two(level, NEAREST, f"# a comment more\n\n{NEAREST}").found is None
+    assert Two(level, NEAREST, f"# a comment more\n\n{NEAREST}").first is None
 
 
 def test_another_rule_is_named_with_the_condition_that_chose_it(level: Level) -> None:
@@ -122,55 +119,36 @@ def test_a_rule_in_place_of_another_one_is_no_edited_one(level: Level) -> None:
     assert two.condition() is None
 
 
-@pytest.mark.parametrize(
-    ("program", "old", "new", "kind", "predicate", "text"),
-    [
-        pytest.param(
-            *(NEAREST, "n / 10", "n / 5", "step", "Robot"),
-            "speed = (if Nearest(sensor) < 5 then 0 else n / 10)",
-            id="the step of an edited rule",
-        ),
-        pytest.param(
-            *(NEAREST, "angle > 0", "angle < 0", "rule", "Nearest"),
-            "Nearest(sensor) = Min{ray.distance :- ray in sensor.radar, ray.angle > 0}",
-            id="a function that gives something else",
-        ),
-        pytest.param(
-            *(WALLS, "< 0.5", "< 1.5", "rule", "Ahead"),
-            "Ahead(ray) :- Abs(ray.angle) < 0.5",
-            id="what decides an aggregate",
-        ),
-        pytest.param(*(GO, '"go"', '""', "step", "Robot"), 'memory == "go"', id="without a row"),
-    ],
-)
+SPEED = "speed = (if Nearest(sensor) < 5 then 0 else n / 10)"
+AHEAD = "Ahead(ray) :- Abs(ray.angle) < 0.5"
+EDITED = {
+    "the step of an edited rule": (NEAREST, "n / 10", "n / 5", "step", "Robot", SPEED),
+    "a function": (NEAREST, "angle > 0", "angle < 0", "rule", "Nearest", NEAREST.split(";")[0]),
+    "what decides an aggregate": (WALLS, "< 0.5", "< 1.5", "rule", "Ahead", AHEAD),
+    "without a row": (GO, '"go"', '""', "step", "Robot", 'memory == "go"'),
+}
+
+
+@pytest.mark.parametrize("edit", EDITED.values(), ids=EDITED)
 def test_what_was_edited_is_gone_into_down_to_where_it_differs(
-    level: Level, program: str, old: str, new: str, kind: str, predicate: str, text: str
+    level: Level, edit: tuple[str, ...]
 ) -> None:
+    program, old, new, kind, predicate, text = edit
     two = Two(level, program, program.replace(old, new))
     assert (two.difference.kind, two.difference.asked.predicate) == (kind, predicate)
-    assert two.texts == (text, text.replace(old, new))
+    assert two.texts == (text.strip(), text.strip().replace(old, new))
     assert predicate != "Nearest" or two.condition() is None
 
 
-@pytest.mark.parametrize(
-    ("programs", "memories", "values"),
-    [
-        ((DRIVE, DRIVE.replace("memory: 1", "memory: 2")), ("", ""), (1, 2)),
-        ((NEAREST, NEAREST), (3, 4), (3, 4)),
-    ],
-    ids=["of a column that is edited", "the first one that was read"],
-)
-def test_a_value_that_differs_is_named(
-    level: Level, programs: tuple[str, str], memories: tuple[Value, Value], values: tuple[int, int]
-) -> None:
-    two = Two(level, *programs, memories=memories)
-    assert two.difference.kind == "value"
-    assert two.texts == ("memory", "memory")
-    here, there = two.difference.here, two.difference.there
-    assert here is not None
-    assert there is not None
-    assert (here.values, there.values) == ((values[0],), (values[1],))
-    assert (here.kind == "read") == (memories != ("", ""))
+def test_a_value_that_differs_is_named(level: Level) -> None:
+    edited = Two(level, DRIVE, DRIVE.replace("memory: 1", "memory: 2"))
+    read = Two(level, NEAREST, NEAREST, memories=(3, 4))
+    for two, values in ((edited, (1, 2)), (read, (3, 4))):
+        assert two.difference.kind == "value"
+        assert two.texts == ("memory", "memory")
+        nodes = [node for node in (two.difference.here, two.difference.there) if node]
+        assert [node.values for node in nodes] == [(value,) for value in values]
+        assert (nodes[0].kind == "read") == (two is read)
 
 
 def test_a_branch_that_was_not_taken_is_told_by_its_condition(level: Level) -> None:
@@ -189,38 +167,24 @@ def test_what_only_one_aggregate_goes_over_is_told_by_its_new_rule(level: Level)
     assert two.texts[0] is None
 
 
-async def played(level: Level, here: str, there: str) -> Comparison | None:
-    """Four ticks under one program, from the second on anew under another."""
-    game = Game(level, Program.compile(there))
-    try:
-        for _ in range(4):
-            await game.step()
-        game.go_to(1)
-        game.use(Program.compile(here))
-        await game.step()
-        assert game.history.divergence is not None
-        return await compare_proofs(game, game.history.divergence)
-    finally:
-        await game.close()
-
-
-async def test_the_branches_of_a_game_are_compared_where_they_part(level: Level) -> None:
-    found = await played(level, DRIVE.replace('"new"', "1"), DRIVE)
-    assert found is not None
-    assert found.robot == "Ada"
-    assert found.differing is not None
-    assert found.differing.asked.predicate == "Drive"
-    assert found.condition is not None
-    assert (found.condition[0].text, found.condition[1]) == ("~Fresh(robot_name:)", "there")
-
-
-async def test_a_robot_put_elsewhere_by_hand_has_no_derivation_that_differs(
-    level: Level, play: Play
-) -> None:
-    game = play(DRIVE, level)
-    for _ in range(3):
-        await game.step()
+async def test_branches_are_compared_where_they_part_but_not_by_hand(play: Play) -> None:
+    game = play(DRIVE)
+    await game.run_until(tick=4)
     game.go_to(1)
-    game.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
+    game.use(Program.compile(DRIVE.replace('"new"', "1")))
+    await game.step()
     assert game.history.divergence is not None
-    assert await compare_proofs(game, game.history.divergence) is None
+    comparison = await compare_proofs(game, game.history.divergence)
+    assert comparison is not None
+    assert comparison.robot == "Ada"
+    assert comparison.differing is not None
+    assert comparison.differing.asked.predicate == "Drive"
+    assert comparison.condition is not None
+    assert comparison.condition[0].text == "~Fresh(robot_name:)"
+    assert comparison.condition[1] == "there"
+    moved = play(DRIVE)
+    await moved.run_until(tick=3)
+    moved.go_to(1)
+    moved.change_level(moved.level, {"Ada": (60.0, 25.0, 0.0)})
+    assert moved.history.divergence is not None
+    assert await compare_proofs(moved, moved.history.divergence) is None

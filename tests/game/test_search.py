@@ -1,12 +1,18 @@
-"""Seeking: the nearest known tick in which a question holds."""
+"""The ticks in which a question holds: sought, asked once, kept, and never trusted unseen."""
 
 import asyncio
+import hashlib
+import json
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.game import Breakpoint, Game, search_ticks
-from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.game import Breakpoint, Game, Matches, find_matches, search_ticks
+from logical_robots_tui.mind import Limits, Mind, Program, ProgramError
+from logical_robots_tui.world import Level
+from tests.game.playing import COUNTER
+from tests.game.test_run import ENDLESS_AT_41, opened
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 HERE = f"{CLOCK}t in [10, 11, 12, 40, 41, 77]"
@@ -79,3 +85,82 @@ async def test_a_search_and_a_breakpoint_find_the_same_tick(game: Game) -> None:
     game.breakpoints.add(Breakpoint("rows", f"{CLOCK}t > 22"))
     await game.run_until(tick=100)
     assert game.frame.tick == where == 23
+
+
+CLOCK = "Sensor(sensor:), t == sensor.clock, "
+QUERY = f"{CLOCK}t in [3, 4, 9]"
+FOUND = Matches(20, None, ((3, 4), (9, 9)))
+
+
+async def found(
+    level: Level, query: str = QUERY, ticks: int = 20, robot: str = "", text: str = COUNTER
+) -> Matches:
+    program = Program.compile(text)
+    async with opened(level, text, Limits(think_seconds=0.3)) as run:
+        return await find_matches(run, program.question(query), ticks, robot)
+
+
+def kept(folder: Path) -> list[Path]:
+    return list(folder.glob("*.when"))
+
+
+def entry(folder: Path) -> Path:
+    (path,) = kept(folder)
+    return path
+
+
+@pytest.mark.usefixtures("folder")
+async def test_the_stretches_of_each_question_robot_and_number_of_ticks_are_asked_for_once(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert await found(level) == FOUND
+    assert (FOUND.holds_in, FOUND.failed_in) == (3, 0)
+    assert (await found(level, f"{CLOCK}t in [3, 4]")).stretches == ((3, 4),)
+    assert (await found(level, ticks=8)).stretches == ((3, 4),)
+    here = 'Memory(robot_name:, memory: 5), robot_name == "Bo"'
+    for robot, stretches in (("", ((6, 6),)), ("Bo", ((6, 6),)), ("Ada", ())):
+        assert (await found(level, here, robot=robot)).stretches == stretches
+    monkeypatch.setattr(Mind, "ask", None)
+    assert await found(level) == FOUND
+
+
+FALSE = ([3, 99], [9, 3], [0, 3], ["3", 4], [3, 4, 5])
+FORGED = [{"ticks": 20, "won_at": None, "stretches": [stretch]} for stretch in FALSE]
+
+
+async def test_an_answer_that_is_false_or_damaged_or_of_another_question_is_dropped(
+    level: Level, folder: Path
+) -> None:
+    await found(level, f"{CLOCK}t in [3, 4]")
+    other = entry(folder).read_bytes()
+    entry(folder).unlink()
+    await found(level)
+    path = entry(folder)
+    content = path.read_bytes()
+    contents = [other]
+    for forged in (*FORGED, {"ticks": 20, "stretches": []}, []):
+        body = json.dumps(forged).encode()
+        digest = hashlib.sha256(path.stem.encode() + body).hexdigest()
+        contents.append(digest.encode() + b"\n" + body)
+    places = (0, 10, 70, len(content) - 1)
+    contents += [content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :] for at in places]
+    for false in contents:
+        path.write_bytes(false)
+        assert await found(level) == FOUND, false
+
+
+async def test_what_failed_may_hold_another_time_and_is_not_kept(
+    level: Level, folder: Path
+) -> None:
+    matches = await found(level, f'{CLOCK}x in ["a"], (if t == 2 then x.field else 1) == 1', 5)
+    assert matches.stretches == ((1, 1), (3, 5))
+    assert matches.failed == ((2, 2),)
+    assert "neither a record nor a list" in matches.reason
+    assert not kept(folder)
+
+
+@pytest.mark.slow
+async def test_nothing_is_kept_of_a_run_with_a_thought_cut_off(level: Level, folder: Path) -> None:
+    text = ENDLESS_AT_41.replace("41", "5")
+    assert (await found(level, text=text)).stretches == FOUND.stretches
+    assert not kept(folder)

@@ -1,14 +1,28 @@
-"""Program texts: found by name or path, refused in plain words, written whole."""
+"""Program texts: found by name or path, refused in plain words, written whole, as all files are."""
 
+import fcntl
 import os
+import shlex
 import threading
 from pathlib import Path
+from urllib.parse import quote
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.game.source import target
+from logical_robots_tui.paths import (
+    is_file,
+    is_folder,
+    is_there,
+    pasted_path,
+    real,
+    typed_path,
+    write_atomically,
+)
 from tests.waiting import PATIENCE
 
 
@@ -38,14 +52,11 @@ def test_what_is_not_a_program_is_refused(tmp_path: Path) -> None:
             load_program(path)
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [(".", "is a folder"), ("none.l", "There is no such program"), ("x" * 300, "can't be read")],
-    ids=["a folder", "missing", "out of reach"],
-)
-def test_a_path_that_leads_to_no_file_is_refused(tmp_path: Path, name: str, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        load_program(tmp_path / name)
+def test_a_path_that_leads_to_no_file_is_refused(tmp_path: Path) -> None:
+    no_program = "There is no such program"
+    for name, words in ((".", "is a folder"), ("none.l", no_program), ("x" * 300, "can't be read")):
+        with pytest.raises(InputError, match=words):
+            load_program(tmp_path / name)
 
 
 def test_a_pipe_is_waited_for_only_by_who_says_so(tmp_path: Path) -> None:
@@ -85,3 +96,131 @@ def test_a_file_that_cannot_be_written_is_a_clear_message(tmp_path: Path) -> Non
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="can't be written"):
         save_program(tmp_path / "file" / "mine.l", "A(1);")
+
+
+OUT_OF_REACH = "x" * 300  # for root, too: longer than the name of a file can be
+
+
+def test_what_is_out_of_reach_is_not_there(tmp_path: Path) -> None:
+    for path in (tmp_path / OUT_OF_REACH, tmp_path / OUT_OF_REACH / "mine.l", tmp_path / "none"):
+        assert not is_there(path)
+        assert not is_file(path)
+        assert not is_folder(path)
+    assert is_folder(tmp_path)
+    with pytest.raises(InputError, match="is a folder"):
+        target("/", tmp_path)
+    (tmp_path / "mine.l").touch()
+    assert is_file(tmp_path / "mine.l")
+    assert is_there(tmp_path / "mine.l")
+
+
+NAMES = st.text(st.characters(exclude_characters="/\0", exclude_categories=["C", "Z"]), min_size=1)
+
+
+@given(st.lists(NAMES | st.just("a b"), min_size=1), st.sampled_from(["quoted", "address"]))
+def test_a_pasted_path_is_read_as_what_was_dropped(names: list[str], form: str) -> None:
+    path = "/" + "/".join(names)
+    pasted = shlex.quote(path) if form == "quoted" else f"file://{quote(path)}"
+    assert pasted_path(f"{pasted} ") == path
+
+
+def test_a_file_whose_name_holds_quotes_is_opened_as_typed(tmp_path: Path) -> None:
+    file = tmp_path / "'mine'.l"
+    file.touch()
+    assert pasted_path(str(file)) == str(file)
+    assert pasted_path(str(tmp_path / "'other'.l")) == str(tmp_path / "other.l")
+
+
+@given(st.text())
+def test_what_is_not_a_path_is_left_alone(text: str) -> None:
+    if "/" not in text:
+        assert pasted_path(text) == text.strip()
+
+
+def test_links_in_a_circle_lead_somewhere(tmp_path: Path) -> None:
+    (tmp_path / "round.l").symlink_to(tmp_path / "round.l")
+    assert real(tmp_path / "round.l") == tmp_path / "round.l"
+    assert target(f"{tmp_path}/round.l", tmp_path) == tmp_path / "round.l"
+
+
+def test_what_can_be_no_path_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert typed_path("~/mine.l") == tmp_path / "mine.l"
+    with pytest.raises(InputError, match="no such home"):
+        typed_path("~nobody-of-that-name/mine.l")
+    with pytest.raises(InputError, match="is not a valid path"):
+        typed_path("/tmp/mine\0.l")
+
+
+def test_a_name_in_a_folder_that_is_gone_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    here.rmdir()
+    with pytest.raises(InputError, match="no longer exists"):
+        target("./mine.l", tmp_path)
+
+
+def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
+    file = tmp_path / "mine.l"
+    write_atomically(file, "one\r\n")
+    assert file.read_bytes() == b"one\r\n"
+    file.chmod(0o600)
+    write_atomically(file, b"\xff")
+    assert file.read_bytes() == b"\xff"
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_new_file_is_as_private_as_the_player_s_files_are(tmp_path: Path) -> None:
+    usual = os.umask(0o077)
+    try:
+        write_atomically(tmp_path / "mine.l", "one")
+    finally:
+        os.umask(usual)
+    assert (tmp_path / "mine.l").stat().st_mode & 0o777 == 0o600
+
+
+def test_a_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    file, link = tmp_path / "elsewhere" / "mine.l", tmp_path / "mine.l"
+    link.symlink_to("elsewhere/mine.l")
+    for text in ("one", "another"):  # the first makes the file
+        write_atomically(link, text)
+        assert link.is_symlink()
+        assert file.read_text() == text
+
+
+def test_what_is_not_a_file_is_written_to(tmp_path: Path) -> None:
+    pipe, read = tmp_path / "pipe", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader.start()
+    write_atomically(pipe, "one")
+    reader.join(PATIENCE)
+    assert read == ["one"]
+    assert pipe.is_fifo()
+
+
+def test_a_folder_is_left_alone(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match=tmp_path.name):
+        write_atomically(tmp_path, "one")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_killed_write_left_is_swept_by_the_next(tmp_path: Path) -> None:
+    file = tmp_path / "mine.l"
+    write_atomically(file, "one")
+    left = [tmp_path / ".mine.l.0123abcd", tmp_path / ".other.l.0123abcd"]
+    held, hidden = tmp_path / ".mine.l.4567cdef", tmp_path / ".mine.l.swp"
+    for each in (*left, held, hidden):
+        each.write_text("half of i")
+    with held.open() as somebody:
+        fcntl.flock(somebody, fcntl.LOCK_EX)  # as long as it writes
+        write_atomically(file, "another")
+    assert not left[0].exists()
+    assert {left[1], held, hidden, file} == {*tmp_path.iterdir()}
+    write_atomically(tmp_path / "other.l", "one")
+    assert {hidden, file, tmp_path / "other.l"} == {*tmp_path.iterdir()}
