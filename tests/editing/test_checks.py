@@ -17,6 +17,8 @@ from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility, loa
 from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room
 
 RADIUS = 9
+LONG = "n" * 61
+NO_MEMORY = Visibility("none")  # type: ignore[arg-type] # as it is tested
 
 
 def hall(**more: Any) -> Level:
@@ -140,43 +142,25 @@ def test_names_used_twice_are_told_and_those_of_robots_forbid_loading() -> None:
     assert check(twins)[0] == LevelFinding(text, 50.5, 100.5, forbids=True)
 
 
-@pytest.mark.parametrize(
-    ("changes", "finding"),
-    [
-        ({"robots": ()}, LevelFinding("The level has no robots.", forbids=True)),
-        ({"title": ""}, LevelFinding('"title" is empty.', forbids=True)),
-        (
-            {"visibility": Visibility("none")},  # type: ignore[arg-type] # as it is tested
-            LevelFinding('"memory" must be "own" or "seen" or "all".', forbids=True),
-        ),
-        (
-            {"robots": (Robot("n" * 61, 5, 6),)},
-            LevelFinding(f'"{"n" * 61}": "name" is longer than 60 characters.', 5, 6, True),
-        ),
-        (
-            {"robots": (Robot("Ann", math.nan, 6),)},
-            LevelFinding('"Ann": "x" must be a finite number, not nan.', forbids=True),
-        ),
-        (
-            {"areas": (goal(radius=-1),)},
-            LevelFinding('"home": "radius" must be 0 or more, not -1.', 350, 100, True),
-        ),
-        (
-            {"beacons": tuple(Beacon(f"b{i}", 60, 60) for i in range(1001))},
-            LevelFinding("There are 1001 beacons; at most 1000 are allowed.", forbids=True),
-        ),
-        (
-            {"width": 4001, "walls": np.zeros((200, 4001), np.bool_)},
-            LevelFinding(
-                "The labyrinth is 4001 x 200 units; at most 4000 x 4000 is allowed.", forbids=True
-            ),
-        ),
-    ],
-)
-def test_what_no_file_could_say_forbids_loading(
-    changes: dict[str, Any], finding: LevelFinding
-) -> None:
-    assert check(replace(hall(), **changes)) == [finding]
+NOWHERE = (Robot("Ann", math.nan, 6),)
+MANY = tuple(Beacon(f"b{i}", 60, 60) for i in range(1001))
+WIDE = {"width": 4001, "walls": np.zeros((200, 4001), np.bool_)}
+UNSAYABLE: list[tuple[dict[str, Any], str, tuple[float, float] | tuple[()]]] = [
+    ({"robots": ()}, "The level has no robots.", ()),
+    ({"title": ""}, '"title" is empty.', ()),
+    ({"visibility": NO_MEMORY}, '"memory" must be "own" or "seen" or "all".', ()),
+    ({"robots": (Robot(LONG, 5, 6),)}, f'"{LONG}": "name" is longer than 60 characters.', (5, 6)),
+    ({"robots": NOWHERE}, '"Ann": "x" must be a finite number, not nan.', ()),
+    ({"areas": (goal(radius=-1),)}, '"home": "radius" must be 0 or more, not -1.', (350, 100)),
+    ({"beacons": MANY}, "There are 1001 beacons; at most 1000 are allowed.", ()),
+    (WIDE, "The labyrinth is 4001 x 200 units; at most 4000 x 4000 is allowed.", ()),
+]
+
+
+def test_what_no_file_could_say_forbids_loading() -> None:
+    for changes, text, place in UNSAYABLE:
+        finding = replace(LevelFinding(text, *place), forbids=True)
+        assert check(replace(hall(), **changes)) == [finding]
 
 
 @settings(deadline=None)
@@ -197,8 +181,8 @@ def test_walls_between_robot_and_goal_never_make_it_easier_to_get_there(
     ranks = {"": 0, "narrower than a robot": 1, "can't get": 2}
 
     def rank(level: Level) -> int:
-        found = texts(level)
-        return max(r for words, r in ranks.items() if not words or any(words in t for t in found))
+        findings = str(texts(level))
+        return max(rank for words, rank in ranks.items() if words in findings)
 
     level = wall_with_gap(hall(), 30)
     harder = paint(level, points, width=8)

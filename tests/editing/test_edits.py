@@ -101,9 +101,8 @@ def test_many_strokes_on_the_largest_level_take_little_memory() -> None:
     tracemalloc.start()
     try:
         start = tracemalloc.get_traced_memory()[0]
-        for i in range(40):
-            points = [(i * 75, i * 25), (i * 75 + 200, i * 25 + 90)]
-            edits.do("paint", paint(edits.level, points, width=12))
+        for x, y in zip(range(0, 3000, 75), range(0, 1000, 25), strict=True):
+            edits.do("paint", paint(edits.level, [(x, y), (x + 200, y + 90)], width=12))
         assert tracemalloc.get_traced_memory()[0] - start < 2 * level.walls.nbytes + 500_000
     finally:
         tracemalloc.stop()

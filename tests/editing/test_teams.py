@@ -1,25 +1,21 @@
-"""Saving levels of teams: their programs, scores and comments."""
+"""Saving levels of teams with their scores, and those of the web platform: nothing is added."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from logical_robots_tui.editing.files import rewritten, save_level
 from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
 from logical_robots_tui.editing.things import add, change, duplicate, set_words
-from logical_robots_tui.world import (
-    Area,
-    Level,
-    LevelError,
-    Robot,
-    Score,
-    Team,
-)
+from logical_robots_tui.world import Area, Level, LevelError, Robot, Score, Team
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.load import read_web
-from tests.editing.test_files import BOB, HOME, after, read
+from tests.editing.test_files import BOB, HOME, after, read, says_no_more
 from tests.world.test_scoring import matches
 
 TEAMS = """\
@@ -115,3 +111,50 @@ def test_a_team_without_robots_is_not_saved(tmp_path: Path) -> None:
     with pytest.raises(LevelError, match='Team "blue" has no robots'):
         save_level(replace(MATCH, robots=MATCH.robots[:1]), path)
     assert not path.exists()
+
+
+DIGITS, FLAGS, NAMES = st.integers(0, 9), st.booleans(), st.sampled_from(["", "a"])
+PLACED = {"name": st.text(st.sampled_from("abc"), min_size=1), "x": DIGITS, "y": DIGITS}
+COLORED = {**PLACED, "color": st.just("red")}
+WEB_LEVELS = st.fixed_dictionaries(
+    {
+        "width": st.just(3),
+        "height": st.just(2),
+        "walls": st.text("01", min_size=6, max_size=6),
+        "robots": st.lists(
+            st.fixed_dictionaries(
+                COLORED,
+                optional={
+                    "angle": st.floats(-9, 9),
+                    "has_battery": FLAGS,
+                    "can_charge": FLAGS,
+                    "battery_capacity": DIGITS,
+                    "battery_consumption_rate": st.floats(0, 9),
+                },
+            ),
+            min_size=1,
+            unique_by=lambda robot: robot["name"],
+        ),
+        "beacons": st.lists(st.fixed_dictionaries(PLACED, optional={"charging_station": FLAGS})),
+        "areas": st.lists(
+            st.fixed_dictionaries(
+                {**COLORED, "radius": DIGITS, "victory_robots": st.just(["a"])},
+                optional={
+                    "on_beacon": NAMES,
+                    "off_beacon": NAMES,
+                    "sticky_switch": FLAGS,
+                    "impenetrable": FLAGS,
+                },
+            )
+        ),
+    }
+)
+
+
+@settings(deadline=None)
+@given(WEB_LEVELS)
+def test_nothing_is_added_to_a_level_of_the_platform_on_its_way_there_and_back(
+    written: dict[str, Any],
+) -> None:
+    level = read_web(json.dumps(written), "level", "")
+    says_no_more(read(write_native(level)), written)

@@ -1,6 +1,7 @@
 """Painting walls, and which parts of a map hang together, beside a plain search."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -93,19 +94,17 @@ def test_the_eraser_takes_walls_away_and_what_changes_nothing_is_the_level_itsel
     assert fill(level, 50, 5, wall=False) is level
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
+def test_what_makes_no_sense_is_refused() -> None:
+    arguments: Any
+    for arguments, message in (
         ({"width": 0}, "The brush must be from 1 to 4000 wide, not 0."),
         ({"width": 5000}, "The brush must be from 1 to 4000 wide, not 5000."),
         ({"grid": 0}, "The grid must be from 1 to 4000 wide, not 0."),
         ({"points": [(math.nan, 3)]}, "This point is too far outside the labyrinth."),
         ({"points": [(3, 1e9)]}, "This point is too far outside the labyrinth."),
-    ],
-)
-def test_what_makes_no_sense_is_refused(arguments: dict[str, object], message: str) -> None:
-    with pytest.raises(LevelError, match=message):
-        paint(room(), **({"points": [(1, 1)]} | arguments))  # type: ignore[arg-type] # as it is tested
+    ):
+        with pytest.raises(LevelError, match=message):
+            paint(room(), **({"points": [(1, 1)]} | arguments))
 
 
 def flooded(

@@ -43,18 +43,13 @@ def place_at_5(rest: str) -> Place:
     return Place.from_text(f'{{"level": "", "title": "", "program": "", "tick": 5, {rest}}}')
 
 
-@pytest.mark.parametrize(
-    "programs",
-    [
-        *("[]", '[[2, ""]]', '[[1, ""], [1, ""]]', '[[1, ""], [9, ""]]'),
-        *("[[1, {}]]", '[[1, ""], [2, {}]]'),
-    ],
-)
-def test_programs_out_of_order_are_not_place(programs: str) -> None:
-    with pytest.raises(ValueError, match="out of order"):
-        place_at_5(f'"programs": {programs}')
+def test_programs_out_of_order_are_not_place() -> None:
+    twice, late, empty = '[[1, ""], [1, ""]]', '[[1, ""], [9, ""]]', '[[1, ""], [2, {}]]'
+    for programs in ("[]", '[[2, ""]]', twice, late, "[[1, {}]]", empty):
+        with pytest.raises(ValueError, match="out of order"):
+            place_at_5(f'"programs": {programs}')
 
 
-@pytest.mark.parametrize(("speed", "wanted"), [("160.0", 160.0), ("null", None), ("41.0", 40.0)])
-def test_a_speed_that_there_is_not_is_the_usual_one(speed: str, wanted: float | None) -> None:
-    assert place_at_5(f'"programs": [[1, ""]], "speed": {speed}').speed == wanted
+def test_a_speed_that_there_is_not_is_the_usual_one() -> None:
+    for speed, wanted in (("160.0", 160.0), ("null", None), ("41.0", 40.0)):
+        assert place_at_5(f'"programs": [[1, ""]], "speed": {speed}').speed == wanted

@@ -200,6 +200,15 @@ async def test_a_victory_is_told_once_for_each_program_and_tick(tmp_path: Path) 
     async with table(tmp_path) as t:
         victories = t.chronicle.victories
         first = await t.win()
+        t.editing.open()
+        t.editor.select_next(1)
+        before = t.editor.selected, t.editor.edits.can_undo, list(t.chronicle.events)
+        for _ in range(3):  # what is looked at does not change
+            assert t.editor.thing is not None
+            assert t.editing.level is t.session.levels.edited
+            assert t.session.levels.is_saved
+        assert before == (t.editor.selected, t.editor.edits.can_undo, t.chronicle.events)
+        t.editing.leave()
         t.session.back(2)
         await t.win()
         assert [victory.tick for victory in victories] == [first]
@@ -216,43 +225,24 @@ async def test_a_victory_is_told_once_for_each_program_and_tick(tmp_path: Path) 
         assert victories[2].measures is not None
 
 
-async def test_a_level_changed_by_hand_is_won_for_nothing(tmp_path: Path) -> None:
+async def test_an_edited_level_is_won_for_nothing_until_it_is_saved(tmp_path: Path) -> None:
     async with table(tmp_path) as t:
         await t.edit((10, 8), (20, 8))
         await t.win()
-        (victory,) = t.chronicle.victories
-        assert victory.verdict == "edited"
-        assert "not kept" in victory.refusal
+        edited, levels = t.chronicle.victories[-1], t.session.levels
+        assert edited.verdict == "edited"
+        assert "not kept" in edited.refusal
         assert t.recorder.latest is None
         await t.until(lambda: t.recorder.record.state == "started")
-
-
-async def test_what_is_looked_at_does_not_change(tmp_path: Path) -> None:
-    async with table(tmp_path) as t:
-        await t.win()
-        t.editing.open()
-        t.editor.select_next(1)
-        before = t.editor.selected, t.editor.edits.can_undo, list(t.chronicle.events)
-        for _ in range(3):
-            assert t.editor.thing is not None
-            assert t.editing.level is t.session.levels.edited
-            assert t.session.levels.is_saved
-        assert before == (t.editor.selected, t.editor.edits.can_undo, t.chronicle.events)
-
-
-async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: Path) -> None:
-    async with table(tmp_path) as t:
-        await t.edit((10, 8), (20, 8))
-        levels = t.session.levels
         assert not levels.is_saved
         other = replace(levels.edited, name="other", source=str(tmp_path / "other.toml"))
         t.editing.saved(levels, str(tmp_path / "short.toml"), levels.edited, other)
         assert levels.is_saved
         assert t.session.opened is other
         assert t.chronicle.events.count("saved other") == 1
+        t.session.restart()
         await t.win()
-        (victory,) = t.chronicle.victories
-        assert victory.verdict == "counts"
+        assert [victory.verdict for victory in t.chronicle.victories] == ["edited", "counts"]
         await t.until(lambda: t.recorder.record.state == "won")
     assert t.state_of(tmp_path / "other.toml") == "won"
     assert t.state_of(tmp_path / "short.toml") == "started"

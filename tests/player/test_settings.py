@@ -9,18 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.player.settings import (
-    Complain,
-    Keys,
-    Settings,
-    as_toml,
-    read_settings,
-    rows,
-)
+from logical_robots_tui.player import settings as module
+from logical_robots_tui.player.settings import Settings, as_toml, read_settings, rows
 
 
-def any_keys(found: Mapping[str, Any], _complain: Complain) -> Keys:
-    return {name: tuple(given) for name, given in found.items() if isinstance(given, list)}
+def any_keys(table: Mapping[str, Any], _complain: module.Complain) -> module.Keys:
+    return {name: tuple(keys) for name, keys in table.items() if isinstance(keys, list)}
 
 
 def settings(folder: Path, text: str) -> Settings:
@@ -30,14 +24,11 @@ def settings(folder: Path, text: str) -> Settings:
 
 
 def test_everything_can_be_set(tmp_path: Path) -> None:
-    found = settings(
-        tmp_path,
-        'theme = "gruvbox"\ndrawing = "sextants"\nframes = 10\ncones = false\ntrails = false\n'
-        "completion = false\nwrap = false\ndrag_robots = false\n[keys]\nrun = ['%']\n",
-    )
     off = dict.fromkeys(("cones", "trails", "completion", "wrap", "drag_robots"), False)
+    lines = ['theme = "gruvbox"', 'drawing = "sextants"', "frames = 10"]
+    lines += [*(f"{name} = false" for name in off), "[keys]", "run = ['%']"]
     wanted = Settings("gruvbox", "sextants", 10, keys={"run": ("%",)})
-    assert found._asdict() == wanted._asdict() | off
+    assert settings(tmp_path, "\n".join(lines))._asdict() == wanted._asdict() | off
 
 
 def test_every_setting_says_in_a_sentence_what_it_does() -> None:
@@ -45,14 +36,13 @@ def test_every_setting_says_in_a_sentence_what_it_does() -> None:
         assert re.fullmatch(r"[A-Z].*\.", row.sentence), row
 
 
-@pytest.mark.parametrize("given", [Settings(), Settings("nord", "ascii", 5, False, True)])
-def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
-    assert settings(tmp_path, "\n".join(as_toml(given))) == given
+def test_what_is_printed_sets_the_same(tmp_path: Path) -> None:
+    for printed in (Settings(), Settings("nord", "ascii", 5, False, True)):
+        assert settings(tmp_path, "\n".join(as_toml(printed))) == printed
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
+def test_what_is_wrong_is_named_with_its_place(tmp_path: Path) -> None:
+    for text, words in (
         ("theme = 'nigth'", ':1: "theme" can\'t be "nigth". Did you mean "night"?'),
         ("drawing = 3", ':1: "drawing" must be "quadrants" or "halves" or "sextants" or "ascii", '),
         ("\nframes = 90", ':2: "frames" must be an integer from 1 to 60, not 90.'),
@@ -68,18 +58,13 @@ def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
         ("theme = " + "[" * 20_000, "it is nested too deeply. The file is ignored."),
         ("theme = '\udcff'", "it is not UTF-8 text. The file is ignored."),
         ("#" * 1_000_001, "it is larger than 1 MB. The file is ignored."),
-    ],
-)
-def test_what_is_wrong_is_named_with_its_place(tmp_path: Path, text: str, said: str) -> None:
-    (complaint,) = settings(tmp_path, text).complaints
-    assert complaint.startswith(str(tmp_path / "config.toml"))
-    assert said in complaint
-
-
-def test_what_is_wrong_leaves_the_rest(tmp_path: Path) -> None:
-    found = settings(tmp_path, "wrap = 3\nframes = 0\ncones = false\nframe = 3")
-    assert found[:-1] == Settings(cones=False)[:-1]
-    assert [said.split(":")[1] for said in found.complaints] == ["1", "2", "4"]
+    ):
+        (complaint,) = settings(tmp_path, text).complaints
+        assert complaint.startswith(str(tmp_path / "config.toml"))
+        assert words in complaint
+    rest = settings(tmp_path, "wrap = 3\nframes = 0\ncones = false\nframe = 3")
+    assert rest[:-1] == Settings(cones=False)[:-1]
+    assert [complaint.split(":")[1] for complaint in rest.complaints] == ["1", "2", "4"]
 
 
 def test_no_file_and_a_byte_order_mark_are_no_mistakes(tmp_path: Path) -> None:

@@ -45,18 +45,14 @@ def placed(*beacons: Beacon, angle: float = 0.0) -> Level:
 
 
 def test_things_are_told_by_direction_from_the_heading_the_nearest_first() -> None:
-    level = placed(Beacon("Far", 75, 25), Beacon("Near", 25, 40))
-    assert around(level)[1:] == ["90° right: beacon Near at 15.", "ahead: beacon Far at 50."]
-    turned = placed(Beacon("Far", 75, 25), Beacon("Near", 25, 40), angle=math.pi / 2)
-    assert around(turned)[1:] == ["ahead: beacon Near at 15.", "90° left: beacon Far at 50."]
-    back = placed(Beacon("Far", 75, 25), angle=math.pi)
-    assert around(back)[1:] == ["behind: beacon Far at 50."]
-
-
-def test_what_is_behind_a_wall_is_out_of_sight() -> None:
-    assert around(placed(Beacon("Hidden", 88, 46)))[1:] == [
-        "18° right: beacon Hidden at 66, out of sight."
-    ]
+    far, near = Beacon("Far", 75, 25), Beacon("Near", 25, 40)
+    there = around(placed(far, near))[1:]
+    assert there == ["90° right: beacon Near at 15.", "ahead: beacon Far at 50."]
+    turned = around(placed(far, near, angle=math.pi / 2))[1:]
+    assert turned == ["ahead: beacon Near at 15.", "90° left: beacon Far at 50."]
+    assert around(placed(far, angle=math.pi))[1:] == ["behind: beacon Far at 50."]
+    behind_a_wall = around(placed(Beacon("Hidden", 88, 46)))[1:]
+    assert behind_a_wall == ["18° right: beacon Hidden at 66, out of sight."]
 
 
 def test_areas_are_told_with_whom_they_are_a_goal_for_and_whether_they_are_on() -> None:
@@ -69,10 +65,9 @@ def test_areas_are_told_with_whom_they_are_a_goal_for_and_whether_they_are_on() 
 
 
 def test_other_robots_are_told_and_oneself_is_not() -> None:
-    bo = Robot("Bo", 45, 25)
-    told = around(replace(ROOM, robots=(*ROOM.robots, bo)))
-    assert told[0].startswith("ahead: robot Bo at 12; ")
-    assert told[1:] == ["ahead: robot Bo at 20."]
+    ahead, *rest = around(replace(ROOM, robots=(*ROOM.robots, Robot("Bo", 45, 25))))
+    assert ahead.startswith("ahead: robot Bo at 12; ")
+    assert rest == ["ahead: robot Bo at 20."]
 
 
 @pytest.mark.sampled

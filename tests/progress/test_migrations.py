@@ -8,13 +8,11 @@ import pytest
 
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.progress.store import MIGRATIONS, prepare
+from tests.progress.test_store import execute, file
+
+__all__ = ["file"]
 
 VERSION_1 = Path(__file__).parent / "version-1.sql"
-
-
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    return tmp_path / "progress.sqlite"
 
 
 def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
@@ -31,8 +29,7 @@ def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
     assert progress.newest("01-first-steps") == "Robot(later);"
     assert progress.fact("tour") == "seen"
     progress.keep("02-open-space", "new")
-    with contextlib.closing(sqlite3.connect(file)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (len(MIGRATIONS),)
+    assert execute(file, "PRAGMA user_version") == [(len(MIGRATIONS),)]
 
 
 ARENA = "/opt/levels/arenas/{}.toml"

@@ -68,20 +68,19 @@ def test_everything_is_there_in_the_next_session(file: Path, progress: Progress)
     assert second.record("two") == NEW._replace(answers=(("Who?", "?"),))
 
 
-def test_each_measure_has_a_best_of_its_own(progress: Progress) -> None:
+def test_each_measure_has_a_best_of_its_own_and_later_ones_join_those_there(
+    progress: Progress,
+) -> None:
     progress.win("one", "fast", Measures(ticks=10, size=9, distance=90.0))
     progress.win("one", "short", Measures(ticks=99, size=1, distance=95.0, wins=3, starts=20))
     progress.win("one", "straight", Measures(ticks=50, size=5, distance=20.0, wins=2, starts=3))
     assert progress.record("one").bests == Bests(10, 1, 20.0, 2, 3)
-
-
-def test_measures_that_come_later_join_those_that_were_there(progress: Progress) -> None:
-    progress.win("one", "text")
-    assert progress.record("one").state == "won"
-    assert progress.record("one").bests == Bests()
-    progress.win("one", "text", MEASURED)
-    progress.win("one", "text", Measures(ticks=100, size=3, distance=250.5))
-    assert progress.versions("one")[0].measures == MEASURED
+    progress.win("two", "text")
+    assert progress.record("two").state == "won"
+    assert progress.record("two").bests == Bests()
+    progress.win("two", "text", MEASURED)
+    progress.win("two", "text", Measures(ticks=100, size=3, distance=250.5))
+    assert progress.versions("two")[0].measures == MEASURED
 
 
 def test_the_same_text_is_kept_once_and_is_the_newest_again(progress: Progress) -> None:
@@ -107,9 +106,8 @@ def test_old_versions_go_but_never_one_that_holds_a_best(
     progress.keep("two", "elsewhere")
     for number in range(10):
         progress.keep("one", f"try {number}")
-    assert texts(progress, "one") == [
-        *("try 9", "try 8", "try 7", "quiet", "robust", "straight", "short", "fast")
-    ]
+    best = ["quiet", "robust", "straight", "short", "fast"]
+    assert texts(progress, "one") == ["try 9", "try 8", "try 7", *best]
     assert progress.record("one").bests == Bests(1, 1, 1.0, 20, 20, ("never blocked",))
     assert texts(progress, "two") == ["elsewhere"]
     assert MOST_VERSIONS >= 50
@@ -137,22 +135,17 @@ def test_any_texts_come_back_in_the_order_of_their_last_use(uses: list[tuple[str
         assert texts(progress, level) == list(dict.fromkeys(reversed(mine)))
 
 
-MEASURES = st.builds(
-    Measures,
-    st.integers(1, 20_000),
-    st.integers(1, 100),
-    st.floats(0, 1e6),
-    st.none() | st.integers(0, 20),
-    st.just(20),
-)
+WINS = st.none() | st.integers(0, 20)
+NUMBERS = (st.integers(1, 20_000), st.integers(1, 100), st.floats(0, 1e6), WINS, st.just(20))
+MEASURES = st.builds(Measures, *NUMBERS)
 
 
 @given(st.lists(MEASURES, min_size=1, max_size=8))
-def test_bests_are_the_least_and_the_most(found: list[Measures]) -> None:
+def test_bests_are_the_least_and_the_most(victories: list[Measures]) -> None:
     progress = Progress(None, pytest.fail)
-    for number, measures in enumerate(found):
+    for number, measures in enumerate(victories):
         progress.win("one", f"text {number}", measures)
-    ticks, sizes, distances, wins = list(zip(*found, strict=True))[:4]
+    ticks, sizes, distances, wins = list(zip(*victories, strict=True))[:4]
     most = max((won for won in wins if won is not None), default=None)
     assert progress.record("one").bests[:4] == (min(ticks), min(sizes), min(distances), most)
 

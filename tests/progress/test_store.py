@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import IO
 
 import pytest
 
@@ -72,17 +73,18 @@ def told() -> list[str]:
 
 @contextlib.contextmanager
 def running(script: str, *arguments: object) -> Iterator[subprocess.Popen[str]]:
-    process = subprocess.Popen(
-        [sys.executable, "-c", script, *map(str, arguments)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    with process:
+    command = [sys.executable, "-c", script, *map(str, arguments)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as process:
         try:
             yield process
         finally:
             process.kill()
+
+
+def output(process: subprocess.Popen[str]) -> IO[str]:
+    assert process.stdout is not None
+    return process.stdout
 
 
 def kept(file: Path) -> set[str]:
@@ -114,10 +116,9 @@ def test_two_games_write_at_once_and_nothing_is_lost(file: Path) -> None:
 @pytest.mark.parametrize("lines", [1, 5, 11])
 def test_what_was_written_before_a_kill_is_there_in_a_whole_file(file: Path, lines: int) -> None:
     with running(WRITE_MANY, file, "a", 100_000) as process:
-        assert process.stdout is not None
-        numbers = [process.stdout.readline().strip() for _ in range(lines)]
+        numbers = [output(process).readline().strip() for _ in range(lines)]
         process.kill()
-        numbers += process.stdout.read().split()
+        numbers += output(process).read().split()
     assert {f"a {number}" for number in numbers} <= kept(file)
     assert is_whole(file)
 
@@ -125,8 +126,7 @@ def test_what_was_written_before_a_kill_is_there_in_a_whole_file(file: Path, lin
 def test_half_a_transaction_of_a_killed_game_is_undone(file: Path) -> None:
     Progress(file, pytest.fail).keep("level", "before")
     with running(DIE_HALFWAY, file) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "halfway\n"
+        assert output(process).readline() == "halfway\n"
         assert file.stat().st_size > 500_000, "it was to be written to the file already"
         process.kill()
     progress = Progress(file, pytest.fail)
@@ -142,24 +142,24 @@ def database(script: str) -> bytes:
         return connection.serialize()
 
 
-@pytest.mark.parametrize(
-    "content",
-    [
-        *(b"garbage", b"\0" * 5000, b"SQLite format 3\0" + b"\xff" * 5000, os.urandom(8192)),
-        database("CREATE TABLE version (mine)"),
-    ],
-    ids=["garbage", "zeros", "header", "noise", "of somebody else"],
-)
-def test_a_file_that_is_not_ours_is_set_aside_and_a_fresh_one_begun(
-    file: Path, told: list[str], content: bytes
-) -> None:
-    file.write_bytes(content)
+CONTENTS = {
+    "garbage": b"garbage",
+    "zeros": b"\0" * 5000,
+    "header": b"SQLite format 3\0" + b"\xff" * 5000,
+    "noise": os.urandom(8192),
+    "of somebody else": database("CREATE TABLE version (mine)"),
+}
+
+
+@pytest.mark.parametrize("name", CONTENTS)
+def test_a_file_that_is_not_ours_is_set_aside(file: Path, told: list[str], name: str) -> None:
+    file.write_bytes(CONTENTS[name])
     progress = Progress(file, told.append)
     assert progress.newest("level") is None
     progress.keep("level", "text")
     assert kept(file) == {"text"}
     (former,) = aside(file)
-    assert former.read_bytes() == content
+    assert former.read_bytes() == CONTENTS[name]
     (message,) = told
     assert former.name in message
     assert progress.is_kept
@@ -217,8 +217,7 @@ def test_a_file_of_a_newer_version_is_left_alone_and_told_of(file: Path, told: l
 
 def test_a_full_disk_is_told_once_and_the_game_goes_on(file: Path) -> None:
     with running(FULL, file) as process:
-        assert process.stdout is not None
-        (told,) = process.stdout.read().splitlines()
+        (told,) = output(process).read().splitlines()
         assert process.wait(PATIENCE) == 0
     before, after = UNSAVED.split("{}")
     assert told.startswith(before)
@@ -231,9 +230,7 @@ def test_a_database_that_may_not_grow_is_a_full_disk(file: Path, told: list[str]
     progress = Progress(file, told.append)
     progress.keep("level", "before")
     assert progress._connection is not None
-    progress._connection.execute(
-        "PRAGMA max_page_count = 1"
-    )  # SQLite takes the present size for it
+    progress._connection.execute("PRAGMA max_page_count = 1")  # it takes the present size for it
     for letter in "xy":
         progress.keep("level", letter * 100_000)
     assert [version.text[0] for version in progress.versions("level")] == ["y", "x", "b"]
@@ -241,14 +238,14 @@ def test_a_database_that_may_not_grow_is_a_full_disk(file: Path, told: list[str]
     assert kept(file) == {"before"}
 
 
-@pytest.mark.parametrize("place", ["/proc/nowhere/progress.sqlite", "/dev/null/progress.sqlite"])
-def test_a_folder_that_can_not_be_made_is_told_once(told: list[str], place: str) -> None:
-    progress = Progress(Path(place), told.append)
-    assert progress.newest("level") is None
-    progress.keep("level", "text")
-    progress.begin("other")
-    assert progress.newest("level") == "text"
-    assert len(told) == 1
+def test_a_folder_that_can_not_be_made_is_told_once(told: list[str]) -> None:
+    for number, folder in enumerate(("/proc/nowhere", "/dev/null"), 1):
+        progress = Progress(Path(folder) / "progress.sqlite", told.append)
+        assert progress.newest("level") is None
+        progress.keep("level", "text")
+        progress.begin("other")
+        assert progress.newest("level") == "text"
+        assert len(told) == number
 
 
 def test_a_file_that_can_only_be_read_shows_what_it_holds(
