@@ -17,8 +17,6 @@ from logical_robots_tui.mind.relations import same
 from logical_robots_tui.values import Value
 from tests.explain.rules import equal
 
-__all__ = ["Checker", "Claim", "claims_of", "wrong_aggregates"]
-
 _BOUND = re.compile(r"(\w+)\s*==?\s")
 _OPERATOR = re.compile(r"(\w+|\+)(?:\{| over )")
 _FIELD = re.compile(r"^\w+: ")  # of a record that is written out
@@ -80,12 +78,10 @@ class Checker:
             yield from self._false(claims[half:], made)
             return
         self.asked += len(claims)
-        if found is None:
-            self.unknown += 1
-            return
-        holding = {row[0] for row in found}
+        self.unknown += found is None
+        holding = {row[0] for row in found or ()}
         for n, claim in enumerate(claims):
-            if (n in holding) != claim.is_so:
+            if found is not None and (n in holding) != claim.is_so:
                 yield claim.said
 
     def _ask(self, asked: str) -> tuple[tuple[Value, ...], ...] | None:
@@ -147,23 +143,20 @@ def _wrong_aggregate(node: Node) -> Iterator[str]:
     unseen = sum(int(m[1].replace(",", "")) for n in note.children if (m := _MORE.match(n.text)))
     found = _OPERATOR.search(node.said or node.text)
     operator = found.group(1) if found else ""
-    numbers = [e for e in elements if isinstance(e, int | float)]
     known = {repr(e) for e in elements if e is not None}
     expected: Any = value
-    if operator in ("+", "Sum"):
-        # What is no number counts as 0; only null is left out.
-        expected = sum(numbers) if any(e is not None for e in elements) else None
-        expected = value if unseen else expected
-    elif operator in ("List",):
+    if operator in ("+", "Sum") and not unseen:  # what is no number counts as 0, but not null
+        expected = sum(e for e in elements if isinstance(e, int | float)) if known else None
+    elif operator == "List":
         left = Counter(map(repr, value or []))
         left.subtract(map(repr, elements))
         number = left.total()
         is_so = number >= unseen if " or more " in note.text else number == unseen
         expected = value if is_so and min(left.values(), default=0) >= 0 else elements
-    elif operator in ("Set",):
+    elif operator == "Set":
         told = {*map(repr, value or [])}
         expected = value if (known <= told if unseen else known == told) else elements
-    elif operator in ("Count",):
+    elif operator == "Count":
         expected = max(value, len(known)) if unseen else len(known)
     if not same(expected, value):
         yield f"{node.text} = {value}, but goes over {elements} and {unseen} more"

@@ -15,8 +15,6 @@ from logical_robots_tui.values import Value
 from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
 from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
 
-__all__ = ["claims_in", "false_in", "false_of", "judge_until"]
-
 _VALUED = re.compile(r"^(\w+)\([^()]*\) = ", re.MULTILINE)
 _DECIDED = ("Min", "Max", "ArgMin", "ArgMax")
 _Fixed = tuple[str, ...]
@@ -35,18 +33,13 @@ def judge_until(number: int, judge: Callable[[int], int], first: int = 0) -> Non
             break
 
 
-def false_in(
-    nodes: Sequence[Node], asked: Ask, checker: Checker, copies: Mapping[str, str]
-) -> list[str]:
-    """What is false in a proof; `copies` has what is filled in for predicates made with ``:=``."""
-    claims, false = claims_in(nodes, asked, checker, copies)
-    return [*checker.false(claims), *false]
-
-
 def claims_in(
     nodes: Sequence[Node], asked: Ask, checker: Checker, copies: Mapping[str, str]
 ) -> tuple[list[Claim], list[str]]:
-    """What a proof claims, and what is false in it without asking the program."""
+    """What a proof claims, and what is false in it without asking the program.
+
+    `copies` has what is filled in for predicates made with ``:=``.
+    """
     judge = _Judge(checker, copies)
     claims = list(judge.answer(nodes, asked))
     return claims, [wrong for rule in judge.giving for wrong in wrong_aggregates(rule)]
@@ -100,11 +93,8 @@ class _Judge:
             if not written.collected:
                 said = f"{node.text} is refuted for {given}, but holds"
                 # A call in the head that has no row leaves the rule without one.
-                others = [
-                    f"other{n}_ == {value}"
-                    for n, (column, value) in enumerate(written.columns.items())
-                    if column not in wanted
-                ]
+                rest = [value for name, value in written.columns.items() if name not in wanted]
+                others = [f"other{n}_ == {value}" for n, value in enumerate(rest)]
                 yield Claim((*known, written.body, *others), made, False, said)
             yield from self._refutation(node.children, (), known, made)
 
@@ -144,13 +134,11 @@ class _Judge:
                 yield from self._examples(node, steps, made)
 
     def _examples(self, node: Node, before: tuple[str, ...], made: str) -> Iterator[Claim]:
-        for each in node.children:
-            if each.kind not in ("rule", "contributor") and each.span is not None:
-                for value in each.values[:3]:
-                    claim = equal(each.text, value)
-                    if claim:
-                        said = f"said of {node.text}: {claim}, after {before}"
-                        yield Claim((*before, claim), made, True, said)
+        for child in node.children:
+            if child.kind not in ("rule", "contributor") and child.span is not None:
+                for claim in filter(None, [equal(child.text, value) for value in child.values[:3]]):
+                    said = f"said of {node.text}: {claim}, after {before}"
+                    yield Claim((*before, claim), made, True, said)
 
     def _failing(self, node: Node) -> str:
         text = _step(node)
@@ -183,37 +171,36 @@ class _Judge:
     def _elements(
         self, node: Node, aggregate: Aggregate, fixed: _Fixed, made: str, is_all: bool = True
     ) -> Iterator[Claim]:
-        for each in node.children:
-            if each.kind == "contributor":
-                yield self._element(each, aggregate, fixed, made)
-                if aggregate.operator in _DECIDED and is_all and each.values[0] is not None:
-                    yield from self._best(each, aggregate, fixed, made)
-            elif each.kind == "note" and "aggregates no rows" in each.text:
+        for child in node.children:
+            elements = [child] if child.kind == "contributor" else child.children[:5]
+            if child.kind == "note" and "aggregates no rows" in child.text:
                 said = f"{aggregate} goes over something"
                 yield Claim((*fixed, aggregate.body), made, False, said)
-            elif each.kind == "note":
-                for inner in each.children[:5]:
-                    if inner.kind == "contributor":
-                        yield self._element(inner, aggregate, fixed, made)
+            elif child.kind in ("contributor", "note"):
+                for element in elements:
+                    if element.kind == "contributor":
+                        value = element.values[0]
+                        told = (*fixed, aggregate.body, equal(aggregate.value, value))
+                        said = f"no element {element.text} = {value}: {told}"
+                        yield Claim(told, made, True, said)
+            is_decided = child.kind == "contributor" and child.values[0] is not None
+            if is_decided and aggregate.operator in _DECIDED and is_all:
+                yield from self._best(child, aggregate, fixed, made)
 
-    def _element(self, each: Node, aggregate: Aggregate, fixed: _Fixed, made: str) -> Claim:
-        told = (*fixed, aggregate.body, equal(aggregate.value, each.values[0]))
-        return Claim(told, made, True, f"no element {each.text} = {each.values[0]}: {told}")
-
-    def _best(self, each: Node, aggregate: Aggregate, fixed: _Fixed, made: str) -> Iterator[Claim]:
+    def _best(self, node: Node, aggregate: Aggregate, fixed: _Fixed, made: str) -> Iterator[Claim]:
         """That the element that is said to decide is the best, as the engine orders them."""
         extreme = "Min" if aggregate.operator.endswith("Min") else "Max"
         key = aggregate.by or aggregate.value
-        conditions = ", ".join(each for each in (*fixed, aggregate.body) if each)
+        conditions = ", ".join(filter(None, (*fixed, aggregate.body)))
         found = self._checker.rows(f"Best(b? {extreme}= {key}) distinct :- {conditions}", made)
         if not found or found[0][0] is None:
             return
         best = found[0][0]
-        told = (*fixed, aggregate.body, equal(aggregate.value, each.values[0]), equal(key, best))
-        yield Claim(told, made, True, f"{each.text} = {each.values[0]} decides, not {best}")
-        shown = each.text.rpartition(" -> ")[2]
+        told = (*fixed, aggregate.body, equal(aggregate.value, node.values[0]), equal(key, best))
+        yield Claim(told, made, True, f"{node.text} = {node.values[0]} decides, not {best}")
+        shown = node.text.rpartition(" -> ")[2]
         if aggregate.by and not isinstance(best, float) and shown not in (str(best), spelled(best)):
-            yield Claim(("1 == 2",), "", True, f"{each.text} decides, but the best is {best}")
+            yield Claim(("1 == 2",), "", True, f"{node.text} decides, but the best is {best}")
 
 
 class _Branch(NamedTuple):
@@ -264,13 +251,12 @@ def _holding(node: Node) -> tuple[str, ...]:
 
 def _row(node: Node, written: Written) -> tuple[str, ...]:
     """What is claimed of the columns of a row."""
-    named = {c: "value" if c == "logica_value" else value for c, value in written.columns.items()}
+    told = [child for child in node.children if child.kind == "column" and child.values]
     return tuple(
-        equal(written.columns[column], child.values[0])
-        for column in written.columns
-        for child in node.children
-        if child.kind == "column" and child.values
-        if child.text.partition(": ")[0] in (column, named[column])
+        equal(value, child.values[0])
+        for column, value in written.columns.items()
+        for child in told
+        if child.text.partition(": ")[0] in (column, "value" if column == "logica_value" else value)
     )
 
 

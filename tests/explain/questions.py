@@ -17,8 +17,6 @@ from tests.explain.judging import claims_in
 from tests.explain.teams import ROBOTS, Team
 from tests.mind.rows import row
 
-__all__ = ["Asked", "Scene", "alone", "asked", "missed", "together"]
-
 _MOST_ROWS = 4
 _MOST_NODES = 1_000
 
@@ -121,25 +119,21 @@ def _answer(
     for node in proof.nodes:
         if not _is_founded(node, ()):
             false.append(f"proved by itself: {node.text}")
-        for _, each in node.walk():
-            question = each.asked
-            if question and read_call(spell_call(question), question.within) != question:
+        for question in filter(None, (inner.asked for _, inner in node.walk())):
+            if read_call(spell_call(question), question.within) != question:
                 false.append(f"{spell_call(question)} does not ask {question}")
     return claims, false
 
 
 def _is_founded(node: Node, above: tuple[str, ...]) -> bool:
     """Whether no row is proved by itself."""
-    mine = above
     if node.kind == "rule":
-        columns = [
-            f"{c.text}={c.values}" for c in node.children if c.kind in ("column", "aggregate")
-        ]
-        key = f"{node.text} {columns}"
-        if columns and key in above:
+        told = [child for child in node.children if child.kind in ("column", "aggregate")]
+        key = f"{node.text} {[(child.text, child.values) for child in told]}"
+        if told and key in above:
             return False
-        mine = (*above, key)
-    return all(_is_founded(child, mine) for child in node.children)
+        above = (*above, key)
+    return all(_is_founded(child, above) for child in node.children)
 
 
 def missed(scene: Scene) -> Asked:

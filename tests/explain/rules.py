@@ -31,20 +31,15 @@ class Written(NamedTuple):
 
 def split(text: str, separator: str) -> list[str]:
     """Split where a separator stands outside of brackets and texts."""
-    found, depth, begin, at = [], 0, 0, 0
-    is_text = False
-    while at < len(text):
-        character = text[at]
-        if character == '"':
-            is_text = not is_text
-        elif not is_text:
+    found, depth, begin, is_text = [], 0, 0, False
+    for at, character in enumerate(text):
+        is_text ^= character == '"'
+        if not is_text and at >= begin:
             depth += (character in "([{") - (character in ")]}")
             if not depth and text.startswith(separator, at):
                 found.append(text[begin:at])
-                begin = at = at + len(separator)
-                continue
-        at += 1
-    return [each.strip() for each in (*found, text[begin:])]
+                begin = at + len(separator)
+    return [part.strip() for part in (*found, text[begin:])]
 
 
 def parts(rule: str) -> Written:
@@ -58,12 +53,10 @@ def parts(rule: str) -> Written:
         match = _HEAD.fullmatch(argument)
         if match is None:
             columns[f"col{place}"] = argument
-            continue
-        value: str = match["value"] or match["name"]
-        if match["operator"] == ":":
-            columns[match["name"]] = value
+        elif match["operator"] == ":":
+            columns[match["name"]] = match["value"] or match["name"]
         else:
-            value, *by = split(value, "->")
+            value, *by = split(match["value"] or match["name"], "->")
             operator = match["operator"].strip("?= \n")
             collected[match["name"]] = Aggregate(operator, value, "".join(by), "", "")
     if result and result != "distinct":
@@ -74,11 +67,10 @@ def parts(rule: str) -> Written:
 def _closing(text: str, at: int) -> int:
     """Where the bracket that was opened before `at` is closed."""
     depth = 1
-    while True:
+    while depth:
         depth += (text[at] in "([{") - (text[at] in ")]}")
-        if not depth:
-            return at
         at += 1
+    return at - 1
 
 
 def aggregates(text: str) -> Iterator[Aggregate]:

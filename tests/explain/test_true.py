@@ -13,7 +13,7 @@ from logical_robots_tui.explain import Ask, Node
 from tests.explain.asking import REST
 from tests.explain.checking import Checker
 from tests.explain.generated import program
-from tests.explain.judging import false_in, judge_until
+from tests.explain.judging import claims_in, judge_until
 from tests.explain.questions import Asked, Scene, alone, asked, missed, together
 from tests.explain.teams import team
 
@@ -29,13 +29,23 @@ def a_team(seed: int) -> AbstractContextManager[Scene]:
 Maker = Callable[[int], AbstractContextManager[Scene]]
 
 
+def numbers(one: tuple[int, int], team: tuple[int, int], proof: int) -> list[Any]:
+    """How many answers are judged of one robot's programs and of teams', and from which seed on."""
+    made = ((one_robot, *one, 14), (a_team, *team, 6))
+    return [
+        *((maker, few, first) for maker, few, _, first in made),
+        *(pytest.param(maker, many, 0, marks=pytest.mark.slow) for maker, _, many, _ in made),
+        *(pytest.param(maker, proof, 0, marks=pytest.mark.proof) for maker, *_ in made),
+    ]
+
+
 def find_nothing_false(
-    ask_of: Callable[[Scene], Asked], made: Maker, number: int, first: int
+    ask_of: Callable[[Scene], Asked], maker: Maker, number: int, first: int
 ) -> None:
     """Ask of generated programs until so many answers are judged."""
 
     def ask(seed: int) -> int:
-        with made(seed) as scene:
+        with maker(seed) as scene:
             answers = ask_of(scene)
         assert not answers.false, (scene.mind.program.text, answers.false)
         return answers.number
@@ -43,32 +53,14 @@ def find_nothing_false(
     judge_until(number, ask, first)
 
 
-@pytest.mark.parametrize(
-    ("made", "questions", "first"),
-    [
-        (one_robot, 20, 14),
-        (a_team, 10, 6),
-        pytest.param(one_robot, 60, 0, marks=pytest.mark.slow),
-        pytest.param(a_team, 40, 0, marks=pytest.mark.slow),
-        *(pytest.param(made, 2_500, 0, marks=pytest.mark.proof) for made in (one_robot, a_team)),
-    ],
-)
-def test_nothing_false_is_said(made: Maker, questions: int, first: int) -> None:
-    find_nothing_false(asked, made, questions, first)
+@pytest.mark.parametrize(("maker", "answers", "first"), numbers((20, 60), (10, 40), 2_500))
+def test_nothing_false_is_said(maker: Maker, answers: int, first: int) -> None:
+    find_nothing_false(asked, maker, answers, first)
 
 
-@pytest.mark.parametrize(
-    ("made", "changes", "first"),
-    [
-        (one_robot, 3, 14),
-        (a_team, 1, 6),
-        pytest.param(one_robot, 8, 0, marks=pytest.mark.slow),
-        pytest.param(a_team, 5, 0, marks=pytest.mark.slow),
-        *(pytest.param(made, 300, 0, marks=pytest.mark.proof) for made in (one_robot, a_team)),
-    ],
-)
-def test_each_change_that_is_advised_gives_a_row(made: Maker, changes: int, first: int) -> None:
-    find_nothing_false(missed, made, changes, first)
+@pytest.mark.parametrize(("maker", "changes", "first"), numbers((3, 8), (1, 5), 300))
+def test_each_change_that_is_advised_gives_a_row(maker: Maker, changes: int, first: int) -> None:
+    find_nothing_false(missed, maker, changes, first)
 
 
 def test_nothing_false_is_said_of_more_elements_than_are_shown() -> None:
@@ -114,8 +106,7 @@ def lies(node: Node, said: Callable[[Node], Node]) -> Node:
 def test_a_lie_would_be_found(given: dict[str, Any], lie: Callable[[Node], Node]) -> None:
     with alone(f"{RULES}{REST}") as scene:
         proof = scene.explainer().proof(Ask("Big", given))
-        told = proof.explanation.asked
         checker = Checker(scene.mind.program, scene.mind, scene.rows, scene.memories)
-        assert not list(false_in(proof.nodes, told, checker, {}))
-        changed = [lies(node, lie) for node in proof.nodes]
-        assert list(false_in(changed, told, checker, {}))
+        for nodes, is_false in ((proof.nodes, False), ([lies(n, lie) for n in proof.nodes], True)):
+            claims, false = claims_in(nodes, proof.explanation.asked, checker, {})
+            assert bool([*checker.false(claims), *false]) == is_false
