@@ -15,8 +15,6 @@ from typing import Any, Literal
 from logical_robots_tui.mind import Limits, Mind, Program
 from tests.mind.rows import row
 
-__all__ = ["Team", "team"]
-
 ROBOTS = ("Ada", "Bo", "Cy")
 _PHASES = ("out", "fetch", "home")
 _TEXTS = ("a", "b", "out", "home", "Bo")
@@ -92,15 +90,10 @@ def team(seed: int) -> Team:
     lot = Random(seed)
     made = _Program(lot)
     text = made.text()
-    return Team(
-        text,
-        memory=lot.choice(_MEMORIES),
-        sensor=lot.choice(_SENSORS),
-        copies=made.copies,
-        names=frozenset(re.findall(r"^([A-Z]\w*)\(.*:-", text, re.MULTILINE)) | made.copies.keys(),
-        clocks=tuple(range(1, lot.randint(3, 5))),
-        seed=seed,
-    )
+    names = frozenset(re.findall(r"^([A-Z]\w*)\(.*:-", text, re.MULTILINE)) | made.copies.keys()
+    memory, sensor = lot.choice(_MEMORIES), lot.choice(_SENSORS)
+    clocks = tuple(range(1, lot.randint(3, 5)))
+    return Team(text, memory, sensor, made.copies, names, clocks, seed)
 
 
 def _sensed(name: str, clock: int, lot: Random) -> Any:
@@ -176,12 +169,13 @@ class _Program:
         lot = self._lot
         if lot.random() < 0.1 and kind != "list":
             return "null"
-        if kind == "number":
-            return str(lot.randint(0, 4))
-        if kind == "text":
-            return f'"{lot.choice(_TEXTS)}"'
-        if kind == "list":
-            return f"[{', '.join(str(lot.randint(0, 3)) for _ in range(lot.randint(1, 3)))}]"
+        match kind:
+            case "number":
+                return str(lot.randint(0, 4))
+            case "text":
+                return f'"{lot.choice(_TEXTS)}"'
+            case "list":
+                return str([lot.randint(0, 3) for _ in range(lot.randint(1, 3))])
         return f'{{n: {lot.randint(0, 2)}, t: "{lot.choice(_TEXTS[:3])}"}}'
 
     # -- bodies ----------------------------------------------------------------------------------
@@ -198,13 +192,12 @@ class _Program:
         for column, kind in relation.columns.items():
             known = [name for name, its in scope.items() if its == kind]
             if lot.random() < bind or not known:
-                if not new:
-                    if not given:
-                        given.append(f"{column}: {self._literal(kind)}")
-                    continue
-                name = self._new()
-                scope[name] = kind
-                given.append(f"{column}: {name}")
+                if new:
+                    name = self._new()
+                    scope[name] = kind
+                    given.append(f"{column}: {name}")
+                elif not given:
+                    given.append(f"{column}: {self._literal(kind)}")
             elif lot.random() < 0.8:
                 given.append(f"{column}: {lot.choice(known)}")
             else:

@@ -1,30 +1,21 @@
 """History: every tick comes back exactly as it was, whatever way was taken to it."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import (
-    RuleBasedStateMachine,
-    invariant,
-    precondition,
-    rule,
-    run_state_machine_as_test,
-)
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+from hypothesis.stateful import run_state_machine_as_test as run_machine
 
-from logical_robots_tui.game import Frame, Game, History, load_program, reference_for
+from logical_robots_tui.game import Frame, History, load_program, reference_for
 from logical_robots_tui.game.history.packing import Packed, TickState
 from logical_robots_tui.mind import Decision, Notice, Program
 from logical_robots_tui.values import Desire, Value
-from logical_robots_tui.world import (
-    AreaState,
-    Robot,
-    RobotState,
-    WorldState,
-    list_levels,
-    load_level,
-)
+from logical_robots_tui.world import AreaState, Robot, RobotState, WorldState, list_levels
+from logical_robots_tui.world import load_level as load
+from tests.game.playing import Play
 from tests.world.making import make_level
 
 numbers = st.floats(allow_nan=False)
@@ -66,10 +57,8 @@ def after(past: Frame, done: list[Deed], won_at: int | None = None) -> Frame:
     robots = tuple(replace(robot, x=deed.x, blocked=deed.blocked) for robot, deed in pairs)
     home = AreaState("Home", done[0].blocked, ROBOTS if done[1].blocked else ())
     state = WorldState(past.tick + 1, robots, (home,), won_at)
-    decisions = tuple(
-        Decision(robot.name, deed.desire, deed.memory, deed.notices) for robot, deed in pairs
-    )
-    memories = {each.robot_name: each.memory for each in decisions}
+    decisions = tuple(Decision(robot.name, it.desire, it.memory, it.notices) for robot, it in pairs)
+    memories = {decision.robot_name: decision.memory for decision in decisions}
     return Frame(past.tick + 1, past.after, state, (), past.memories, decisions, memories, 1.25)
 
 
@@ -88,9 +77,7 @@ def as_moment(frame: Frame) -> str:
 
 
 @given(st.lists(st.tuples(ticks, st.none() | st.integers(1, 9)), max_size=6))
-def test_what_is_packed_comes_out_again_to_the_last_bit(
-    run: list[tuple[list[Deed], int | None]],
-) -> None:
+def test_what_is_packed_comes_out_again_to_the_last_bit(run: list[tuple[Any, ...]]) -> None:
     frames = [start()]
     for done, won_at in run:
         frames.append(after(frames[-1], done, won_at))
@@ -188,7 +175,7 @@ def differ(one: Frame, other: Frame) -> bool:
 def test_a_history_is_right_whatever_is_done_to_it() -> None:
     examples = min(25, settings().max_examples)
     few = settings(max_examples=examples, stateful_step_count=12, deadline=None)
-    run_state_machine_as_test(Histories, settings=few)
+    run_machine(Histories, settings=few)
 
 
 def grown(history: History, ticks: int, deed: list[Deed]) -> list[Frame]:
@@ -230,43 +217,31 @@ def test_of_two_branches_that_were_left_the_longer_one_is_kept() -> None:
     assert history.last == 11
 
 
-async def every_tick_backward_and_forward(name: str, ticks: int) -> None:
-    """Run a level, go back tick by tick, and forward again; each frame is the same each time."""
-    level = load_level(name)
-    game = Game(level, Program.compile(load_program(level.solution).text))
+WHOLE = [pytest.param(name, 200, marks=pytest.mark.slow) for name in list_levels()]
+TO_VICTORY = [pytest.param(name, 0, marks=pytest.mark.proof) for name in list_levels()]
+
+
+@pytest.mark.parametrize(("name", "most"), [("06-breadcrumbs", 50), *WHOLE, *TO_VICTORY])
+async def test_back_and_forward_again_is_the_same_in_every_tick(
+    play: Play, name: str, most: int
+) -> None:
+    level = load(name)
+    reference = reference_for(level)
+    assert reference is not None
+    ticks = min(most, max(80, 2_500 // len(level.robots))) if most else reference.ticks + 10
+    game = play(load_program(level.solution).text, level)
     frames = [game.frame]
     game.listen(frames.append)
-    try:
-        while game.frame.tick < ticks:
-            await game.run_until(tick=ticks)
-        there = frames[:]
-        assert [frame.tick for frame in there] == list(range(ticks + 1))
-        for expected in reversed(there[:-1]):
-            assert game.back() == expected
-        frames.clear()
-        while game.frame.tick < ticks:
-            await game.run_until(tick=ticks)
-        assert frames == there[1:]
-        decisions, before = ([frame.decisions for frame in way] for way in (frames, there[1:]))
-        assert repr(decisions) == repr(before)
-        assert game.history.other is None
-    finally:
-        await game.close()
-
-
-THOUGHTS = 2_500
-WHOLE = [pytest.param(name, 200, marks=pytest.mark.slow) for name in list_levels()]
-
-
-@pytest.mark.parametrize(("name", "most"), [("06-breadcrumbs", 50), *WHOLE])
-async def test_back_and_forward_again_is_the_same_in_every_tick(name: str, most: int) -> None:
-    ticks = max(80, THOUGHTS // len(load_level(name).robots))
-    await every_tick_backward_and_forward(name, min(most, ticks))
-
-
-@pytest.mark.proof
-@pytest.mark.parametrize("name", list_levels())
-async def test_back_and_forward_again_is_the_same_in_every_tick_to_victory(name: str) -> None:
-    reference = reference_for(load_level(name))
-    assert reference is not None
-    await every_tick_backward_and_forward(name, reference.ticks + 10)
+    while game.frame.tick < ticks:
+        await game.run_until(tick=ticks)
+    there = frames[:]
+    assert [frame.tick for frame in there] == list(range(ticks + 1))
+    for expected in reversed(there[:-1]):
+        assert game.back() == expected
+    frames.clear()
+    while game.frame.tick < ticks:
+        await game.run_until(tick=ticks)
+    assert frames == there[1:]
+    decisions, before = ([frame.decisions for frame in way] for way in (frames, there[1:]))
+    assert repr(decisions) == repr(before)
+    assert game.history.other is None

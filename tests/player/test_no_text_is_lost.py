@@ -40,8 +40,7 @@ class Editor:
     load = put
 
     def open_program(self, source: Source, text: str) -> None:
-        self.source = source._replace(text=source.text)
-        self.text = text
+        self.source, self.text = source, text
 
 
 class Player:
@@ -90,18 +89,16 @@ class Session:
             failed=self.player.warn,
             what="Unsaved text",
         )
-        screen = cast("Any", self.editor)
-        player = cast("Any", self.player)
-        self.library = Library(
-            screen, player, self.recorder, self.drafts, self.autosave, screen, folder
-        )
+        screen, player = cast("Any", self.editor), cast("Any", self.player)
+        parts = (self.recorder, self.drafts, self.autosave)
+        self.library = Library(screen, player, *parts, screen, folder)
 
     async def begin(self) -> Session:
-        nothing = cast("Any", lambda *_: None)
-        self.recorder.attach(cast("Any", self.player), changed=nothing, measured=nothing)
+        nothing, player = cast("Any", lambda *_: None), cast("Any", self.player)
+        self.recorder.attach(player, changed=nothing, measured=nothing)
         self.recorder.level_opened(LEVEL)
         self.autosave.flush()
-        await self.library.offer(cast("Any", self.player))
+        await self.library.offer(player)
         self.autosave.flush()
         await self.player.done()
         return self
@@ -147,12 +144,9 @@ class Sessions(RuleBasedStateMachine):
         shown = session.editor.text
         self.runner.run(session.begin())
         self.alive.append(session)
-        self.wanted.add(shown)
-        self.wanted |= {text for text, _ in session.player.asked}
-        # What is in the editor now stands there, and only there.
-        self.wanted -= {text for text, answer in session.player.asked if answer == "yes"} & {
-            session.editor.text
-        }
+        self.wanted |= {shown, *(text for text, _ in session.player.asked)}
+        if (session.editor.text, "yes") in session.player.asked:
+            self.wanted.discard(session.editor.text)  # it stands in the editor now, and only there
         return session
 
     @rule(session=sessions)
@@ -173,16 +167,16 @@ class Sessions(RuleBasedStateMachine):
 
     @rule(session=consumes(sessions), killed=st.booleans())
     def end(self, session: Session, killed: bool) -> None:
-        self._end(session, killed=killed)
-
-    def _end(self, session: Session, *, killed: bool) -> None:
-        self.wanted.add(session.editor.text)
         self.alive.remove(session)
+        self.close(session, killed=killed)
+
+    def close(self, session: Session, *, killed: bool) -> None:
+        self.wanted.add(session.editor.text)
         self.runner.run(session.end(killed=killed))
 
     def teardown(self) -> None:
-        for session in [*self.alive]:
-            self._end(session, killed=True)
+        for session in self.alive:
+            self.close(session, killed=True)
         last = self.runner.run(Session(Path(self.folder.name)).begin())
         texts = self.runner.run(last.at_hand())
         self.runner.run(last.end())

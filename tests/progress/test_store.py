@@ -20,14 +20,13 @@ WRITE_MANY = """
 import sys
 from pathlib import Path
 from logical_robots_tui.progress import Progress
-progress = Progress(Path(sys.argv[1]), lambda message: sys.exit(message))
+progress = Progress(Path(sys.argv[1]), sys.exit)
 for number in range(int(sys.argv[3])):
     progress.keep("level", f"{sys.argv[2]} {number}")
     print(number, flush=True)
 """
-
 DIE_HALFWAY = """
-import sqlite3, sys, time
+import sqlite3, sys
 connection = sqlite3.connect(sys.argv[1], isolation_level=None)
 connection.execute("PRAGMA cache_size = 1")
 connection.execute("BEGIN IMMEDIATE")
@@ -39,7 +38,6 @@ for number in range(300):
 print("halfway", flush=True)
 sys.stdin.read()
 """
-
 FULL = """
 import resource, sys
 from pathlib import Path
@@ -56,8 +54,6 @@ assert [v.text[:6] for v in progress.versions("level")] == [
 assert not progress.is_kept
 print(*messages, sep="\\n")
 """
-
-
 UNSAVED = "Your progress can't be saved: {}. The game continues without saving it."
 
 
@@ -191,11 +187,14 @@ def test_two_games_that_find_damage_at_once_set_it_aside_once(file: Path, told: 
     assert len(aside(file)) == len(told) == 1
 
 
-def test_a_file_that_is_empty_is_filled_and_one_that_was_removed_is_made_anew(file: Path) -> None:
+def test_an_empty_file_is_filled_and_a_removed_one_made_anew_and_says_what_it_is(
+    file: Path,
+) -> None:
     file.touch()
     progress = Progress(file, pytest.fail)
     progress.keep("level", "one")
     assert kept(file) == {"one"}
+    assert file.read_bytes()[68:72] == APPLICATION_ID.to_bytes(4, "big") == b"LROB"
     file.unlink()
     assert progress.newest("level") is None
     progress.keep("level", "two")
@@ -317,8 +316,3 @@ def test_a_write_waits_for_its_turn(file: Path) -> None:
             other.execute("COMMIT")
         assert waiting.wait(30) == 0
     assert kept(file) == {"before", "a 0"}
-
-
-def test_the_file_says_what_it_is(file: Path) -> None:
-    Progress(file, pytest.fail).begin("level")
-    assert file.read_bytes()[68:72] == APPLICATION_ID.to_bytes(4, "big") == b"LROB"
