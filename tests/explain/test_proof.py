@@ -1,15 +1,168 @@
-"""A whole proof: from a row down to rays, fields of sensors and memories, and all calls in it."""
+"""Proofs down to what was sensed, refutations where something fails, and calls in both."""
 
 from contextlib import closing
+from itertools import pairwise
 
 import pytest
 
 from logical_robots_tui.explain import Explainer
 from logical_robots_tui.mind import Mind, Program, QueryError
 from logical_robots_tui.values import Value
-from tests.explain.asking import REST, below, find, proof, the_rule
-from tests.explain.test_refuting import REACH
+from tests.explain.asking import REST, asked, below, find, proof, stop, texts, the_rule, why
 from tests.mind.rows import row
+
+ITEMS = "Item(x: 1, y: 2); Item(x: 2, y: 3);"
+REACH = """Edge(1, 2); Edge(2, 1);
+Reach(a:, b:) distinct :- Edge(a, b);
+Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
+REACH = """Edge(1, 2); Edge(2, 1);
+Reach(a:, b:) distinct :- Edge(a, b);
+Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
+COUNTING = """
+Number(x: 0) distinct;
+Number(x: x + 1) distinct :- Number(x:), x < {most};
+@Recursive(Number, 5);
+Robot(robot_name:, desire: {{left_engine: x, right_engine: x}}, memory: "") :-
+  Sensor(robot_name:), x == Max{{n :- Number(x: n)}};
+"""
+
+
+def test_an_alternative_that_holds_is_not_said_to_fail_when_what_fails_stands_behind_it() -> None:
+    rule = the_rule(f"{ITEMS} P(x:) :- Item(x:), (x > 1 | x < 0), x > 5;", "P")
+    said = {node.text: node.said for node in below(rule.node, "alternative")}
+    assert said == {"x < 0": "this alternative does not hold", "x > 1": "this alternative holds"}
+    assert stop(rule) is rule.node.children[-1]
+    assert stop(rule).text == "x > 5"
+
+
+def test_where_several_alternatives_hold_each_is_told_with_what_fails_behind_it() -> None:
+    rule = the_rule("P(x:) :- x in [1, 2], (x == 1 | x == 2), x > 5;", "P")
+    said = "this alternative holds, but not what comes after it"
+    for node, text in zip(below(rule.node, "alternative"), ("x == 1", "x == 2"), strict=True):
+        assert (node.text, node.said, node.holds) == (text, said, None)
+        assert node.children[-1].text == "x > 5"
+
+
+def test_of_two_choices_only_the_one_that_fails_is_said_to_fail() -> None:
+    rule = the_rule("P(x:) :- x in [1], (x == 1 | x == 2), (x == 3 | x == 4);", "P")
+    failed = [n.text for n in below(rule.node, "alternative") if n.holds is False]
+    assert failed == ["x == 3", "x == 4", "x == 2"]
+    assert find(rule.node, "x == 1").said != "this alternative does not hold"
+
+
+def test_what_fails_before_any_alternative_is_told_once() -> None:
+    rule = the_rule("P(x:) :- x in [1], y == x, y > 5, (y == 7 | y == 8);", "P")
+    assert texts(rule.node.children) == ["x in [1]", "y == x", "y > 5"]
+
+
+def test_what_holds_before_the_part_that_fails_is_explained_by_its_own_values() -> None:
+    text = """P(y:) :- x in [1], y == (if x == 1 then Coalesce(x + 1, x) else 9), z == F(x + 2, x),
+      x > 5; F(a, b) = a + b;"""
+    rule = the_rule(text, "P")
+    taken = find(rule.node, "Coalesce(x + 1, x)")
+    assert (taken.said, taken.values) == ("this branch is taken", (2,))
+    assert texts(taken.children) == ["x + 1"]
+    call = find(rule.node, "F(x + 2, x)")
+    assert asked(call).given == {"col0": 3, "col1": 1, "logica_value": 4}
+
+
+def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
+    rule = the_rule(f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:);", "P", given={"x": 1, "z": 1})
+    call, column = rule.node.children
+    assert (call.text, call.holds) == ("Item(x:, y:)", True)
+    assert (column.text, column.said, column.values) == ("z: y + 1", "actual value", (3,))
+    assert rule.stopped_by is column
+
+
+def test_what_a_function_in_a_column_came_out_as_can_be_asked() -> None:
+    text = f"F(a) = a + 1; {ITEMS} P(x:, z: F(x)) :- Item(x:);"
+    stopped = stop(the_rule(text, "P", given={"x": 1, "z": 1}))
+    assert (stopped.said, stopped.values) == ("actual value", (2,))
+    assert asked(stopped).given == {"col0": 1, "logica_value": 2}
+
+
+def test_what_came_out_otherwise_is_named_and_a_fact_tells_which_column_is_another() -> None:
+    rules = f"""{ITEMS} P(x:, z:) :- Item(x:, y:), z == y + 1;
+    Q(x:, z: y + 1) :- Item(x:, y:), y > 10;"""
+    column = stop(the_rule(rules, "P", given={"z": 1}))  # that an equation gives
+    condition = stop(the_rule(rules, "Q", given={"x": 1, "z": 1}))  # before columns
+    assert (column.text, column.values) == ("z", (3, 4))
+    assert (condition.text, condition.values) == ("y > 10", ())
+    near, other = why(ITEMS, "Item", given={"x": 1, "y": 7}).rules
+    assert [(n.text, n.said, n.values) for n in near.node.children] == [("y", "actual value", (2,))]
+    assert near.node.said == "gives no row"
+    assert other.node.said == "does not apply to these values"
+
+
+def test_a_failed_call_shows_all_it_was_asked_for_nearest_first() -> None:
+    text = """Kind(object: "wall", label: "Blue"); Kind(object: "robot", label: "Bo");
+    P(object:) :- object in ["beacon", "wall"], label in ["Red", "Blues"], Kind(object:, label:);"""
+    stopped = stop(the_rule(text, "P"))
+    assert texts(stopped.children) == [
+        f'Kind(object: "{kind}", label: "{label}")'
+        for kind in ("wall", "beacon")
+        for label in ("Blues", "Red")
+    ]
+    assert all(node.asked is not None for node in stopped.children)
+    assert stopped.asked == stopped.children[0].asked
+
+
+def test_of_many_calls_only_the_nearest_is_proved_and_those_that_are_too_many_are_counted() -> None:
+    text = "Even(2); Even(4); Odd(11); Odd(7); Odd(5); P(x) :- Odd(x), Even(x);"
+    call = find(proof(text, "P").nodes[0], "Even(x)")
+    assert texts(call.children) == ["Even(5)", "Even(7)", "Even(11)"]
+    assert [bool(node.children) for node in call.children] == [True, False, False]
+    stopped = stop(the_rule("Even(200); P(x) :- x in Range(100), Even(x);", "P"))
+    assert texts(stopped.children)[::10] == ["Even(99)", "and 90 more"]
+
+
+def test_a_circle_in_a_refutation_is_named() -> None:
+    refuted = proof(REACH, "Reach", a=1, b=9)
+    notes = [note.text for root in refuted.nodes for note in below(root, "note")]
+    assert notes == ["Reach(a: 1, b: 9) is asked above; no row follows from itself."]
+    assert (refuted.complete, refuted.is_cut) == (True, False)
+
+
+def test_a_recursion_that_was_cut_off_is_named_where_a_row_is_missing() -> None:
+    expected = (
+        "The recursion of Number was cut off after 5 steps, so later rows are missing; "
+        "@Recursive(Number, 10) would allow more."
+    )
+    text = f"{COUNTING.format(most=100)} Big(x) :- Number(x:), x > 20;"
+    assert why(text, "Number", given={"x": 50}).nodes[-1].text == expected
+    assert why(text, "Big").nodes[-1].text == expected
+    assert why(text, "Number", given={"x": 3}).nodes[-1].text != expected
+    whole = f"{COUNTING.format(most=3)} Big(x) :- Number(x:), x > 20;"
+    assert [rule.node.kind for rule in why(whole, "Big").rules] == ["rule"]
+
+
+def test_a_larger_depth_is_promised_only_where_it_shows_more() -> None:
+    text = "A(1); A(2); B(x) :- A(x), x > 1; C(x) :- B(x), ~A(x + 1); D(x) :- C(x), x > 5;"
+    for shown, more in pairwise(proof(text, "D", depth=depth) for depth in range(1, 8)):
+        assert shown.is_cut == (more.nodes != shown.nodes)
+
+
+def test_a_call_in_a_condition_is_evaluated_before_it() -> None:
+    text = f"G(a) = a + 1; {ITEMS} P(v) :- (v == 1 | v > 2), v == G(w), Item(x: w);"
+    rule = the_rule(text, "P", given={"col0": 7})
+    stops = [node.text for _, node in rule.node.walk() if node.kind == "value" and not node.holds]
+    assert "v == G(w)" in stops
+
+
+def test_what_is_not_in_a_list_is_told_with_the_list() -> None:
+    rule = the_rule(f"{ITEMS} P(x:) :- Item(x:, y:), x + y in [9, 10];", "P")
+    told = [(node.text, node.values) for node in stop(rule).children]
+    assert told == [("[9, 10]", ([9, 10],)), ("x + y", (3, 5))]
+
+
+def test_a_row_that_a_rule_gives_is_not_said_to_fail_where_it_was_cut_off() -> None:
+    limited = 'Num(x: 1); Num(x: 2); @OrderBy(Num, "x"); @Limit(Num, 1);'
+    first, second = why(limited, "Num", given={"x": 2}).rules
+    assert first.node.said == "does not apply to these values"
+    assert second.node.said == "gives this row, but it was left out, as by @Limit"
+    assert second.node.holds is None
+    rules = why(COUNTING.format(most=100), "Number", given={"x": 6}).rules
+    assert rules[1].node.said == "would give this row in a later step"
 
 
 def test_every_call_is_followed_down_to_what_was_sensed() -> None:

@@ -1,21 +1,28 @@
-"""The law of explanations: nothing false is said, of any row of any program."""
+"""The laws of explanations: nothing false is said, of any row of any program."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, closing
 from dataclasses import replace
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from logical_robots_tui.explain import Ask, Node
-from tests.explain.asking import REST
+from logical_robots_tui.explain import Ask, Explainer, Node
+from logical_robots_tui.explain.why.derivations import MOST_ROWS
+from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.world import World, list_levels, load_level
+from tests.explain.asking import REST, below
 from tests.explain.checking import Checker
 from tests.explain.generated import program
-from tests.explain.judging import claims_in, judge_until
+from tests.explain.judging import claims_in, false_of, judge_until
 from tests.explain.questions import Asked, Scene, alone, asked, missed, together
 from tests.explain.teams import team
+from tests.mind.rows import nearly_same, row
 
 
 def one_robot(seed: int) -> AbstractContextManager[Scene]:
@@ -110,3 +117,181 @@ def test_a_lie_would_be_found(given: dict[str, Any], lie: Callable[[Node], Node]
         for nodes, is_false in ((proof.nodes, False), ([lies(n, lie) for n in proof.nodes], True)):
             claims, false = claims_in(nodes, proof.explanation.asked, checker, {})
             assert bool([*checker.false(claims), *false]) == is_false
+
+
+TICKS = 40
+CROWD = 10
+
+
+def level_for(program: str) -> str:
+    """The name of the level that a program is for, or of one that it can be tried in."""
+    name = program.removesuffix("-starter")
+    return next((level for level in list_levels() if level[3:] == name), "06-breadcrumbs")
+
+
+def moments(name: str, ticks: Sequence[int]) -> Iterator[tuple[Mind, Any, Any]]:
+    """A mind with a program, and sensor rows and memories at some ticks of its level."""
+    level = load_level(level_for(name))
+    world = World(level)
+    memories: dict[str, Any] = {}
+    sees = level.visibility
+    program = Program.compile(load_program(name).text)
+    limits = Limits(query_seconds=60)
+    with closing(Mind(program, memory=sees.memory, sensor=sees.sensor, limits=limits)) as mind:
+        for tick in range(1, max(ticks) + 1):
+            rows = world.sense()
+            if tick in ticks:
+                yield mind, rows, memories
+            decisions = mind.think(rows, memories)
+            memories = {d.robot_name: d.memory for d in decisions}
+            world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+
+
+def last_tick(name: str) -> int:
+    return TICKS if len(load_level(level_for(name)).robots) < CROWD else 2
+
+
+QUICK = "steering"
+
+
+def marks(name: str) -> list[pytest.MarkDecorator]:
+    """A starter has much of what its solution has, so only a long proof tries it."""
+    return [pytest.mark.slow] * (name != QUICK) + [pytest.mark.proof] * name.endswith("-starter")
+
+
+PROGRAMS = [pytest.param(name, marks=marks(name)) for name in list_programs()]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_each_row_of_a_predicate_has_a_true_proof_and_no_other_has(name: str) -> None:
+    for mind, rows, memories in moments(name, [last_tick(name)]):
+        robots = [sensed["robot_name"] for sensed in rows][:2]
+        for predicate in mind.program.predicates:
+            if predicate.kind != "program" or not predicate.has_rows:
+                continue
+            table = mind.query(predicate.name, rows, memories)
+            column = table.columns.index("robot_name") if "robot_name" in table.columns else None
+            for robot in robots:
+                proof = Explainer(mind, robot, rows, memories).proof(Ask(predicate.name))
+                found = proof.explanation
+                mine = [
+                    row
+                    for number, row in enumerate(table.rows)
+                    if (not table.viewers or table.viewers[number] == robot)
+                    and (column is None or row[column] == robot)
+                ]
+                assert found.rows == min(len(mine), MOST_ROWS), (predicate.name, robot)
+                if mine:
+                    giving = [rule for rule in found.rules if rule.row is not None]
+                    assert giving, (predicate.name, robot)
+                    assert all(node.holds for node in proof.nodes)
+                if predicate.name == "Robot":
+                    (row,) = mine
+                    decided = dict(zip(table.columns, row, strict=True))
+                    assert found.row is not None
+                    assert nearly_same(dict(found.row), decided)
+        check_proofs(mind, rows, memories, 3)
+
+
+def check_proofs(mind: Mind, rows: Any, memories: Any, most: int) -> None:
+    """Put what proofs of decisions say into their rules."""
+    checked = 0
+    checker = Checker(mind.program, mind, rows, memories)
+    for robot in [sensed["robot_name"] for sensed in rows][:2]:
+        proof = Explainer(mind, robot, rows, memories).proof(nodes=2_000)
+        rules = [n for root in proof.nodes for _, n in root.walk() if n.kind == "rule" and n.holds]
+        for node in {rule.text: rule for rule in rules}.values():
+            if checked < most:
+                assert not list(false_of(node, checker)), (mind.program.text, robot)
+                checked += 1
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", list_programs())
+def test_what_proofs_say_holds_in_the_rules_at_many_ticks(name: str) -> None:
+    for mind, rows, memories in moments(name, range(5, 10 * last_tick(name), 25)):
+        check_proofs(mind, rows, memories, 1_000)
+
+
+KEYS = {
+    "numbers": ["0", "1", "1.5", "-2", "1000000", "null"],
+    "texts": ['"a"', '"B"', '"10"', '"9"', '"{"', '"[2]"', '"[10]"', '""', "null"],
+    "records": ["{k: 2}", "{k: 10}", "{k: -1}", "null"],
+    "lists": ["[2]", "[10]", "[2, 1]", "[1, 2]", "null"],
+    "texts in lists": ['["b"]', '["a", "z"]', '["a"]', "null"],
+    "truths": ["true", "false", "null"],
+}
+
+INSIDE = """
+P(x: Best{a :- A(a:)});
+Q(x: Best{a -> k :- A(a:, k:)});
+"""
+IN_HEADS = """
+P(x? Best= a) distinct :- A(a:);
+Q(x? Best= a -> k) distinct :- A(a:, k:);
+"""
+IN_TWO_RULES = """
+P(x? Best= a) distinct :- A(a:, k:);
+P(x? Best= k) distinct :- A(a: k, k: a);
+Q(x? Best= a -> k) distinct :- A(a:, k:), k is not null;
+Q(x? Best= k -> a) distinct :- A(a: k, k: a);
+"""
+
+
+@st.composite
+def questions(draw: st.DrawFn) -> tuple[str, str]:
+    """A program whose predicate P or Q, with a column x, is the best of some facts, and which."""
+    arguments, keys = (draw(st.sampled_from(sorted(KEYS))) for _ in range(2))
+    chosen = draw(st.sampled_from(["Min", "Max", "AnyValue", "ArgMin", "ArgMax"]))
+    text = draw(st.sampled_from([INSIDE, IN_HEADS, IN_TWO_RULES]))
+    if text == IN_TWO_RULES:
+        keys = arguments
+    one = st.tuples(*(st.sampled_from(KEYS[kind]) for kind in (arguments, keys)))
+    pairs = draw(st.lists(one, min_size=1, max_size=5))
+    facts = " ".join(f"A(a: {argument}, k: {key});" for argument, key in pairs)
+    name = "Q" if chosen.startswith("Arg") else "P"
+    rules = [line for line in text.splitlines() if line.startswith(name)]
+    return "\n".join([facts, *rules, REST]).replace("Best", chosen), name
+
+
+def deciding(text: str, name: str) -> tuple[object, list[Node]]:
+    with closing(Mind(Program.compile(text))) as mind:
+        (row_asked,) = mind.query(name, [row("Ada")], {}).rows
+        proof = Explainer(mind, "Ada", [row("Ada")], {}).proof(Ask(name))
+    assert proof.explanation.row is not None
+    assert proof.explanation.row["x"] == row_asked[0]
+    nodes = [each for node in proof.nodes for each in below(node, "contributor")]
+    return row_asked[0], [each for each in nodes if each.said.startswith(("chosen", "is the"))]
+
+
+@pytest.mark.parametrize("examples", [5, pytest.param(100, marks=pytest.mark.slow)])
+def test_the_element_that_decides_has_the_value_of_the_result(examples: int) -> None:
+    @given(questions())
+    @settings(max_examples=examples)
+    def ask(question: tuple[str, str]) -> None:
+        result, found = deciding(*question)
+        if result is not None:
+            assert found
+        for each in found:
+            assert each.values == (result,)
+
+    ask()
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "asked", "keys"),
+    [
+        ('1, k: "9"', '1, k: "10"', "ArgMin", ['"10"']),
+        ("1, k: {k: 10}", "1, k: {k: 9}", "ArgMin", ["{k: 9}"]),
+        ("1, k: [10]", "1, k: [9, 1]", "ArgMax", ["[10.0]"]),
+        ("1, k: null", "1, k: 2", "ArgMin", ["2"]),
+        ("1, k: null", "null, k: null", "ArgMin", []),
+    ],
+)
+def test_among_equal_arguments_the_engine_chooses_by_the_key(
+    one: str, other: str, asked: str, keys: list[str]
+) -> None:
+    facts = f"A(a: {one}); A(a: {other});"
+    result, found = deciding(f"{facts} Q(x: {asked}{{a -> k :- A(a:, k:)}});{REST}", "Q")
+    assert [each.text for each in found] == [f"a -> {key}" for key in keys]
+    assert (result is None) == (not keys)

@@ -1,6 +1,7 @@
-"""Ticks, size, distance and robustness: what is measured of a program that wins."""
+"""What is measured of a program that wins: ticks, size, distance, robustness, bonus goals."""
 
 import asyncio
+import math
 import threading
 from contextlib import suppress
 from dataclasses import replace
@@ -14,17 +15,19 @@ from logical_robots_tui.game import level_key, load_program, measuring, referenc
 from logical_robots_tui.game.measuring import (
     Trial,
     measure,
+    mirror,
     play_through,
     start_of,
     try_starts,
     vary_start,
 )
 from logical_robots_tui.game.source import reference_names
-from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.game.victory import reference_table, victory_of
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import Area, Beacon, Level, LevelError
+from logical_robots_tui.world.level import SecondGoal, alike
 from logical_robots_tui.world.levels.native import read_native
 from tests.explain.asking import REST
 from tests.game.playing import SLOW, Play
@@ -251,3 +254,102 @@ def test_patterns_that_are_none_or_match_nothing_are_refused() -> None:
             read_native(f"shuffled_names = {value}\n{SHORT}", "short", "short.toml")
         assert raised.value.message == message
         assert raised.value.place == f"short.toml: shuffled_names{where}"
+
+
+GOALS = (
+    "at most 11 symbols",
+    "at most 60 ticks",
+    "at most 30 units",
+    "never blocked",
+    "wins from all 20 starts",
+    "wins in the mirrored labyrinth",
+)
+AT_ONCE, LATER = GOALS[:4], GOALS[5]
+"""Those that a victory shows by itself, and one that takes another run."""
+BACKWARDS = """\
+Power(clock) = (if clock < 20 then -1 else 0.5);
+Robot(robot_name:, desire: {left_engine: power, right_engine: power}, memory: 1) :-
+  Sensor(robot_name:, sensor:), Memory(robot_name:), power == Power(sensor.clock);
+"""
+"""It is blocked at first, then wins, and has more symbols."""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    (tmp_path / "goals.toml").write_text(f"second_goals = {list(GOALS)}\n{SHORT}", "utf-8")
+    return tmp_path / "goals.toml"
+
+
+@pytest.mark.parametrize(
+    ("text", "reached"),
+    [
+        (AHEAD, (*AT_ONCE, LATER)),
+        pytest.param(BACKWARDS, (LATER,), marks=pytest.mark.slow),
+        pytest.param("A(1);\n" + AHEAD, (*AT_ONCE[1:], LATER), marks=pytest.mark.slow),
+    ],
+)
+async def test_a_game_and_a_measuring_process_find_the_same(
+    file: Path, text: str, reached: tuple[str, ...], play: Play
+) -> None:
+    level, program = load_level(file), Program.compile(text)
+    game = play(program, level)
+    await game.run_until(tick=500)
+    victory = victory_of(game, level)
+    assert victory is not None
+    assert victory.measures is not None
+    measured = await measure(level, program, None)
+    assert measured is not None
+    assert victory.measures.goals == tuple(goal for goal in reached if goal in AT_ONCE)
+    assert measured.goals == reached
+    assert measured.wins != 20
+    known = victory.measures._replace(wins=20, starts=20)
+    again = await measure(level, program, known)
+    assert again == known._replace(goals=(*known.goals, *GOALS[4:]))
+
+
+async def test_who_goes_back_before_a_wall_was_not_blocked(file: Path, play: Play) -> None:
+    level = load_level(file)
+    game = play(BACKWARDS, level)
+    await game.run_until(tick=40)
+    assert game.history.is_blocked_up_to(40)
+    first = next(tick for tick in range(40) if game.history.is_blocked_up_to(tick))
+    game.go_to(first - 1)
+    game.use(Program.compile(AHEAD))
+    await game.run_until(tick=first + 5)
+    assert not game.history.is_blocked_up_to(first + 5)
+    game.restart()
+    await game.step()
+    assert not game.history.is_blocked_up_to(1)
+
+
+def test_a_goal_is_written_as_it_is_read() -> None:
+    goals = [SecondGoal.of(words) for words in GOALS]
+    assert [goal and goal.words for goal in goals] == list(GOALS)
+
+
+def test_goals_of_earlier_versions_are_passed_over(file: Path) -> None:
+    goals = '"at most 3 rules", "never blocked", "without memory", "at most 1 rule"'
+    file.write_text(f"second_goals = [{goals}]\n{SHORT}", "utf-8")
+    assert [goal.words for goal in load_level(file).second_goals] == ["never blocked"]
+
+
+def test_a_mirrored_level_is_the_same_from_the_other_side() -> None:
+    level = load_level("06-breadcrumbs")
+    mirrored = mirror(level)
+    assert mirrored.robots[0].x == level.width - level.robots[0].x
+    assert math.cos(mirrored.robots[0].angle) == pytest.approx(-math.cos(level.robots[0].angle))
+    assert math.sin(mirrored.robots[0].angle) == pytest.approx(math.sin(level.robots[0].angle))
+    assert (mirrored.walls == level.walls[:, ::-1]).all()
+    assert not mirrored.walls.flags.writeable
+    twice = mirror(mirrored)
+    assert alike(replace(twice, robots=level.robots), level)
+
+
+def test_what_is_not_a_second_goal_is_refused(file: Path) -> None:
+    numbers = ("at most -1 symbols", "at most 1 symbols", "at most 1 symbol ", "at most many ticks")
+    for words in (*numbers, "NEVER blocked", "fast"):
+        file.write_text(f'second_goals = ["never blocked", "{words}"]\n{SHORT}', "utf-8")
+        with pytest.raises(LevelError) as caught:
+            load_level(file)
+        assert caught.value.place == f"{file}: second_goals[1]"
+        assert caught.value.message == f'"{words}" is not a bonus goal.'
