@@ -64,19 +64,17 @@ def _edit(what: str, work: Callable[..., Level], **arguments: Any) -> Edit:
     return Edit(f"{what} {arguments}", lambda level: work(level, **arguments))
 
 
-def _edits(
-    what: str, work: Callable[..., Level], **arguments: st.SearchStrategy[Any]
-) -> st.SearchStrategy[Edit]:
+def _edits(what: str, work: Callable[..., Level], **arguments: Any) -> st.SearchStrategy[Edit]:
     return st.builds(partial(_edit, what, work), **arguments)
 
 
-def _on(level: Level, kind: Kind, index: int, work: Callable[[Level, Ref], Level]) -> Level:
+def _on(level: Level, kind: Kind, index: int, work: Callable[..., Level], **values: Any) -> Level:
     things = getattr(level, kind)
-    return work(level, Ref(kind, index % len(things))) if things else level
+    return work(level, Ref(kind, index % len(things)), **values) if things else level
 
 
 def _change(level: Level, kind: Kind, index: int, values: dict[str, Any]) -> Level:
-    return _on(level, kind, index, lambda level, ref: change(level, ref, **values))
+    return _on(level, kind, index, change, **values)
 
 
 def _duplicate(level: Level, ref: Ref) -> Level:
@@ -113,21 +111,15 @@ QUESTIONS = st.builds(
     *(TEXTS, TEXTS, st.sampled_from([(0,), (120, 480), (3, 4, 10_000)])),
     st.one_of(st.just(""), NAMES),
 )
-_WORDS = st.fixed_dictionaries(
-    {},
-    optional={
-        "title": NAMES,
-        "idea": NAMES,
-        "briefing": TEXTS,
-        "lesson": TEXTS,
-        "hints": st.lists(TEXTS, max_size=3).map(tuple),
-        "questions": st.lists(QUESTIONS, max_size=2).map(tuple),
-        "shared_names": st.lists(NAMES, max_size=2).map(tuple),
-        "shuffled_names": st.sampled_from([(), ("*",), ("*", "?*")]),
-        "second_goals": st.lists(GOALS, max_size=2).map(tuple),
-        "visibility": st.sampled_from([Visibility(), Visibility("seen", "all")]),
-    },
-)
+_WORDS = {
+    "title": NAMES, "idea": NAMES, "briefing": TEXTS, "lesson": TEXTS,
+    "hints": st.lists(TEXTS, max_size=3).map(tuple),
+    "questions": st.lists(QUESTIONS, max_size=2).map(tuple),
+    "shared_names": st.lists(NAMES, max_size=2).map(tuple),
+    "shuffled_names": st.sampled_from([(), ("*",), ("*", "?*")]),
+    "second_goals": st.lists(GOALS, max_size=2).map(tuple),
+    "visibility": st.sampled_from([Visibility(), Visibility("seen", "all")]),
+}
 _GRIDS = st.sampled_from([1, 1, 3, 10])
 _INDEX = st.integers(0, 5)
 _KINDS = st.sampled_from(KINDS)
@@ -155,7 +147,7 @@ EDITS = st.one_of(
         _edits(work.__name__, partial(_on, work=work), kind=_KINDS, index=_INDEX)
         for work in (_duplicate, remove)
     ),
-    _WORDS.map(lambda values: _edit("set_words", set_words, **values)),
+    st.fixed_dictionaries({}, optional=_WORDS).map(lambda it: _edit("words", set_words, **it)),
     _edits("resize", resize, **_SIZES, **_MARGINS, wall=_BOTH),
 )
 """Any edit that a player can do, and some that a level refuses."""

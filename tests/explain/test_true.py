@@ -15,7 +15,7 @@ from logical_robots_tui.explain import Ask, Explainer, Node
 from logical_robots_tui.explain.why.derivations import MOST_ROWS
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.world import World, list_levels, load_level
+from logical_robots_tui.world import Level, World, list_levels, load_level
 from tests.explain.asking import REST, below
 from tests.explain.checking import Checker
 from tests.explain.generated import program
@@ -100,43 +100,38 @@ def lies(node: Node, said: Callable[[Node], Node]) -> Node:
     return said(replace(node, children=tuple(lies(each, said) for each in node.children)))
 
 
-@pytest.mark.parametrize(
-    ("given", "lie"),
-    [
-        ({}, lambda n: replace(n, values=(2,)) if n.text.startswith("y ==") else n),
-        ({}, lambda n: replace(n, values=(1,)) if n.kind == "column" else n),
-        ({"x": 1}, lambda n: replace(n, span=None, text="y > 1") if n.text == "y > 3" else n),
-        ({"x": 1}, lambda n: replace(n, values=(3,)) if n.text == "x" else n),
-    ],
-    ids=["of a value", "of a row", "of what fails", "of what holds before"],
-)
-def test_a_lie_would_be_found(given: dict[str, Any], lie: Callable[[Node], Node]) -> None:
+LIES: list[tuple[dict[str, Any], Callable[[Node], Node]]] = [
+    ({}, lambda n: replace(n, values=(2,)) if n.text.startswith("y ==") else n),
+    ({}, lambda n: replace(n, values=(1,)) if n.kind == "column" else n),
+    ({"x": 1}, lambda n: replace(n, span=None, text="y > 1") if n.text == "y > 3" else n),
+    ({"x": 1}, lambda n: replace(n, values=(3,)) if n.text == "x" else n),
+]
+
+
+def test_a_lie_would_be_found() -> None:
     with alone(f"{RULES}{REST}") as scene:
-        proof = scene.explainer().proof(Ask("Big", given))
-        checker = Checker(scene.mind.program, scene.mind, scene.rows, scene.memories)
-        for nodes, is_false in ((proof.nodes, False), ([lies(n, lie) for n in proof.nodes], True)):
-            claims, false = claims_in(nodes, proof.explanation.asked, checker, {})
-            assert bool([*checker.false(claims), *false]) == is_false
+        for given, lie in LIES:
+            proof = scene.explainer().proof(Ask("Big", given))
+            checker = Checker(scene.mind.program, scene.mind, scene.rows, scene.memories)
+            changed = [lies(node, lie) for node in proof.nodes]
+            for nodes, is_false in ((proof.nodes, False), (changed, True)):
+                claims, false = claims_in(nodes, proof.explanation.asked, checker, {})
+                assert bool([*checker.false(claims), *false]) == is_false
 
 
-TICKS = 40
-CROWD = 10
-
-
-def level_for(program: str) -> str:
-    """The name of the level that a program is for, or of one that it can be tried in."""
+def level_for(program: str) -> Level:
+    """The level that a program is for, or one that it can be tried in."""
     name = program.removesuffix("-starter")
-    return next((level for level in list_levels() if level[3:] == name), "06-breadcrumbs")
+    return load_level(next((it for it in list_levels() if it[3:] == name), "06-breadcrumbs"))
 
 
 def moments(name: str, ticks: Sequence[int]) -> Iterator[tuple[Mind, Any, Any]]:
     """A mind with a program, and sensor rows and memories at some ticks of its level."""
-    level = load_level(level_for(name))
+    level = level_for(name)
     world = World(level)
     memories: dict[str, Any] = {}
-    sees = level.visibility
+    sees, limits = level.visibility, Limits(query_seconds=60)
     program = Program.compile(load_program(name).text)
-    limits = Limits(query_seconds=60)
     with closing(Mind(program, memory=sees.memory, sensor=sees.sensor, limits=limits)) as mind:
         for tick in range(1, max(ticks) + 1):
             rows = world.sense()
@@ -148,15 +143,13 @@ def moments(name: str, ticks: Sequence[int]) -> Iterator[tuple[Mind, Any, Any]]:
 
 
 def last_tick(name: str) -> int:
-    return TICKS if len(load_level(level_for(name)).robots) < CROWD else 2
-
-
-QUICK = "steering"
+    return 40 if len(level_for(name).robots) < 10 else 2
 
 
 def marks(name: str) -> list[pytest.MarkDecorator]:
     """A starter has much of what its solution has, so only a long proof tries it."""
-    return [pytest.mark.slow] * (name != QUICK) + [pytest.mark.proof] * name.endswith("-starter")
+    slow = [pytest.mark.slow] * (name != "steering")
+    return slow + [pytest.mark.proof] * name.endswith("-starter")
 
 
 PROGRAMS = [pytest.param(name, marks=marks(name)) for name in list_programs()]
@@ -173,23 +166,19 @@ def test_each_row_of_a_predicate_has_a_true_proof_and_no_other_has(name: str) ->
             column = table.columns.index("robot_name") if "robot_name" in table.columns else None
             for robot in robots:
                 proof = Explainer(mind, robot, rows, memories).proof(Ask(predicate.name))
-                found = proof.explanation
-                mine = [
-                    row
-                    for number, row in enumerate(table.rows)
-                    if (not table.viewers or table.viewers[number] == robot)
-                    and (column is None or row[column] == robot)
-                ]
-                assert found.rows == min(len(mine), MOST_ROWS), (predicate.name, robot)
+                told = proof.explanation
+                seen = table.in_mind_of(robot).rows
+                mine = [there for there in seen if column is None or there[column] == robot]
+                assert told.rows == min(len(mine), MOST_ROWS), (predicate.name, robot)
                 if mine:
-                    giving = [rule for rule in found.rules if rule.row is not None]
-                    assert giving, (predicate.name, robot)
+                    assert any(rule.row is not None for rule in told.rules), (predicate.name, robot)
                     assert all(node.holds for node in proof.nodes)
                 if predicate.name == "Robot":
-                    (row,) = mine
-                    decided = dict(zip(table.columns, row, strict=True))
-                    assert found.row is not None
-                    assert nearly_same(dict(found.row), decided)
+                    (decided,) = mine
+                    assert told.row is not None
+                    assert nearly_same(
+                        dict(told.row), dict(zip(table.columns, decided, strict=True))
+                    )
         check_proofs(mind, rows, memories, 3)
 
 

@@ -49,12 +49,9 @@ sys.stdin.read()
 
 @pytest.mark.parametrize("what", ["in C", "in Python"])
 def test_a_helper_ends_with_a_game_that_is_killed_whatever_it_does(what: str) -> None:
-    with subprocess.Popen(
-        [sys.executable, "-c", PARENT, what],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
-    ) as parent:
+    command, pipe = [sys.executable, "-c", PARENT, what], subprocess.PIPE
+    path = {"PYTHONPATH": str(Path(__file__).parents[2])}
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, env=os.environ | path) as parent:
         assert parent.stdout is not None
         pid = int(parent.stdout.readline())
         parent.kill()

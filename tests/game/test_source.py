@@ -26,16 +26,14 @@ from logical_robots_tui.paths import (
 from tests.waiting import PATIENCE
 
 
-def test_a_program_is_read_from_a_path(tmp_path: Path) -> None:
+def test_a_program_is_found_by_its_path_or_by_its_name(tmp_path: Path) -> None:
     path = tmp_path / "mine.l"
     path.write_bytes("# Zoë\r\nA(1);\n".encode())
     source = load_program(path)
     assert (source.name, source.text, source.shipped) == ("mine", "# Zoë\nA(1);\n", False)
     assert load_program(list_programs()[0]).shipped
 
-
-def test_own_programs_are_found_by_name_and_listed_after_the_shipped_ones(tmp_path: Path) -> None:
-    save_program(tmp_path / "zz-mine.l", "A(1);")
+    save_program(tmp_path / "zz-mine.l", "A(1);")  # listed after the shipped ones
     assert list_programs(tmp_path)[-1] == "zz-mine"
     assert load_program("zz-mine", tmp_path).text == "A(1);"
 
@@ -50,9 +48,6 @@ def test_what_is_not_a_program_is_refused(tmp_path: Path) -> None:
         path.write_bytes(content)
         with pytest.raises(InputError, match=words):
             load_program(path)
-
-
-def test_a_path_that_leads_to_no_file_is_refused(tmp_path: Path) -> None:
     no_program = "There is no such program"
     for name, words in ((".", "is a folder"), ("none.l", no_program), ("x" * 300, "can't be read")):
         with pytest.raises(InputError, match=words):
@@ -82,20 +77,16 @@ def test_a_name_that_there_is_not_is_refused_with_a_suggestion(tmp_path: Path) -
         load_program("wandrer", tmp_path)
 
 
-def test_saving_replaces_the_file_in_one_step_and_leaves_nothing_else(tmp_path: Path) -> None:
+def test_saving_replaces_the_file_in_one_step_or_says_why_it_can_not(tmp_path: Path) -> None:
     path = tmp_path / "new" / "mine.l"
     save_program(path, "A(1);")
     path.chmod(0o600)
     save_program(path, "A(2);")
     assert path.read_text() == "A(2);"
     assert path.stat().st_mode & 0o777 == 0o600
-    assert [p.name for p in path.parent.iterdir()] == ["mine.l"]
-
-
-def test_a_file_that_cannot_be_written_is_a_clear_message(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
+    assert [*path.parent.iterdir()] == [path]
     with pytest.raises(InputError, match="can't be written"):
-        save_program(tmp_path / "file" / "mine.l", "A(1);")
+        save_program(path / "mine.l", "A(1);")
 
 
 OUT_OF_REACH = "x" * 300  # for root, too: longer than the name of a file can be
@@ -103,9 +94,7 @@ OUT_OF_REACH = "x" * 300  # for root, too: longer than the name of a file can be
 
 def test_what_is_out_of_reach_is_not_there(tmp_path: Path) -> None:
     for path in (tmp_path / OUT_OF_REACH, tmp_path / OUT_OF_REACH / "mine.l", tmp_path / "none"):
-        assert not is_there(path)
-        assert not is_file(path)
-        assert not is_folder(path)
+        assert [is_there(path), is_file(path), is_folder(path)] == [False] * 3
     assert is_folder(tmp_path)
     with pytest.raises(InputError, match="is a folder"):
         target("/", tmp_path)
@@ -150,11 +139,6 @@ def test_what_can_be_no_path_is_refused(tmp_path: Path, monkeypatch: pytest.Monk
         typed_path("~nobody-of-that-name/mine.l")
     with pytest.raises(InputError, match="is not a valid path"):
         typed_path("/tmp/mine\0.l")
-
-
-def test_a_name_in_a_folder_that_is_gone_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
     here = tmp_path / "here"
     here.mkdir()
     monkeypatch.chdir(here)
@@ -163,24 +147,21 @@ def test_a_name_in_a_folder_that_is_gone_is_refused(
         target("./mine.l", tmp_path)
 
 
-def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
-    file = tmp_path / "mine.l"
+def test_a_file_keeps_its_permissions_and_a_new_one_is_as_private_as_others(tmp_path: Path) -> None:
+    file, private = tmp_path / "mine.l", tmp_path / "private.l"
     write_atomically(file, "one\r\n")
     assert file.read_bytes() == b"one\r\n"
-    file.chmod(0o600)
+    file.chmod(0o640)
     write_atomically(file, b"\xff")
     assert file.read_bytes() == b"\xff"
-    assert file.stat().st_mode & 0o777 == 0o600
+    assert file.stat().st_mode & 0o777 == 0o640
     assert list(tmp_path.iterdir()) == [file]
-
-
-def test_a_new_file_is_as_private_as_the_player_s_files_are(tmp_path: Path) -> None:
     usual = os.umask(0o077)
     try:
-        write_atomically(tmp_path / "mine.l", "one")
+        write_atomically(private, "one")
     finally:
         os.umask(usual)
-    assert (tmp_path / "mine.l").stat().st_mode & 0o777 == 0o600
+    assert private.stat().st_mode & 0o777 == 0o600
 
 
 def test_a_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
@@ -193,7 +174,7 @@ def test_a_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
         assert file.read_text() == text
 
 
-def test_what_is_not_a_file_is_written_to(tmp_path: Path) -> None:
+def test_a_pipe_is_written_to_and_a_folder_left_alone(tmp_path: Path) -> None:
     pipe, read = tmp_path / "pipe", []
     os.mkfifo(pipe)
     reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
@@ -202,12 +183,9 @@ def test_what_is_not_a_file_is_written_to(tmp_path: Path) -> None:
     reader.join(PATIENCE)
     assert read == ["one"]
     assert pipe.is_fifo()
-
-
-def test_a_folder_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(OSError, match=tmp_path.name):
         write_atomically(tmp_path, "one")
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [pipe]
 
 
 def test_what_a_killed_write_left_is_swept_by_the_next(tmp_path: Path) -> None:
