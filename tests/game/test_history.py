@@ -152,20 +152,20 @@ class Histories(RuleBasedStateMachine):
 
     @invariant()
     def the_first_difference_from_the_other_branch_is_known(self) -> None:
-        found = self.history.divergence
+        known = self.history.divergence
         if self.other is None or self.history.other is None:
-            assert found is None
+            assert known is None
             return
         pairs = zip(self.branch, self.other, strict=False)
         diverged = next((a.tick for a, b in pairs if differ(a, b)), None)
-        if found is not None:
-            assert differ(self.branch[found.tick], self.other[found.tick])
+        if known is not None:
+            assert differ(self.branch[known.tick], self.other[known.tick])
         in_reach = max(self.history.first, self.history.other.start)
         if diverged is not None and diverged < in_reach:
             # Where the future is forgotten, older ticks are in reach again; nobody compares them.
             self.out_of_reach = self.other
-        elif not any(self.out_of_reach is each for each in (self.other, self.branch)):
-            assert diverged == (found.tick if found else None)
+        elif not any(self.out_of_reach is branch for branch in (self.other, self.branch)):
+            assert diverged == (known.tick if known else None)
 
 
 def differ(one: Frame, other: Frame) -> bool:
@@ -178,20 +178,19 @@ def test_a_history_is_right_whatever_is_done_to_it() -> None:
     run_machine(Histories, settings=few)
 
 
-def grown(history: History, ticks: int, deed: list[Deed]) -> list[Frame]:
-    """The frames of a history that has gone on for so many ticks from its start."""
-    branch = [start()]
+def grown(history: History, ticks: int, *memory: str) -> tuple[list[Frame], list[Deed]]:
+    """The frames of a history that has gone on for so many ticks, with what was always done."""
+    branch, deed = [start()], [Deed(None, [*memory], (), 1.0, False)] * 2
     for _ in range(ticks):
         branch.append(after(branch[-1], deed))
         history.add(branch[-1], NOBODY)
-    return branch
+    return branch, deed
 
 
 def test_bytes_are_bounded_and_the_other_branch_goes_first() -> None:
     memory = [f"{number:x}" * 8 for number in range(400)]
-    deed = [Deed(None, memory, (), 1.0, False)] * 2
     history = History(start(), LEVEL, most_bytes=4000 + 64 * 2000)
-    branch = grown(history, 300, deed)
+    branch, deed = grown(history, 300, *memory)
     history.add(after(branch[200], deed), NOBODY)
     assert history.other is not None
     for frame in branch[202:]:
@@ -208,9 +207,8 @@ def test_bytes_are_bounded_and_the_other_branch_goes_first() -> None:
 
 
 def test_of_two_branches_that_were_left_the_longer_one_is_kept() -> None:
-    still = [Deed(None, 1, (), 1.0, False)] * 2
     history = History(start(), LEVEL)
-    branch = grown(history, 50, still)
+    branch, still = grown(history, 50)
     history.add(after(branch[20], still), NOBODY)
     history.add(after(branch[10], still), NOBODY)
     assert history.other == range(51)

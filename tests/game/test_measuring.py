@@ -110,7 +110,7 @@ def test_goals_bring_others_together_in_varied_starts_with_other_names() -> None
     assert set(vary_start(together, 0).areas[0].victory_robots) == {"Moss", "Fern"}
 
 
-def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Level) -> None:
+async def test_a_program_is_measured_in_a_process_that_tells_how_far_it_is(level: Level) -> None:
     program = Program.compile(AHEAD)
     played = play_through(level, program, 1000)
     assert played.won_at is not None
@@ -120,24 +120,15 @@ def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Le
     assert measuring.patience_for(1000) >= 2000  # a varied start may take twice as long
     assert measuring.patience_for(19_000) <= 40_000
     assert play_through(level, Program.compile(STILL), 30).distance == 0
-
-
-def test_starts_are_tried_one_by_one_and_can_be_stopped(level: Level) -> None:
-    program = Program.compile(AHEAD)
-    told: dict[int, int] = {}
-    wins = try_starts(level, program, 200, starts=5, report=told.__setitem__)
-    assert list(told) == [1, 2, 3, 4, 5]
-    assert told[5] == wins
+    won: dict[int, int] = {}
+    wins = try_starts(level, program, 200, starts=5, report=won.__setitem__)
+    assert list(won) == [1, 2, 3, 4, 5]
+    assert won[5] == wins
     stop = threading.Event()
     with pytest.raises(Stopped):
         try_starts(level, program, 200, stop=stop, report=lambda _tried, _won: stop.set())
-
-
-async def test_a_program_is_measured_in_a_process_that_tells_how_far_it_is(level: Level) -> None:
-    program = Program.compile(AHEAD)
     trials: list[Trial] = []
     measures = await measure(level, program, None, trials.append)
-    played = play_through(level, program, 1000)
     assert measures is not None
     assert measures[:3] == (played.won_at, 11, played.distance)
     assert measures.starts == 20
@@ -322,14 +313,11 @@ async def test_who_goes_back_before_a_wall_was_not_blocked(file: Path, play: Pla
     assert not game.history.is_blocked_up_to(1)
 
 
-def test_a_goal_is_written_as_it_is_read() -> None:
+def test_a_goal_is_written_as_it_is_read_but_passed_over_if_it_is_no_more(file: Path) -> None:
     goals = [SecondGoal.of(words) for words in GOALS]
     assert [goal and goal.words for goal in goals] == list(GOALS)
-
-
-def test_goals_of_earlier_versions_are_passed_over(file: Path) -> None:
-    goals = '"at most 3 rules", "never blocked", "without memory", "at most 1 rule"'
-    file.write_text(f"second_goals = [{goals}]\n{SHORT}", "utf-8")
+    earlier = '"at most 3 rules", "never blocked", "without memory", "at most 1 rule"'
+    file.write_text(f"second_goals = [{earlier}]\n{SHORT}", "utf-8")
     assert [goal.words for goal in load_level(file).second_goals] == ["never blocked"]
 
 

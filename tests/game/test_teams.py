@@ -1,13 +1,12 @@
 """Several minds in one world: each team thinks with its own program, and only about itself."""
 
-from pathlib import Path
-
 import pytest
 
 from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.mind import Limits, Program
-from logical_robots_tui.world import Level, load_level
+from logical_robots_tui.world import Level
+from logical_robots_tui.world.levels.native import read_native
 from tests.game.playing import BACKWARDS, COUNTER, HALL, SLOW, Play
 
 MATCH = (
@@ -29,10 +28,8 @@ Robot(robot_name: "Bo", desire: {left_engine: -1, right_engine: -1}, memory: "mi
 
 
 @pytest.fixture
-def match(tmp_path: Path) -> Level:
-    path = tmp_path / "match.toml"
-    path.write_text(MATCH, "utf-8")
-    return load_level(path)
+def match() -> Level:
+    return read_native(MATCH, "match", "")
 
 
 def teams(red: str, blue: str) -> Program:
@@ -113,10 +110,8 @@ async def test_a_team_without_budget_or_memory_costs_the_other_nothing(
 SCORED = f'match = {{ticks = 8}}\n{MATCH}\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
 
 
-async def test_a_match_ends_and_may_go_on(tmp_path: Path, play: Play) -> None:
-    path = tmp_path / "scored.toml"
-    path.write_text(SCORED, "utf-8")
-    game = play(teams(COUNTER, BACKWARDS), load_level(path))
+async def test_a_match_ends_and_may_go_on(play: Play) -> None:
+    game = play(teams(COUNTER, BACKWARDS), read_native(SCORED, "scored", ""))
     await game.run_until(tick=50)
     assert game.frame.tick == 8
     scores = standing(game.level, game.frame.after)
