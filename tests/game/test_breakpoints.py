@@ -78,14 +78,12 @@ async def test_a_run_stops_where_it_is_to_and_says_with_what_values(game: Game) 
     assert marked == {hit.tick for hit in hits}
 
 
-async def test_one_of_a_table_that_always_changes_stops_a_run_each_time(game: Game) -> None:
-    sensor = Breakpoint("change", "Sensor", "Bo")
+async def test_a_run_at_any_pace_stops_at_a_breakpoint_and_goes_on_from_it(game: Game) -> None:
+    sensor = Breakpoint("change", "Sensor", "Bo")  # of a table that always changes
     hits = await stops(game, sensor, ticks=3)
     assert [(hit.tick, hit.breakpoint) for hit in hits] == [(tick, sensor) for tick in (1, 2, 3)]
     assert all(hit.values.startswith('"Bo", {"forward_') for hit in hits)
-
-
-async def test_a_run_at_any_pace_stops_at_a_breakpoint_and_goes_on_from_it(game: Game) -> None:
+    game.breakpoints.remove(sensor)
     for event in ("enters", "leaves"):
         game.breakpoints.add(Breakpoint(event, "Door"))
     await game.run()
@@ -96,7 +94,7 @@ async def test_a_run_at_any_pace_stops_at_a_breakpoint_and_goes_on_from_it(game:
     assert game.history.last == game.frame.tick
 
 
-async def test_ticks_that_are_known_are_watched_as_those_that_are_computed(game: Game) -> None:
+async def test_known_ticks_are_watched_unless_a_breakpoint_is_off_or_deleted(game: Game) -> None:
     await game.run_until(tick=120)
     game.go_to(0)
     hits = await stops(game, Breakpoint("rows", "Near"), Breakpoint("enters"), ticks=120)
@@ -104,16 +102,12 @@ async def test_ticks_that_are_known_are_watched_as_those_that_are_computed(game:
     assert game.history.last == 120
     game.go_to(hits[0].tick)
     assert game.hits == (hits[0],)
-
-
-async def test_one_that_is_switched_off_or_deleted_does_not_stop_a_run(game: Game) -> None:
-    enters, leaves = Breakpoint("enters"), Breakpoint("leaves")
-    game.breakpoints.add(enters)
-    game.breakpoints.add(leaves)
+    enters, near = hits[0].breakpoint, hits[1].breakpoint
     game.breakpoints.switch(enters)
-    assert list(game.breakpoints) == [enters, leaves]
+    assert {*game.breakpoints} == {enters, near}
     assert not game.breakpoints.is_on(enters)
-    game.breakpoints.remove(leaves)
+    game.breakpoints.remove(near)
+    game.go_to(0)
     await game.run_until(tick=120)
     assert game.frame.tick == 120
     game.breakpoints.add(enters)

@@ -30,12 +30,18 @@ async def test_a_game_begins_before_any_thought_and_a_step_senses_thinks_and_act
     assert (frame.memories_before, frame.memories) == (BLANK, {"Ada": 1, "Bo": 1})
 
 
-async def test_running_ends_with_victory_and_goes_on_when_asked_to(game: Game) -> None:
+async def test_running_ends_with_victory_which_is_marked_and_goes_on_if_asked(game: Game) -> None:
     await game.run()
-    won_at = game.won_at
+    marks, won_at = game.history.marks, game.won_at
     assert won_at == game.frame.tick
     assert not game.running
     assert game.frame.after.areas[0].visitors == ("Ada", "Bo")
+    marked = [(mark.kind, mark.names) for mark in marks.at(won_at)]
+    assert marked == [("victory", ()), ("memory", ("Ada", "Bo"))]
+    assert marks.nearest(0, 1, ["victory"], None) == won_at
+    assert marks.nearest(won_at, 1, ["victory"], None) is None
+    assert marks.nearest(won_at, -1, ["victory"], "Bo") == won_at - 1
+    assert marks.nearest(won_at, -1, ["victory"], None) is None
     await game.run_until(tick=won_at + 5)
     assert (game.won_at, game.frame.tick) == (won_at, won_at + 5)
 
@@ -150,7 +156,7 @@ async def test_of_ticks_computed_together_each_is_shown_once_and_in_order(game: 
         assert all(later.before is earlier.after for earlier, later in pairwise(frames))
 
 
-async def test_running_until_a_condition_shows_nothing_beyond_it(game: Game) -> None:
+async def test_a_condition_or_a_listener_ends_a_run_and_shows_nothing_beyond(game: Game) -> None:
     ticks: list[int] = []
     game.listen(lambda frame: ticks.append(frame.tick))
     await game.run_until(condition=lambda frame: frame.tick == 7)
@@ -158,13 +164,10 @@ async def test_running_until_a_condition_shows_nothing_beyond_it(game: Game) -> 
     assert game.history.last == 7
     await game.run_until(tick=9)
     assert game.frame.tick == 9
-
-
-async def test_a_listener_can_end_a_run_that_is_flat_out(game: Game) -> None:
-    game.listen(lambda frame: game.pause() if frame.tick == 5 else None)
+    game.listen(lambda frame: game.pause() if frame.tick == 12 else None)
     game.pace.speed = None
     await game.run()
-    assert (game.frame.tick, game.history.last) == (5, 5)
+    assert (game.frame.tick, game.history.last) == (12, 12)
     game.go_to(2)
     assert (await game.step()).tick == 3
 
@@ -287,16 +290,3 @@ async def test_a_program_that_is_asked_for_goes_on_where_another_took_over(game:
     assert places == pytest.approx([45, 46, 49])
     assert game.history.divergence is not None
     assert game.history.divergence.tick == 6
-
-
-async def test_what_happened_is_marked_in_its_tick(game: Game) -> None:
-    await game.run()
-    marks = game.history.marks
-    won_at = game.won_at
-    assert won_at is not None
-    marked = [(mark.kind, mark.names) for mark in marks.at(won_at)]
-    assert marked == [("victory", ()), ("memory", ("Ada", "Bo"))]
-    assert marks.nearest(0, 1, ["victory"], None) == won_at
-    assert marks.nearest(won_at, 1, ["victory"], None) is None
-    assert marks.nearest(won_at, -1, ["victory"], "Bo") == won_at - 1
-    assert marks.nearest(won_at, -1, ["victory"], None) is None

@@ -1,6 +1,7 @@
 """Answers to the questions of a level are right by their rows, and wrong ones are told apart."""
 
 from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from random import Random
 
@@ -92,54 +93,47 @@ def test_sums_of_the_same_numbers_are_equal_in_any_order() -> None:
     assert not difference(Table(("n",), ((one,), (1e-14,))), Table(("n",), ((other,), (0,))))
 
 
-@pytest.fixture
-async def examiner() -> AsyncIterator[Examiner]:
-    made = Examiner(load_level("1"))
-    yield made
-    await made.close()
+@asynccontextmanager
+async def examining(level: str) -> AsyncIterator[Examiner]:
+    examiner = Examiner(load_level(level))
+    try:
+        yield examiner
+    finally:
+        await examiner.close()
 
 
-async def test_an_answer_has_to_be_right_at_every_tick(examiner: Examiner) -> None:
-    reached: list[int] = []
-    verdict = await examiner.check(AHEAD, "sensor.forward_distance", reached.append)
-    assert (verdict.is_right, verdict.words) == (True, "Right at ticks 100 and 300.")
-    assert not reached or reached[-1] == 300
-    verdict = await examiner.check(AHEAD, "Way(far: 200);")
-    assert not verdict.is_right
-    assert verdict.tick == 300
-    assert verdict.words.startswith("Right at tick 100, but at tick 300 your only row is wrong")
-
-
-async def test_an_answer_may_fail_and_what_it_gave_is_shown(examiner: Examiner) -> None:
-    verdict = await examiner.check(AHEAD, "Sensor(robot_name:)")
-    assert verdict.table is not None
-    assert verdict.table.rows == (("Ada",),)
-    assert verdict.words == "At tick 100 your only row is wrong; 1 row is expected."
-    too_much = ", ".join(f"{letter} in sensor.radar" for letter in "abcdefg")
-    verdict = await examiner.check(AHEAD, f"Sensor(sensor:), {too_much}")
-    assert not verdict.is_right
-    assert "At tick 100 it gives" in verdict.words
-
-
-async def test_a_mistake_is_shown_at_its_place_or_is_the_level_s(examiner: Examiner) -> None:
-    query = "Way(far: sensor.forward) :- Sensors(sensor:)"
-    with pytest.raises(ProgramError) as caught:
-        await examiner.check(AHEAD, query)
-    line, caret, said = mistake_lines(query, caught.value)
-    assert line == query
-    assert caret.index("^") == query.index("Sensors")
-    assert "Sensors" in said
-    with pytest.raises(LevelError, match="own answer"):
-        await examiner.check(AHEAD._replace(answer="Nonsense"), "sensor.forward_distance")
+async def test_an_answer_has_to_be_right_at_every_tick_and_what_is_wrong_is_shown() -> None:
+    async with examining("1") as examiner:
+        ticks: list[int] = []
+        verdict = await examiner.check(AHEAD, "sensor.forward_distance", ticks.append)
+        assert (verdict.is_right, verdict.words) == (True, "Right at ticks 100 and 300.")
+        assert not ticks or ticks[-1] == 300
+        verdict = await examiner.check(AHEAD, "Way(far: 200);")
+        assert (verdict.is_right, verdict.tick) == (False, 300)
+        assert verdict.words.startswith("Right at tick 100, but at tick 300 your only row is wrong")
+        verdict = await examiner.check(AHEAD, "Sensor(robot_name:)")
+        assert verdict.table is not None
+        assert verdict.table.rows == (("Ada",),)
+        assert verdict.words == "At tick 100 your only row is wrong; 1 row is expected."
+        too_much = ", ".join(f"{letter} in sensor.radar" for letter in "abcdefg")
+        verdict = await examiner.check(AHEAD, f"Sensor(sensor:), {too_much}")
+        assert not verdict.is_right
+        assert "At tick 100 it gives" in verdict.words
+        query = "Way(far: sensor.forward) :- Sensors(sensor:)"
+        with pytest.raises(ProgramError) as caught:
+            await examiner.check(AHEAD, query)
+        line, caret, message = mistake_lines(query, caught.value)
+        assert line == query
+        assert caret.index("^") == query.index("Sensors")
+        assert "Sensors" in message
+        with pytest.raises(LevelError, match="own answer"):
+            await examiner.check(AHEAD._replace(answer="Nonsense"), "sensor.forward_distance")
 
 
 async def test_a_query_may_use_the_rules_of_the_program_and_sees_all_robots() -> None:
-    examiner = Examiner(load_level("5"))
     question = LevelQuestion("Who is there?", "Sensor(robot_name:)", (120,))
-    try:
-        usable = {each.name for each in await examiner.predicates(question)}
+    async with examining("5") as examiner:
+        usable = {predicate.name for predicate in await examiner.predicates(question)}
         assert {"Sensor", "Memory", "Light", "Course", "Steer"} <= usable
         number = "Number(n? += 1) distinct :- Sensor(robot_name:)"
         assert (await examiner.rows(question, number, 120)).rows == ((3,),)
-    finally:
-        await examiner.close()

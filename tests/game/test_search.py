@@ -38,35 +38,27 @@ async def test_the_nearest_tick_beside_those_around_here_is_found(game: Game) ->
     assert {begin: await sought(game, begin, 1) for begin in FORWARD} == FORWARD
     assert {begin: await sought(game, begin, -1) for begin in BACKWARD} == BACKWARD
 
-
-async def test_it_is_known_how_far_was_looked_and_whether_it_holds_here(game: Game) -> None:
     game.go_to(77)
-    told: list[int] = []
-    found = await search_ticks(game, HERE, 1, told.append)
-    assert (found.tick, found.last, found.holds_here) == (None, 100, True)
-    assert told == sorted(told)
-    assert told[-1] == 100
+    ticks: list[int] = []
+    search = await search_ticks(game, HERE, 1, ticks.append)
+    assert (search.tick, search.last, search.holds_here) == (None, 100, True)
+    assert ticks == sorted(ticks)
+    assert ticks[-1] == 100
 
 
-async def test_expressions_count_where_they_are_true(game: Game) -> None:
+async def test_expressions_count_where_they_are_true_and_failures_are_told(game: Game) -> None:
     assert await sought(game, 0, 1, "Max{m :- Memory(memory: m)} == 33") == 34
     assert await sought(game, 50, -1, "1 == 2") is None
-
-
-async def test_ticks_in_which_it_fails_are_passed_over_and_told(game: Game) -> None:
     game.go_to(0)
     query = f'{CLOCK}x in ["a"], (if t < 20 then x.field else t) == 33'
-    found = await search_ticks(game, query, 1)
-    assert found.tick == 33
-    assert found.problem.startswith("Tick 0: This failed: ")
-
-
-async def test_a_wrong_question_is_refused(game: Game) -> None:
+    search = await search_ticks(game, query, 1)
+    assert search.tick == 33
+    assert search.problem.startswith("Tick 0: This failed: ")
     with pytest.raises(ProgramError, match="robot_nam"):
         await search_ticks(game, "Sensor(robot_nam:)", 1)
 
 
-async def test_a_search_that_is_cancelled_ends_and_changes_nothing(game: Game) -> None:
+async def test_a_search_can_be_cancelled_and_finds_the_tick_of_a_breakpoint(game: Game) -> None:
     game.go_to(0)
     begun = asyncio.Event()
     search = asyncio.create_task(search_ticks(game, "1 == 2", 1, lambda _tick: begun.set()))
@@ -77,9 +69,6 @@ async def test_a_search_that_is_cancelled_ends_and_changes_nothing(game: Game) -
     assert search.cancelled()
     assert game.frame.tick == 0
     assert await sought(game, 0, 1) == 10
-
-
-async def test_a_search_and_a_breakpoint_find_the_same_tick(game: Game) -> None:
     where = await sought(game, 0, 1, f"{CLOCK}t > 22")
     game.go_to(0)
     game.breakpoints.add(Breakpoint("rows", f"{CLOCK}t > 22"))
