@@ -28,31 +28,28 @@ Robot(robot_name:, desire: {{left_engine: x, right_engine: x}}, memory: "") :-
 
 
 def test_an_alternative_that_holds_is_not_said_to_fail_when_what_fails_stands_behind_it() -> None:
-    rule = the_rule(f"{ITEMS} P(x:) :- Item(x:), (x > 1 | x < 0), x > 5;", "P")
-    said = {node.text: node.said for node in below(rule.node, "alternative")}
-    assert said == {"x < 0": "this alternative does not hold", "x > 1": "this alternative holds"}
+    text = f"""{ITEMS} P(x:) :- Item(x:), (x > 1 | x < 0), x > 5;
+    Q(x:) :- x in [1, 2], (x == 1 | x == 2), x > 5;"""
+    rule = the_rule(text, "P")
+    told = {node.text: node.said for node in below(rule.node, "alternative")}
+    assert told == {"x < 0": "this alternative does not hold", "x > 1": "this alternative holds"}
     assert stop(rule) is rule.node.children[-1]
     assert stop(rule).text == "x > 5"
-
-
-def test_where_several_alternatives_hold_each_is_told_with_what_fails_behind_it() -> None:
-    rule = the_rule("P(x:) :- x in [1, 2], (x == 1 | x == 2), x > 5;", "P")
+    rule = the_rule(text, "Q")
     said = "this alternative holds, but not what comes after it"
     for node, text in zip(below(rule.node, "alternative"), ("x == 1", "x == 2"), strict=True):
         assert (node.text, node.said, node.holds) == (text, said, None)
         assert node.children[-1].text == "x > 5"
 
 
-def test_of_two_choices_only_the_one_that_fails_is_said_to_fail() -> None:
-    rule = the_rule("P(x:) :- x in [1], (x == 1 | x == 2), (x == 3 | x == 4);", "P")
-    failed = [n.text for n in below(rule.node, "alternative") if n.holds is False]
+def test_of_choices_only_the_one_that_fails_is_said_to_fail_and_what_fails_before_once() -> None:
+    text = """P(x:) :- x in [1], (x == 1 | x == 2), (x == 3 | x == 4);
+    Q(x:) :- x in [1], y == x, y > 5, (y == 7 | y == 8);"""
+    rule = the_rule(text, "P")
+    failed = [node.text for node in below(rule.node, "alternative") if node.holds is False]
     assert failed == ["x == 3", "x == 4", "x == 2"]
     assert find(rule.node, "x == 1").said != "this alternative does not hold"
-
-
-def test_what_fails_before_any_alternative_is_told_once() -> None:
-    rule = the_rule("P(x:) :- x in [1], y == x, y > 5, (y == 7 | y == 8);", "P")
-    assert texts(rule.node.children) == ["x in [1]", "y == x", "y > 5"]
+    assert texts(the_rule(text, "Q").node.children) == ["x in [1]", "y == x", "y > 5"]
 
 
 def test_what_holds_before_the_part_that_fails_is_explained_by_its_own_values() -> None:
@@ -74,16 +71,13 @@ def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
     assert rule.stopped_by is column
 
 
-def test_what_a_function_in_a_column_came_out_as_can_be_asked() -> None:
-    text = f"F(a) = a + 1; {ITEMS} P(x:, z: F(x)) :- Item(x:);"
-    stopped = stop(the_rule(text, "P", given={"x": 1, "z": 1}))
-    assert (stopped.said, stopped.values) == ("actual value", (2,))
-    assert asked(stopped).given == {"col0": 1, "logica_value": 2}
-
-
 def test_what_came_out_otherwise_is_named_and_a_fact_tells_which_column_is_another() -> None:
     rules = f"""{ITEMS} P(x:, z:) :- Item(x:, y:), z == y + 1;
-    Q(x:, z: y + 1) :- Item(x:, y:), y > 10;"""
+    Q(x:, z: y + 1) :- Item(x:, y:), y > 10;
+    F(a) = a + 1; R(x:, z: F(x)) :- Item(x:);"""
+    result = stop(the_rule(rules, "R", given={"x": 1, "z": 1}))
+    assert (result.said, result.values) == ("actual value", (2,))
+    assert asked(result).given == {"col0": 1, "logica_value": 2}
     column = stop(the_rule(rules, "P", given={"z": 1}))  # that an equation gives
     condition = stop(the_rule(rules, "Q", given={"x": 1, "z": 1}))  # before columns
     assert (column.text, column.values) == ("z", (3, 4))
@@ -142,16 +136,13 @@ def test_a_larger_depth_is_promised_only_where_it_shows_more() -> None:
         assert shown.is_cut == (more.nodes != shown.nodes)
 
 
-def test_a_call_in_a_condition_is_evaluated_before_it() -> None:
-    text = f"G(a) = a + 1; {ITEMS} P(v) :- (v == 1 | v > 2), v == G(w), Item(x: w);"
+def test_calls_come_before_conditions_and_what_is_not_in_a_list_is_told_with_it() -> None:
+    text = f"""{ITEMS} G(a) = a + 1; P(v) :- (v == 1 | v > 2), v == G(w), Item(x: w);
+    Q(x:) :- Item(x:, y:), x + y in [9, 10];"""
     rule = the_rule(text, "P", given={"col0": 7})
     stops = [node.text for _, node in rule.node.walk() if node.kind == "value" and not node.holds]
     assert "v == G(w)" in stops
-
-
-def test_what_is_not_in_a_list_is_told_with_the_list() -> None:
-    rule = the_rule(f"{ITEMS} P(x:) :- Item(x:, y:), x + y in [9, 10];", "P")
-    told = [(node.text, node.values) for node in stop(rule).children]
+    told = [(node.text, node.values) for node in stop(the_rule(text, "Q")).children]
     assert told == [("[9, 10]", ([9, 10],)), ("x + y", (3, 5))]
 
 
@@ -183,12 +174,15 @@ def test_every_call_is_followed_down_to_what_was_sensed() -> None:
     assert find(root, "Sensor").robot == "Ada"
 
 
-def test_depth_says_how_many_predicates_deep() -> None:
-    text = "A(1); B(x) :- A(x); C(x) :- B(x);"
+def test_depth_says_how_many_predicates_deep_and_a_missing_row_is_refuted_all_the_way() -> None:
+    text = "A(1); B(x) :- A(x); C(x) :- B(x); D(x) :- x in [1, 2], x > 5; E(x) :- D(x);"
     assert len(below(proof(text, "C").nodes[0], "rule")) == 3
     shallow = proof(text, "C", depth=2)
     assert len(below(shallow.nodes[0], "rule")) == 2
     assert not shallow.complete
+    refuted = proof(text, "E")
+    assert refuted.explanation.rows == 0
+    assert find(refuted.nodes[0], "x > 5").holds is False
 
 
 def test_a_recursion_is_not_proved_by_itself() -> None:
@@ -200,28 +194,19 @@ def test_a_recursion_is_not_proved_by_itself() -> None:
     assert rules == ["Edge(a, m), Reach(a: m, b:)", "Edge(a, b)"]
 
 
-def test_a_shortest_way_is_proved_step_by_step() -> None:
+def test_a_shortest_way_is_proved_step_by_step_and_a_sum_one_step_deep() -> None:
     text = """Edge(0, 1, 5); Edge(1, 2, 1); Edge(0, 2, 9); Edge(2, 0, 1);
+    Link(0, 1); Link(1, 2);
+    Ways(x: 0, n? += 1) distinct;
+    Ways(x: y, n? += m) distinct :- Ways(x:, n: m), Link(x, y);
     Far(x: 0, d? Min= 0) distinct;
     Far(x: y, d? Min= e + w) distinct :- Far(x:, d: e), Edge(x, y, w), e < 20;"""
     far = proof(text, "Far", x=2)
     assert far.explanation.row == {"x": 2, "d": 6}
     assert [node.values for node in below(far.nodes[0], "aggregate")] == [(6,), (5,), (0,)]
-
-
-def test_a_recursion_through_a_sum_is_shown_one_step_deep_and_says_so() -> None:
-    text = """Edge(0, 1); Edge(1, 2);
-    Ways(x: 0, n? += 1) distinct;
-    Ways(x: y, n? += m) distinct :- Ways(x:, n: m), Edge(x, y);"""
     ways = proof(text, "Ways", x=2)
     assert ways.explanation.row == {"x": 2, "n": 1}
     assert not ways.complete or ways.nodes[0].kind in ("rule", "note")
-
-
-def test_a_row_that_is_not_there_is_refuted_down_to_the_reason() -> None:
-    refuted = proof("A(x) :- x in [1, 2], x > 5; B(x) :- A(x);", "B")
-    assert refuted.explanation.rows == 0
-    assert find(refuted.nodes[0], "x > 5").holds is False
 
 
 CALLS = f"""

@@ -30,20 +30,16 @@ def test_a_rule_without_a_row_tells_which_part_failed_what_that_compared_and_whe
             assert FRONT[node.span.start : node.span.stop] == node.text
 
 
-def test_a_rule_that_gives_a_row_tells_its_values() -> None:
-    explanation = why(FRONT.replace("< 40", "> 40"))
+def test_a_rule_that_gives_a_row_tells_its_values_and_what_they_were_read_of() -> None:
+    text = """Robot(robot_name:, desire: {left_engine: memory.speed, right_engine: 1}, memory: d) :-
+      Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), sensor.clock > 3, d == 200;"""
+    explanation = why(text, rows=[row("Ada", clock=5)], memories={"Ada": {"speed": 0.5}})
     (rule,) = explanation.rules
     assert rule.rows == explanation.rows == 1
     assert rule.stopped_by is None
     assert rule.row is not None
     assert rule.row["memory"] == 200
-    assert rule.row["desire"] == {"left_engine": 1, "right_engine": 1}
-
-
-def test_what_is_read_of_a_sensor_and_a_memory_is_shown() -> None:
-    text = """Robot(robot_name:, desire: {left_engine: memory.speed, right_engine: 1}, memory: 0) :-
-      Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), sensor.clock > 3;"""
-    rule = the_rule(text, rows=[row("Ada", clock=5)], memories={"Ada": {"speed": 0.5}})
+    assert rule.row["desire"] == {"left_engine": 0.5, "right_engine": 1}
     reads = {node.text: node.values for node in below(rule.node, "read")}
     assert reads == {"sensor.clock": (5,), "memory.speed": (0.5,)}
     assert find(rule.node, "Sensor").robot == "Ada"
@@ -186,33 +182,26 @@ def test_what_did_not_come_out_of_an_aggregate_is_denied() -> None:
 # -- values ----------------------------------------------------------------------------------------
 
 
-def test_a_row_that_is_the_same_twice_counts_once_where_rows_are_distinct() -> None:
-    text = "Pair(1, 2); Pair(1, 3); One(x) distinct :- Pair(x, y); Bag(x) :- Pair(x, y);"
+def test_values_are_those_of_the_row_which_counts_once_where_rows_are_distinct() -> None:
+    text = """Pair(1, 2); Pair(1, 3); One(x) distinct :- Pair(x, y); Bag(x) :- Pair(x, y);
+    Num(1); Num(2); Num(4); Inj(x, y) :- y == x - 1; Use(x:) :- Num(x), Inj(x, 3);"""
     assert [the_rule(text, predicate).rows for predicate in ("One", "Bag")] == [1, 2]
-
-
-def test_values_are_those_of_the_row_and_not_of_the_first_way() -> None:
-    text = "Num(1); Num(2); Num(4); Inj(x, y) :- y == x - 1; Use(x:) :- Num(x), Inj(x, 3);"
-    rule = the_rule(text, "Use")
+    rule = the_rule(text, "Use")  # not of the first way
     assert rule.row == {"x": 4}
     assert {n.values for _, n in rule.node.walk() if n.text == "x"} == {(4,)}
     assert why(text, "Inj", given=dict(asked(find(rule.node, "Inj")).given)).rows == 1
 
 
-def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at() -> None:
-    text = FRONT.replace(
-        "d < 40;", 'speed = (if d < 40 then 0 else if robot_name == "Ada" then 1 else 2);'
-    )
-    low, named, taken, *_ = find(the_rule(text).node, "speed").children
+def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at_also_in_a_head() -> None:
+    text = """Robot(robot_name:, desire: if sensor.clock > 3 then {left_engine: 1, right_engine: 1}
+      else {left_engine: 0, right_engine: 0}, memory: 0) :- Sensor(robot_name:, sensor:),
+      d == sensor.forward_distance,
+      speed = (if d < 40 then 0 else if robot_name == "Ada" then 1 else 2);"""
+    rule = the_rule(text)
+    low, named, taken, *_ = find(rule.node, "speed").children
     assert (low.text, low.holds) == ("d < 40", False)
     assert (named.text, named.holds) == ('robot_name == "Ada"', True)
     assert (taken.text, taken.said) == ("1", "this branch is taken")
-
-
-def test_the_if_of_a_head_is_told() -> None:
-    text = """Robot(robot_name:, desire: if sensor.clock > 3 then {left_engine: 1, right_engine: 1}
-      else {left_engine: 0, right_engine: 0}, memory: 0) :- Sensor(robot_name:, sensor:);"""
-    rule = the_rule(text)
     assert find(rule.node, "sensor.clock > 3").holds is False
     assert find(rule.node, "{left_engine: 0").said == "this branch is taken"
 
