@@ -70,11 +70,8 @@ def test_areas_follow_a_robot_and_the_last_beacon_of_a_name() -> None:
     assert bare.beacons == ()
     assert bare.areas[0].on_beacon == "lamp"
     assert remove(bare, GATE).areas == (bare.areas[1],)
-
-
-def test_an_area_that_is_called_otherwise_changes_nothing_else() -> None:
     assert change(FURNISHED, GATE, radius=20.0, name="gate") is FURNISHED
-    after = change(FURNISHED, GATE, name="door")
+    after = change(FURNISHED, GATE, name="door")  # another name changes nothing else
     assert after.areas == (replace(FURNISHED.areas[0], name="door"), FURNISHED.areas[1])
 
 

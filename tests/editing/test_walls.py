@@ -51,15 +51,11 @@ def test_a_line_covers_what_is_near_it_and_nothing_else_and_lets_no_robot_slip_t
     assert walls[away < width / 2 - snapping].all()
 
 
-def test_on_a_coarse_grid_whole_squares_are_painted() -> None:
-    level = paint(room(), [(14, 14), (97, 55)], width=2, grid=10)
-    assert expresses(level.walls, 10)
+def test_a_coarse_grid_has_whole_squares_and_a_rectangle_both_corners_and_a_border() -> None:
+    assert expresses(paint(room(), [(14, 14), (97, 55)], width=2, grid=10).walls, 10)
     level = paint(room(125, 80), [(1, 75), (124, 79)], grid=10)
     assert level.walls[70:, :].all()
     assert level.walls.sum() == 1250
-
-
-def test_a_rectangle_has_both_corners_and_a_border_inwards() -> None:
     ring = paint_rectangle(room(), (59.5, 30.2), (20.0, 10.9), border=3).walls
     assert ring.sum() == 40 * 21 - 34 * 15
     assert ring[10:31, 20:60].any(axis=1).all()

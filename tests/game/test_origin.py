@@ -63,7 +63,9 @@ Robot(robot_name:, desire: {{left_engine: 0, right_engine: 0}}, memory: {{{field
 # -- memories: the tick of the last change ---------------------------------------------------------
 
 
-async def test_ticks_that_only_kept_a_value_are_passed_over(level: Level) -> None:
+async def test_ticks_that_only_kept_a_value_are_passed_over_and_its_making_followed(
+    level: Level,
+) -> None:
     (link,) = await links(level, "memory.plan.phase")
     assert stretch(link) == ("fetch", 4, 9)
     assert lines(link) == [
@@ -72,18 +74,19 @@ async def test_ticks_that_only_kept_a_value_are_passed_over(level: Level) -> Non
         "as in line 5 holds: sensor.clock == 4",
         f"from {link.robot}'s sensor.clock = 4",
     ]
-
-
-async def test_what_a_value_was_made_from_is_followed_in_turn(level: Level) -> None:
     second, first = await links(level, "memory.seen")
     assert (second.value, second.tick, second.before) == (2, 6, (1,))
     assert stretch(first) == (1, 2, 5)
 
 
 async def test_a_value_made_again_in_each_tick_is_the_same_since_it_first_was(level: Level) -> None:
-    text = robot("word:", 'word = (if sensor.clock > 3 then "late" else "early")')
+    word = 'word = (if sensor.clock > 3 then "late" else "early"), now = sensor.clock'
+    text = robot("word:, now:", word)
     (link,) = await links(level, "memory.word", text=text)
     assert stretch(link) == ("late", 4, 9)
+    (link,) = await links(level, "memory.now", text=text)  # which is not a counter
+    assert (link.tick, link.steps) == (9, None)
+    assert lines(link)[-1] == f"read from {link.robot}'s sensor.clock = 9"
 
 
 async def test_a_state_machine_of_facts_goes_back_from_phase_to_phase(level: Level) -> None:
@@ -120,12 +123,6 @@ async def test_what_counts_is_one_link_that_goes_on_before_its_steps(level: Leve
             assert count.steps is not None
             assert (count.value, count.tick, count.steps.by, count.steps.since) == (13, 9, -1, 3)
             assert count.began == 1
-
-
-async def test_a_value_that_follows_the_clock_is_not_a_counter(level: Level) -> None:
-    (link,) = await links(level, "memory.now", text=robot("now:", "now = sensor.clock"))
-    assert (link.tick, link.steps) == (9, None)
-    assert lines(link)[-1] == f"read from {link.robot}'s sensor.clock = 9"
 
 
 async def test_a_value_that_a_join_makes_equal_to_a_memory_comes_from_it(level: Level) -> None:

@@ -98,7 +98,9 @@ async def test_a_history_that_has_lost_its_beginning_is_kept_from_there_on(play:
         assert other.go_to(290) == played.go_to(290)
 
 
-async def test_the_robots_do_what_they_did_whatever_the_program_would_do_now(play: Play) -> None:
+async def test_the_robots_do_what_they_did_whatever_the_program_would_do_or_without_one(
+    play: Play, tmp_path: Path
+) -> None:
     played = play()
     await played.run_until(tick=30)
     replay = await kept(played)
@@ -110,6 +112,12 @@ async def test_the_robots_do_what_they_did_whatever_the_program_would_do_now(pla
         other.forget_future()
         back = await other.step()  # from here on its own program decides
         assert back.after.robots[0].x < back.before.robots[0].x
+    without = load_replay(written(await kept(played, with_programs=False), tmp_path))
+    assert not without.has_programs
+    assert b"Sensor" not in msgspec.msgpack.encode(without)
+    async with again(without) as (other, verifier):
+        assert verifier.difference is None
+        assert other.frame.after == played.frame.after
 
 
 async def test_another_world_is_noticed_at_the_next_hash(play: Play) -> None:
@@ -120,17 +128,6 @@ async def test_another_world_is_noticed_at_the_next_hash(play: Play) -> None:
     other = changed(replay, hashes={**replay.hashes, 200: b"12345678"})
     async with again(other) as (_, verifier):
         assert verifier.difference == (200, "The state of the world differs.")
-
-
-async def test_without_programs_the_world_is_the_same(tmp_path: Path, play: Play) -> None:
-    played = play()
-    await played.run_until(tick=30)
-    replay = load_replay(written(await kept(played, with_programs=False), tmp_path))
-    assert not replay.has_programs
-    assert b"Sensor" not in msgspec.msgpack.encode(replay)
-    async with again(replay) as (other, verifier):
-        assert verifier.difference is None
-        assert other.frame.after == played.frame.after
 
 
 @pytest.fixture(scope="module")

@@ -152,6 +152,10 @@ def test_two_sessions_at_once_do_not_take_from_each_other(tmp_path: Path) -> Non
 
 def test_dropped_and_put_away_drafts_are_not_offered_again(tmp_path: Path) -> None:
     with closing(Drafts(tmp_path)) as session:
+        session.keep(draft("a"))
+        session.drop(MINE)
+    assert list(tmp_path.iterdir()) == []
+    with closing(Drafts(tmp_path)) as session:
         late = session.next_turn()
         session.keep(draft("a"))
         session.drop(MINE)
@@ -185,13 +189,6 @@ def test_a_file_that_is_not_a_draft_is_put_away(tmp_path: Path) -> None:
         (folder / "2020-x.json").write_bytes(rubbish)
         assert offered(folder) == []
         assert len(list((folder / "old").iterdir())) == 1
-
-
-def test_nothing_is_left_of_a_session_without_drafts(tmp_path: Path) -> None:
-    with closing(Drafts(tmp_path)) as session:
-        session.keep(draft("a"))
-        session.drop(MINE)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_could_not_be_written_is_written_when_it_can_be(tmp_path: Path) -> None:
