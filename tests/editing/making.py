@@ -18,7 +18,6 @@ from tests.world.making import make_level
 
 CONFORMANCE = sorted((Path(__file__).parents[1] / "conformance" / "levels").glob("*.json"))
 SHIPPED = [shipped_folder("levels") / f"{name}.toml" for name in list_levels()]
-
 NAMES = st.sampled_from(["Ann", "Bob", "lamp", "gate", "机器人", "ü", "n" * 60, 'a "b" \\c', "#"])
 TEXTS = st.text("ab #\n\t'\"\\.[]=", max_size=20)
 PLACES = st.one_of(st.integers(-5, 130).map(float), st.floats(-200, 300))
@@ -112,7 +111,10 @@ QUESTIONS = st.builds(
     st.one_of(st.just(""), NAMES),
 )
 _WORDS = {
-    "title": NAMES, "idea": NAMES, "briefing": TEXTS, "lesson": TEXTS,
+    "title": NAMES,
+    "idea": NAMES,
+    "briefing": TEXTS,
+    "lesson": TEXTS,
     "hints": st.lists(TEXTS, max_size=3).map(tuple),
     "questions": st.lists(QUESTIONS, max_size=2).map(tuple),
     "shared_names": st.lists(NAMES, max_size=2).map(tuple),
@@ -123,13 +125,11 @@ _WORDS = {
 _GRIDS = st.sampled_from([1, 1, 3, 10])
 _INDEX = st.integers(0, 5)
 _KINDS = st.sampled_from(KINDS)
-
 _INK = {"grid": _GRIDS, "wall": _BOTH}
 _LINES = st.lists(_POINTS, min_size=1, max_size=3)
 _SIZES = {"width": st.integers(0, 150), "height": st.integers(1, 150)}
 _MARGINS = {"left": st.integers(-9, 9), "top": st.integers(-200, 99)}
 _CORNERS = {"corner": _POINTS, "opposite": _POINTS}
-
 EDITS = st.one_of(
     _edits("paint", paint, points=_LINES, width=st.integers(0, 9), **_INK),
     _edits("rectangle", paint_rectangle, border=st.integers(0, 4), **_CORNERS, **_INK),

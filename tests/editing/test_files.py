@@ -72,7 +72,6 @@ capacity = 100 # units
 name = "lamp"
 x = 50
 y = 30"""
-
 SMALL = """\
 title = "Small"
 cell = 10
@@ -87,7 +86,6 @@ name = "Ann"
 x = 15
 y = 15
 """
-
 INLINE = """\
 title = "Inline" # on one line
 cell = 10
@@ -95,7 +93,6 @@ walls = "####\\n#..#\\n####"
 robots = [{name = "Ann", x = 15, y = 15}]
 areas = [{name = "home", x = 25, y = 15, radius = 5}] # only one
 """
-
 NEAR = (1.15 + i / 2**52 for i in range(10_000))
 IN_NO_DEGREES = next(angle for angle in NEAR if "angle" in record_of(Robot("Ann", 0, 0, angle)))
 
@@ -121,9 +118,7 @@ def after(text: str, level: Level) -> str:
     st.lists(st.one_of(EDITS, st.sampled_from(["undo", "redo", "save"])), max_size=15),
     st.sampled_from([BY_HAND, INLINE, SHIPPED[0].read_text()]),
 )
-def test_any_sequence_of_edits_undos_and_saves_loads_back(
-    steps: Sequence[Edit | str], text: str
-) -> None:
+def test_any_sequence_of_edits_and_saves_loads_back(steps: Sequence[Edit | str], text: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "level.toml"
         path.write_text(text, encoding="utf-8")
@@ -199,8 +194,6 @@ def test_a_save_without_a_change_changes_no_byte(mark: str, tmp_path: Path) -> N
 
 HAND = read(BY_HAND)
 ANN, BOB, HOME, LAMP = (Ref("robots", 0), Ref("robots", 1), Ref("areas", 0), Ref("beacons", 0))
-
-
 BOB_ALONE = '-  radius = 7.0|+  radius = 9|-  goal_for = [ "Ann", \'Bob\' ]|+  goal_for = ["Bob"]'
 OTHER = (
     "-title   =   'Mixed'          # in many ways|+title   =   \"Other\"          # in many ways"
@@ -334,9 +327,7 @@ def test_what_could_not_be_loaded_is_not_saved(tmp_path: Path) -> None:
         assert not path.exists()
 
 
-def test_a_file_that_can_not_be_written_or_is_ours_says_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_unwritable_file_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").touch()
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")

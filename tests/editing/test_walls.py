@@ -103,7 +103,7 @@ def test_what_makes_no_sense_is_refused() -> None:
             paint(room(), **({"points": [(1, 1)]} | arguments))
 
 
-def flooded(
+def reached(
     units: NDArray[np.bool_], start: tuple[int, int], corners: bool
 ) -> set[tuple[int, int]]:
     """Units that hang together with one, found step by step."""
@@ -132,7 +132,7 @@ def test_regions_are_what_a_search_finds(units: NDArray[np.bool_], corners: bool
         assert (region >= 0) == is_free
         if region >= 0:
             found = set(map(tuple, np.argwhere(regions.mask(region)).tolist()))
-            assert found == flooded(units, (row, column), corners)
+            assert found == reached(units, (row, column), corners)
     height, width = units.shape
     outside = [(-1, 0), (height, 0), (0, -1), (0, width)]
     assert [regions.at(*unit) for unit in outside] == [-1] * 4

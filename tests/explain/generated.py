@@ -5,7 +5,6 @@ from random import Random
 from tests.explain.asking import REST
 
 __all__ = ["program"]
-
 _FUNCTIONS = """
 F(a) = a + 1;
 G(a) = (if a > 2 then F(a) else if a == 1 then 0 else a * 2);
@@ -14,7 +13,6 @@ Big(a) :- a > 1;
 Split(a, b) :- b == a - 1;
 Two(a) = b :- A(x: a, y: b);
 """
-
 _RECURSIONS = (
     "R(x:, y:) distinct :- A(x:, y:);\nR(x:, y:) distinct :- A(x:, y: z), R(x: z, y:);",
     "R(x:, y:) distinct :- A(x:, y:);\nR(x:, y:) distinct :- R(x:, y: z), A(x: z, y:), z < 4;",

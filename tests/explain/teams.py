@@ -21,7 +21,6 @@ _TEXTS = ("a", "b", "out", "home", "Bo")
 _MEMORIES: tuple[Literal["own", "seen", "all"], ...] = ("own", "seen", "all", "all")
 _SENSORS: tuple[Literal["own", "all"], ...] = ("own", "all", "all")
 _LABELS = ("Green", "Red", "Bo", "Cy")
-
 _FUNCTIONS = """
 Go() = {left_engine: 0.5, right_engine: 0.5};
 Up(n) = n + 1;
@@ -33,7 +32,6 @@ Follows(t, u) :- Plan(phase: t, next: u);
 Cost(t) = Min{n :- Kind(key: t, n:)};
 Near(radar, name) = ArgMin{ray.distance -> ray.angle :- ray in radar, ray.label == name};
 """
-
 _RECURSIONS = (
     "Reach(from:, to:) distinct :- Link(from:, to:);\n"
     "Reach(from:, to:) distinct :- Reach(from:, to: mid), Link(from: mid, to:);",

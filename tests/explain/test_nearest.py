@@ -13,7 +13,6 @@ from tests.mind.rows import row
 
 ROWS = [row("Ada", sees={0: (50, "beacon", "Green"), 1: (36, "wall", "wall")}), row("Bo")]
 MEMORIES: dict[str, Value] = {"Ada": {"place": 3, "flag": True, "phase": "out"}, "Bo": {"place": 4}}
-
 ROBOT = """
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :-
   Sensor(robot_name:), Near(robot_name:);
@@ -139,9 +138,7 @@ def has_row(text: str) -> bool:
 
 
 @pytest.mark.parametrize(("rules", "sentence"), cases(CASES))
-def test_the_nearest_miss_is_named_and_each_change_alone_gives_a_row(
-    rules: str, sentence: str
-) -> None:
+def test_the_nearest_miss_is_named_and_each_change_gives_a_row(rules: str, sentence: str) -> None:
     text, suggestions = ask(rules)
     assert sentence in [suggestion.text for suggestion in suggestions]
     assert len(suggestions) <= MOST

@@ -33,7 +33,7 @@ VALUES = st.recursive(
 
 
 @given(st.lists(VALUES, max_size=3), st.dictionaries(NAMES, VALUES, max_size=3))
-def test_a_question_that_is_written_can_be_read_again(
+def test_a_written_question_can_be_read_again(
     in_place: list[Value], named: dict[str, Value]
 ) -> None:
     columns = {f"col{place}": value for place, value in enumerate(in_place)}

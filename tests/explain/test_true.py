@@ -46,7 +46,7 @@ def numbers(one: tuple[int, int], team: tuple[int, int], proof: int) -> list[Any
     ]
 
 
-def find_nothing_false(
+def nothing_is_false(
     ask_of: Callable[[Scene], Asked], maker: Maker, number: int, first: int
 ) -> None:
     """Ask of generated programs until so many answers are judged."""
@@ -62,12 +62,12 @@ def find_nothing_false(
 
 @pytest.mark.parametrize(("maker", "answers", "first"), numbers((20, 60), (10, 40), 2_500))
 def test_nothing_false_is_said(maker: Maker, answers: int, first: int) -> None:
-    find_nothing_false(asked, maker, answers, first)
+    nothing_is_false(asked, maker, answers, first)
 
 
 @pytest.mark.parametrize(("maker", "changes", "first"), numbers((3, 8), (1, 5), 300))
 def test_each_change_that_is_advised_gives_a_row(maker: Maker, changes: int, first: int) -> None:
-    find_nothing_false(missed, maker, changes, first)
+    nothing_is_false(missed, maker, changes, first)
 
 
 def test_nothing_false_is_said_of_more_elements_than_are_shown() -> None:
@@ -210,7 +210,6 @@ KEYS = {
     "texts in lists": ['["b"]', '["a", "z"]', '["a"]', "null"],
     "truths": ["true", "false", "null"],
 }
-
 INSIDE = """
 P(x: Best{a :- A(a:)});
 Q(x: Best{a -> k :- A(a:, k:)});
@@ -277,7 +276,7 @@ def test_the_element_that_decides_has_the_value_of_the_result(examples: int) -> 
         ("1, k: null", "null, k: null", "ArgMin", []),
     ],
 )
-def test_among_equal_arguments_the_engine_chooses_by_the_key(
+def test_among_equals_the_key_is_decisive(
     one: str, other: str, asked: str, keys: list[str]
 ) -> None:
     facts = f"A(a: {one}); A(a: {other});"

@@ -93,8 +93,6 @@ def test_what_holds_for_others_only_is_told_where_all_is_visible() -> None:
     assert stop(rule).said == "not here, but 2 matches elsewhere"
 
 
-# -- negations and alternatives --------------------------------------------------------------------
-
 DENIALS = """
 Seen(x) :- x in [1, 2];
 There(y) :- y in [2], ~(Seen(x), x >= y);
@@ -139,8 +137,6 @@ def test_each_alternative_is_told_and_the_one_that_gives_the_row_is_named() -> N
     assert texts(taken.children) == ["x > 5", "x != 8"]
 
 
-# -- aggregates ------------------------------------------------------------------------------------
-
 SUMS = """
 Num(1); Num(2); Num(3); Num(4);
 Low(d) :- d == Min{x :- x in [3, 1, 2], x > 0};
@@ -179,9 +175,6 @@ def test_what_did_not_come_out_of_an_aggregate_is_denied() -> None:
         assert (stopped.said, stopped.values) == ("actual value", (1,))
 
 
-# -- values ----------------------------------------------------------------------------------------
-
-
 def test_values_are_those_of_the_row_which_counts_once_where_rows_are_distinct() -> None:
     text = """Pair(1, 2); Pair(1, 3); One(x) distinct :- Pair(x, y); Bag(x) :- Pair(x, y);
     Num(1); Num(2); Num(4); Inj(x, y) :- y == x - 1; Use(x:) :- Num(x), Inj(x, 3);"""
@@ -204,9 +197,6 @@ def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at_also_in_a
     assert (taken.text, taken.said) == ("1", "this branch is taken")
     assert find(rule.node, "sensor.clock > 3").holds is False
     assert find(rule.node, "{left_engine: 0").said == "this branch is taken"
-
-
-# -- functions -------------------------------------------------------------------------------------
 
 
 def test_one_step_deeper_goes_on_with_the_arguments() -> None:
@@ -266,8 +256,6 @@ def test_what_is_made_from_another_and_what_that_uses_are_told_as_filled_in() ->
     assert why(text, "Good", within="PickBlue").row == {"col0": "blue"}
     assert (why(text, "Low").rows, why(text, "High").rows) == (1, 2)  # a constant
 
-
-# -- types -----------------------------------------------------------------------------------------
 
 TYPES = [
     ("kind == 12", 'string "12" is not the number 12'),

@@ -35,14 +35,12 @@ y = 25
 radius = 20
 goal_for = ["Ada", "Bo"]
 """
-
 COUNTER = """
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: n) :-
   Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
   n = (if memory == "" then 1 else memory + 1);
 """
 BACKWARDS = COUNTER.replace("left_engine: 1, right_engine: 1", "left_engine: -1, right_engine: -1")
-
 SLOW = """
 N(x) :- x in Range(3000);
 Big(s? += a * b) distinct :- N(a), N(b), N(c);

@@ -68,9 +68,7 @@ def part(memory: Value, path: Any) -> object:
 
 @settings(max_examples=3 if settings().max_examples < 20 else 20, deadline=None)
 @given(machines(), st.data())
-def test_the_tick_is_that_of_the_last_change_and_all_that_is_told_is_true(
-    text: str, data: Any
-) -> None:
+def test_the_tick_is_that_of_the_last_change_and_all_else_is_true(text: str, data: Any) -> None:
     with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         patch.setenv("LOGICAL_ROBOTS_CACHE_DIR", folder)
         asyncio.run(_check(hall(Path(folder)), text, data))

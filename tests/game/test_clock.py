@@ -31,7 +31,6 @@ DIGEST = """if True:
     for name in sys.argv[2:]:
         print(name, *asyncio.run(digest(name, int(sys.argv[1]))), flush=True)
 """
-
 ON, OFF = 0.005, 0.045  # seconds
 
 
@@ -62,9 +61,7 @@ def test_with_a_tenth_of_a_processor_a_run_is_the_same() -> None:
 
 
 @pytest.mark.usefixtures("late")
-async def test_from_the_tick_in_which_the_clock_ended_a_thought_none_is_reliable(
-    play: Play,
-) -> None:
+async def test_from_the_tick_in_which_a_clock_ended_a_thought_none_is_reliable(play: Play) -> None:
     game = play(AHEAD, read_native(LEVEL, "short", ""))
     frame = await game.run_until(tick=5)
     assert frame.is_reliable

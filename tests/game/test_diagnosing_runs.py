@@ -70,7 +70,7 @@ async def test_without_the_second_process_it_takes_longer(
 
 
 @pytest.mark.usefixtures("folder")
-async def test_what_was_found_before_it_is_stopped_is_kept(
+async def test_what_was_found_before_it_ends_is_kept(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(diagnosing, "_SECONDS", 0.0)
@@ -136,15 +136,13 @@ async def test_of_a_solution_nothing_is_held_against_it(level: str, program: str
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("level", "program"), [*SOLUTIONS, *REFERENCES])
-async def test_of_no_reference_program_anything_is_held_against_it(
-    level: str, program: str
-) -> None:
+async def test_nothing_is_held_against_a_reference_program(level: str, program: str) -> None:
     await check_victory(level, program)
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("level", "program"), [*SOLUTIONS, *ARENAS])
-async def test_before_its_victory_or_in_a_match_nothing_is_held_against_a_program(
+async def test_nothing_is_held_against_one_before_victory_or_in_a_match(
     level: str, program: str
 ) -> None:
     await check(level, program, DEFAULT)

@@ -16,9 +16,7 @@ from tests.waiting import PATIENCE
 BLANK = {"Ada": "", "Bo": ""}
 
 
-async def test_a_game_begins_before_any_thought_and_a_step_senses_thinks_and_acts(
-    game: Game,
-) -> None:
+async def test_a_game_begins_before_any_thought_and_a_step_does_all_once(game: Game) -> None:
     start = game.frame
     assert (start.tick, start.decisions, start.memories) == (0, (), BLANK)
     assert [row["robot_name"] for row in start.sensors] == ["Ada", "Bo"]

@@ -15,9 +15,7 @@ from tests.waiting import PATIENCE, until
 MODULE = "tests.game.odd_helper"
 
 
-def test_a_helper_reaches_no_file_program_or_network(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_helper_reaches_nothing_outside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "secret.l").write_text("nobody's business")
     monkeypatch.setenv("SOME_SECRET", "swordfish")
     monkeypatch.setenv("HOME", str(tmp_path))

@@ -220,9 +220,7 @@ TO_VICTORY = [pytest.param(name, 0, marks=pytest.mark.proof) for name in list_le
 
 
 @pytest.mark.parametrize(("name", "most"), [("06-breadcrumbs", 50), *WHOLE, *TO_VICTORY])
-async def test_back_and_forward_again_is_the_same_in_every_tick(
-    play: Play, name: str, most: int
-) -> None:
+async def test_back_and_forth_is_the_same_in_every_tick(play: Play, name: str, most: int) -> None:
     level = load(name)
     reference = reference_for(level)
     assert reference is not None

@@ -18,7 +18,6 @@ from logical_robots_tui.world.level import LevelQuestion
 AHEAD = LevelQuestion(
     "How far?", "Way(far: sensor.forward_distance) :- Sensor(sensor:)", (100, 300)
 )
-
 VALUES = st.one_of(
     *(st.none(), st.booleans(), st.integers(-3, 3), st.sampled_from(["Ada", "Bob", ""])),
     st.floats(-1e6, 1e6),
@@ -37,9 +36,7 @@ RIGHT = Table(("robot_name", "far"), (("Ada", 1.5), ("Bob", 2), ("Cat", 2)))
 
 
 @given(tables(), st.randoms(use_true_random=False))
-def test_the_order_of_rows_and_columns_and_names_do_not_matter(
-    right: Table, random: Random
-) -> None:
+def test_order_and_names_of_rows_and_columns_do_not_matter(right: Table, random: Random) -> None:
     rows, places = list(right.rows), list(range(len(right.columns)))
     random.shuffle(rows)
     random.shuffle(places)

@@ -58,7 +58,6 @@ EDITS: list[Callable[[Level], Level]] = [
     lambda level: level,
 ]
 POSES: list[dict[str, Pose]] = [{}, {"Ada": (70, 20, 1.5)}, {"Bo": (20, 70, -1.0)}]
-
 edits = st.tuples(st.just("edit"), st.integers(0, len(EDITS) - 1), st.integers(0, len(POSES) - 1))
 deeds = st.one_of(
     st.tuples(st.just("step"), st.integers(1, 40), st.just(0)),
@@ -89,9 +88,7 @@ def counter() -> Program:
 
 @settings(max_examples=min(25, settings().max_examples), deadline=None)
 @given(st.lists(deeds, max_size=14))
-def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
-    done: list[tuple[str, int, int]],
-) -> None:
+def test_whatever_is_changed_every_tick_comes_back(done: list[tuple[str, int, int]]) -> None:
     async def play() -> None:
         game = Game(LEVEL, counter())
         branch: list[tuple[Frame, Level]] = [(game.frame, LEVEL)]

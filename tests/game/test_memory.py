@@ -19,7 +19,6 @@ from tests.waiting import PATIENCE
 MOST = 600 * 1024  # KiB that the whole process may hold, with room for the screen
 SCREEN = 60 * 1024  # KiB that the screen needs besides
 ADDRESSES = 2 * 1024**3  # bytes, as in restricted mode
-
 PLAYS = """if True:
     import asyncio, re, resource, sys
     from logical_robots_tui import Game, Program, load_level
@@ -49,7 +48,6 @@ PLAYS = """if True:
     most = re.search(r"VmHWM:\\s+(\\d+)", status)[1]
     print(most, *sorted(kind.replace(" ", "_") for kind in said))
 """
-
 STARVES = """if True:
     import asyncio, re, resource, sys
     from logical_robots_tui import Game, Program, load_level
@@ -72,7 +70,6 @@ STARVES = """if True:
 
     asyncio.run(play())
 """
-
 HUNGRY = {
     "long texts that change": 'm = Format("%0900000d", sensor.clock)',
     "short enough long texts": 'm = Format("%0400000d", sensor.clock)',
@@ -149,7 +146,7 @@ def test_without_room_a_thought_is_a_notice_and_the_game_goes_on() -> None:
         pytest.param("13-swarm", 200, marks=pytest.mark.slow),
     ],
 )
-def test_without_room_to_sense_a_game_ends_with_an_exception_and_never_crashes(
+def test_without_room_to_sense_a_game_ends_with_an_exception_no_crash(
     level: str, room: int
 ) -> None:
     done = subprocess.run(

@@ -60,12 +60,7 @@ Robot(robot_name:, desire: {{left_engine: 0, right_engine: 0}}, memory: {{{field
 """
 
 
-# -- memories: the tick of the last change ---------------------------------------------------------
-
-
-async def test_ticks_that_only_kept_a_value_are_passed_over_and_its_making_followed(
-    level: Level,
-) -> None:
+async def test_ticks_that_kept_a_value_are_passed_over_and_its_making_told(level: Level) -> None:
     (link,) = await links(level, "memory.plan.phase")
     assert stretch(link) == ("fetch", 4, 9)
     assert lines(link) == [
@@ -170,8 +165,6 @@ async def test_another_robots_memory_is_told_apart_and_followed(level: Level) ->
     assert (heard.robot, heard.value, heard.tick) == ("Ada", 7, 4)
     assert (said.robot, said.value, said.tick) == ("Bo", 7, 3)
 
-
-# -- other values ----------------------------------------------------------------------------------
 
 RAYS = """
 Ahead(radar, what) = Avg{ray.distance :- ray in radar, ray.object == what};

@@ -23,7 +23,6 @@ Robot(robot_name:, desire: {left_engine: left, right_engine: right}, memory: 1) 
 """
 DRIVE_RULES = DRIVE.splitlines(keepends=True)
 NEW_RULE = "Drive(robot_name:, left: 5, right: 5) :- Sensor(robot_name:, sensor:), sensor.clock < 9"
-
 NEAREST = """
 Nearest(sensor) = Min{ray.distance :- ray in sensor.radar, ray.angle > 0};
 Robot(robot_name:, desire: {left_engine: speed, right_engine: 1}, memory: n) :-
@@ -31,7 +30,6 @@ Robot(robot_name:, desire: {left_engine: speed, right_engine: 1}, memory: n) :-
   n = (if memory == "" then 1 else memory + 1),
   speed = (if Nearest(sensor) < 5 then 0 else n / 10);
 """
-
 WALLS = """
 Ahead(ray) :- Abs(ray.angle) < 0.5;
 WayAhead(radar) = Min{ray.distance :- ray in radar, Ahead(ray)};
@@ -39,13 +37,11 @@ Close(robot_name:, at: ray.angle) :- Sensor(robot_name:, sensor:), ray in sensor
 Robot(robot_name:, desire: {left_engine: WayAhead(sensor.radar), right_engine: n}, memory: 1) :-
   Sensor(robot_name:, sensor:), n = Sum{1 :- Close(robot_name:, at:)};
 """
-
 NEAR = """
 Near(robot_name:, d: 7) :- Sensor(robot_name:), Memory(robot_name:, memory:), memory == "x";
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: s) :-
   Sensor(robot_name:), s = Sum{d :- Near(robot_name:, d:)};
 """
-
 GO = """
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: 1) :-
   Sensor(robot_name:), Memory(robot_name:, memory:), memory == "go";
@@ -130,9 +126,7 @@ EDITED = {
 
 
 @pytest.mark.parametrize("edit", EDITED.values(), ids=EDITED)
-def test_what_was_edited_is_gone_into_down_to_where_it_differs(
-    level: Level, edit: tuple[str, ...]
-) -> None:
+def test_edits_are_gone_into_down_to_where_they_differ(level: Level, edit: tuple[str, ...]) -> None:
     program, old, new, kind, predicate, text = edit
     two = Two(level, program, program.replace(old, new))
     assert (two.difference.kind, two.difference.asked.predicate) == (kind, predicate)

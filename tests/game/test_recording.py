@@ -13,8 +13,6 @@ from logical_robots_tui.world import Level
 from tests.game.test_run import entry, frames, known
 
 TICKS = 40  # a piece and some
-
-
 pytestmark = pytest.mark.usefixtures("folder")
 
 
@@ -92,9 +90,7 @@ FALSE: dict[tuple[int, ...], list[object]] = {  # by where it stands in a piece
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("at", FALSE, ids=str)
-async def test_a_false_recording_is_dropped(
-    level: Level, folder: Path, at: tuple[int, ...]
-) -> None:
+async def test_a_false_recording_is_lost(level: Level, folder: Path, at: tuple[int, ...]) -> None:
     expected = await frames(level, TICKS)
     path = entry(folder)
     *way, last = at
@@ -117,7 +113,7 @@ PIECES = {
 
 
 @pytest.mark.parametrize("make", PIECES.values(), ids=PIECES)
-async def test_a_damaged_piece_is_discarded(
+async def test_a_damaged_piece_is_lost(
     level: Level, folder: Path, make: Callable[[], bytes]
 ) -> None:
     piece = make()

@@ -22,8 +22,6 @@ from tests.game.playing import BACKWARDS, COUNTER
 from tests.waiting import PATIENCE
 
 TICKS = 75  # two pieces and some
-
-
 pytestmark = pytest.mark.usefixtures("folder")
 
 
@@ -123,7 +121,7 @@ async def test_every_value_that_a_robot_may_remember_comes_back(level: Level) ->
         assert repr([frame.memories for frame in seen]) == repr([f.memories for f in expected])
 
 
-async def test_all_that_a_run_depends_on_is_in_its_key(
+async def test_a_key_has_all_a_run_depends_on(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def key(text: str = COUNTER, limits: Limits | None = None, **changes: Any) -> str:

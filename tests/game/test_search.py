@@ -117,7 +117,7 @@ FALSE = ([3, 99], [9, 3], [0, 3], ["3", 4], [3, 4, 5])
 FORGED = [{"ticks": 20, "won_at": None, "stretches": [stretch]} for stretch in FALSE]
 
 
-async def test_an_answer_that_is_false_or_damaged_or_of_another_question_is_dropped(
+async def test_a_false_or_damaged_answer_or_of_another_is_dropped(
     level: Level, folder: Path
 ) -> None:
     await found(level, f"{CLOCK}t in [3, 4]")
@@ -138,9 +138,7 @@ async def test_an_answer_that_is_false_or_damaged_or_of_another_question_is_drop
         assert await found(level) == FOUND, false
 
 
-async def test_what_failed_may_hold_another_time_and_is_not_kept(
-    level: Level, folder: Path
-) -> None:
+async def test_what_failed_may_hold_another_time_and_is_lost(level: Level, folder: Path) -> None:
     matches = await found(level, f'{CLOCK}x in ["a"], (if t == 2 then x.field else 1) == 1', 5)
     assert matches.stretches == ((1, 1), (3, 5))
     assert matches.failed == ((2, 2),)

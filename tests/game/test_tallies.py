@@ -28,9 +28,7 @@ TICKS = 120
 
 
 @pytest.mark.usefixtures("folder")
-async def test_every_tick_of_a_match_comes_back_from_history_recording_and_replay(
-    tmp_path: Path, play: Play
-) -> None:
+async def test_each_tick_of_a_match_comes_back_in_three_ways(tmp_path: Path, play: Play) -> None:
     game = play(COUNTER, LEVEL)
     heard = [game.frame.after]
     game.listen(lambda frame: heard.append(frame.after))

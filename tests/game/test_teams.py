@@ -90,9 +90,7 @@ Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: Long(memor
 """
 
 
-async def test_a_team_without_budget_or_memory_costs_the_other_nothing(
-    match: Level, play: Play
-) -> None:
+async def test_a_team_out_of_budget_or_memory_costs_no_other_one(match: Level, play: Play) -> None:
     slow = play(teams(SLOW, COUNTER), match, limits=Limits(think_steps=300_000))
     frame = await slow.run_until(tick=3)
     assert frame.memories["Bo"] == 3

@@ -36,9 +36,7 @@ async def win(at: Table) -> int:
     return tick
 
 
-async def test_the_fastest_win_is_kept_up_to_the_victory_with_where_the_robots_were(
-    tmp_path: Path,
-) -> None:
+async def test_the_fastest_win_is_kept_with_where_the_robots_were(tmp_path: Path) -> None:
     async with kept(tmp_path) as (at, best, news):
         slow = await win(at)
         level = at.session.opened

@@ -120,9 +120,7 @@ PATHS = st.text(st.characters(blacklist_characters="\0"))
 
 @settings(deadline=None)
 @given(st.builds(Draft, st.sampled_from(get_args(Kind)), st.text(), PATHS, st.text()))
-def test_any_text_comes_back_as_it_was(
-    tmp_path_factory: pytest.TempPathFactory, kept: Draft
-) -> None:
+def test_any_text_comes_back_whole(tmp_path_factory: pytest.TempPathFactory, kept: Draft) -> None:
     folder = tmp_path_factory.mktemp("drafts")
     left(folder, kept)
     with closing(Drafts(folder)) as session:

@@ -258,9 +258,7 @@ async def test_a_program_whose_first_line_looks_like_teams_is_one_program(tmp_pa
         assert [version.text for version in await t.recorder.versions()] == [text]
 
 
-async def test_steps_that_are_owed_are_taken_under_any_program_and_a_pause_ends_them(
-    tmp_path: Path,
-) -> None:
+async def test_steps_owed_are_taken_under_any_program_until_a_pause(tmp_path: Path) -> None:
     async with table(tmp_path) as t:
         t.session.step()
         await virtual_loop().handled()

@@ -68,9 +68,7 @@ def test_everything_is_there_in_the_next_session(file: Path, progress: Progress)
     assert second.record("two") == NEW._replace(answers=(("Who?", "?"),))
 
 
-def test_each_measure_has_a_best_of_its_own_and_later_ones_join_those_there(
-    progress: Progress,
-) -> None:
+def test_each_measure_has_a_best_of_its_own_and_later_ones_join(progress: Progress) -> None:
     progress.win("one", "fast", Measures(ticks=10, size=9, distance=90.0))
     progress.win("one", "short", Measures(ticks=99, size=1, distance=95.0, wins=3, starts=20))
     progress.win("one", "straight", Measures(ticks=50, size=5, distance=20.0, wins=2, starts=3))
@@ -93,7 +91,7 @@ def test_the_same_text_is_kept_once_and_is_the_newest_again(progress: Progress) 
     assert not progress.holds("c")
 
 
-def test_old_versions_go_but_never_one_that_holds_a_best(
+def test_old_versions_go_but_not_the_best(
     progress: Progress, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("logical_robots_tui.progress.progress.MOST_VERSIONS", 3)

@@ -187,9 +187,7 @@ def test_two_games_that_find_damage_at_once_set_it_aside_once(file: Path, told: 
     assert len(aside(file)) == len(told) == 1
 
 
-def test_an_empty_file_is_filled_and_a_removed_one_made_anew_and_says_what_it_is(
-    file: Path,
-) -> None:
+def test_an_empty_file_is_filled_a_removed_one_made_anew_and_both_signed(file: Path) -> None:
     file.touch()
     progress = Progress(file, pytest.fail)
     progress.keep("level", "one")
@@ -357,9 +355,7 @@ MOVED_NEXT = {
 
 
 @pytest.mark.parametrize(("steps", "moved"), [(5, MOVED_FIRST), (6, MOVED_NEXT)])
-def test_records_follow_levels_to_new_numbers(
-    file: Path, steps: int, moved: dict[str, str]
-) -> None:
+def test_records_follow_renamed_levels(file: Path, steps: int, moved: dict[str, str]) -> None:
     last = [*moved][1]
     with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
         prepare(connection, MIGRATIONS[:steps])
