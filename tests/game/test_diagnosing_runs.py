@@ -123,13 +123,10 @@ async def check_victory(level: str, program: str) -> None:
     assert {each.kind for each in found.findings} <= {"never true", "never false", "never null"}
 
 
-@pytest.mark.parametrize(
-    ("level", "program"),
-    [
-        SOLUTIONS[0],
-        *(pytest.param(*case, marks=pytest.mark.slow) for case in SOLUTIONS if case[0] == CURVES),
-    ],
-)
+CURVED = [pytest.param(*it, marks=pytest.mark.slow) for it in SOLUTIONS if it[0] == CURVES]
+
+
+@pytest.mark.parametrize(("level", "program"), [SOLUTIONS[0], *CURVED])
 async def test_of_a_solution_nothing_is_held_against_it(level: str, program: str) -> None:
     await check_victory(level, program)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from typing import Any
 
@@ -12,7 +12,6 @@ import pytest
 
 from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.mind import Mind, Program, ProgramError
-from logical_robots_tui.mind.program import Table
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import Level, World
 from tests.explain.judging import judge_until
@@ -49,7 +48,8 @@ class Run:
         except ProgramError as error:
             return self.ways(conditions) if " does not use " in str(error) else None
         tables = (self.mind.ask(question, rows, memories) for rows, memories in self._ticks)
-        return sum(n for table in tables for n in _numbers(table))
+        numbers = (number for table in tables for (number,) in table.rows)
+        return sum(int(number) for number in numbers if isinstance(number, int | float))
 
 
 def needed(made: Team) -> str:
@@ -81,12 +81,6 @@ def false_findings(findings: Sequence[Finding], run: Run) -> tuple[int, list[str
     return number, false
 
 
-def _numbers(table: Table) -> Iterator[int]:
-    for (number,) in table.rows:
-        if isinstance(number, int | float):
-            yield int(number)
-
-
 def _before(finding: Finding, text: str) -> list[str] | None:
     """The parts of a body that come before the one of a finding, if it is a whole part."""
     assert finding.span is not None
@@ -102,18 +96,18 @@ def _before(finding: Finding, text: str) -> list[str] | None:
     return before if before and is_bound else None
 
 
-@pytest.mark.parametrize(
-    "findings",
-    [2, pytest.param(20, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.proof)],
-)
+MANY = (pytest.param(20, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.proof))
+
+
+@pytest.mark.parametrize("findings", [2, *MANY])
 def test_what_is_said_never_to_hold_never_does(level: Level, findings: int) -> None:
     def ask(seed: int) -> int:
         made = team(seed)
         text = needed(made)
-        found = asyncio.run(diagnosed(level, text, TICKS))
+        diagnosis = asyncio.run(diagnosed(level, text, TICKS))
         run = Run(level, text, made.copies)
         with closing(run.mind):
-            number, false = false_findings(found.findings, run)
+            number, false = false_findings(diagnosis.findings, run)
         assert not false, (text, false)
         return number
 

@@ -271,14 +271,11 @@ def file(tmp_path: Path) -> Path:
     return tmp_path / "goals.toml"
 
 
-@pytest.mark.parametrize(
-    ("text", "reached"),
-    [
-        (AHEAD, (*AT_ONCE, LATER)),
-        pytest.param(BACKWARDS, (LATER,), marks=pytest.mark.slow),
-        pytest.param("A(1);\n" + AHEAD, (*AT_ONCE[1:], LATER), marks=pytest.mark.slow),
-    ],
-)
+OTHERS = ((BACKWARDS, (LATER,)), ("A(1);\n" + AHEAD, (*AT_ONCE[1:], LATER)))
+SLOWER = [pytest.param(*other, marks=pytest.mark.slow) for other in OTHERS]
+
+
+@pytest.mark.parametrize(("text", "reached"), [(AHEAD, (*AT_ONCE, LATER)), *SLOWER])
 async def test_a_game_and_a_measuring_process_find_the_same(
     file: Path, text: str, reached: tuple[str, ...], play: Play
 ) -> None:

@@ -79,16 +79,17 @@ HUNGRY = {
     "what can't be packed": "m = List{NaturalHash(ToString(sensor.clock * i)) :- i in Range(9000)}",
     "all that was": 'Memory(robot_name:, memory:), m = [memory, Format("%090000d", sensor.clock)]',
 }
-MANY_ROWS = {
-    "many rows": "m in Range(10000)",
-    "many rows of short lists": (
-        'i in Range(800), m = "[" ++ i ++ Replace(Format("%03000d", 0), "0", ",{}") ++ "]"'
-    ),
-}
+SHORT_LISTS = 'i in Range(800), m = "[" ++ i ++ Replace(Format("%03000d", 0), "0", ",{}") ++ "]"'
+MANY_ROWS = {"many rows": "m in Range(10000)", "many rows of short lists": SHORT_LISTS}
 DENSE = (
     "a = List{NaturalHash(ToString(sensor.clock * i)) :- i in Range(19000)}, "
     "b = List{NaturalHash(ToString(7 * sensor.clock + i)) :- i in Range(19000)}, m = {a:, b:}"
 )
+
+
+def run(script: str, *arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", script, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
 
 
 def played(
@@ -98,8 +99,7 @@ def played(
 
     The game ends after so many ticks, or a few after its history began to drop the oldest ones.
     """
-    command = [sys.executable, "-c", PLAYS, level, text, str(ticks), str(addresses)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=patience)
+    done = run(PLAYS, level, text, ticks, addresses, timeout=patience)
     assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
     most, *kinds = done.stdout.split()
     return int(most), set(kinds)
@@ -138,25 +138,16 @@ def test_without_room_a_thought_is_a_notice_and_the_game_goes_on() -> None:
     assert kinds == {"no_room"}
 
 
-@pytest.mark.parametrize(
-    ("level", "room"),
-    [
-        ("01-first-steps", 50),
-        pytest.param("01-first-steps", 20_000, marks=pytest.mark.slow),
-        pytest.param("13-swarm", 200, marks=pytest.mark.slow),
-    ],
-)
+ROOMS = (("01-first-steps", 20_000), ("13-swarm", 200))
+MORE = [pytest.param(*room, marks=pytest.mark.slow) for room in ROOMS]
+
+
+@pytest.mark.parametrize(("level", "room"), [("01-first-steps", 50), *MORE])
 def test_without_room_to_sense_a_game_ends_with_an_exception_no_crash(
     level: str, room: int
 ) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", STARVES, level, str(room)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "MALLOC_ARENA_MAX": "1"},  # no room is left in other arenas
-        timeout=PATIENCE,
-    )
+    arena = {"MALLOC_ARENA_MAX": "1"}  # no room is left in other ones
+    done = run(STARVES, level, room, env=os.environ | arena, timeout=PATIENCE)
     assert (done.returncode, done.stdout) == (0, "no memory\n"), done.stderr[-2000:]
 
 

@@ -66,14 +66,11 @@ async def played(level: Level, ticks: int, text: str = COUNTER) -> list[Frame]:
     return seen
 
 
-@pytest.mark.parametrize(
-    ("name", "ticks"),
-    [
-        ("06-breadcrumbs", 40),
-        pytest.param("10-distributed-mapping", 35, marks=pytest.mark.slow),
-        pytest.param("13-swarm", 3, marks=pytest.mark.slow),
-    ],
-)
+LARGER = (("10-distributed-mapping", 35), ("13-swarm", 3))
+SLOWER = [pytest.param(*larger, marks=pytest.mark.slow) for larger in LARGER]
+
+
+@pytest.mark.parametrize(("name", "ticks"), [("06-breadcrumbs", 40), *SLOWER])
 async def test_a_run_is_what_a_game_plays_and_stays_so_on_disk(
     monkeypatch: pytest.MonkeyPatch, name: str, ticks: int
 ) -> None:
