@@ -72,20 +72,6 @@ capacity = 100 # units
 name = "lamp"
 x = 50
 y = 30"""
-SMALL = """\
-title = "Small"
-cell = 10
-walls = '''
-####
-#..#
-####
-'''
-
-[[robots]]
-name = "Ann"
-x = 15
-y = 15
-"""
 INLINE = """\
 title = "Inline" # on one line
 cell = 10
@@ -240,14 +226,14 @@ def test_line_ends_and_a_mark_of_another_system_and_every_comment_stay() -> None
 
 
 def test_neither_a_row_that_ends_the_drawing_nor_words_like_our_own_mark_confuse() -> None:
-    worded = SMALL.replace('"Small"', '"the drawing, the drawing itself"')
-    ended = SMALL.replace("####\n'''\n\n[[", "####'''\n# Ann.\n[[")
-    assert "####'''\n# Ann.\n[[" in ended
+    worded = BY_HAND.replace("'Mixed'", '"the drawing, the drawing itself"')
+    ended = BY_HAND.replace("'''      # five rows\n\nhints", "'''\n# Ann.\nhints")
+    assert "####'''\n# Ann.\nhints" in ended
     for text in (worded, ended):
         new = after(text, paint(read(text), [(15, 15)], grid=10))
-        assert changed_lines(text, new) == ["-#..#", "+##.#"]
-    new = after(ended, change(read(ended), ANN, x=16.0))
-    assert changed_lines(ended, new) == ["-x = 15", "+x = 16"]
+        assert changed_lines(text, new) == ["-#.. ...#", "+##. ...#"]
+    new = after(ended, change(read(ended), BOB, y=16.0))
+    assert changed_lines(ended, new) == ["-y = 30", "+y = 16"]
 
 
 def test_what_is_written_on_one_line_is_changed_there() -> None:

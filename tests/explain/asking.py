@@ -66,7 +66,6 @@ def find(node: Node, text: str) -> Node:
 
 
 def texts(nodes: tuple[Node, ...]) -> list[str]:
-    """The texts of nodes."""
     return [node.text for node in nodes]
 
 

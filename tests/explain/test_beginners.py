@@ -154,16 +154,16 @@ def lines(explanation: Explanation) -> str:
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda each: each.body)
 def test_a_mistake_is_marked_or_explained(mistake: Mistake) -> None:
     text = f"{mistake.rules} {HEAD}".lstrip() + f"  {mistake.body};\n"
-    found = check(text)
-    place, _, said = mistake.mark.partition(" ")
+    marks = check(text)
+    place, _, words = mistake.mark.partition(" ")
     if mistake.mark:
-        told = [(f"{d.line}:{d.column}", f"{d.message} ... {d.hint}") for d in found]
-        pieces = [re.escape(piece) for piece in said.split(" ... ")]
-        assert any(at == place and re.search(".*".join(pieces), s) for at, s in told), told
+        told = [(f"{d.line}:{d.column}", f"{d.message} ... {d.hint}") for d in marks]
+        pattern = ".*".join(map(re.escape, words.split(" ... ")))
+        assert any(at == place and re.search(pattern, text) for at, text in told), told
     else:
-        assert found == ()
-    assert all(each.hint and len(each.hint) <= 120 for each in found)
-    if any(each.severity == "error" for each in found):
+        assert marks == ()
+    assert all(mark.hint and len(mark.hint) <= 120 for mark in marks)
+    if any(mark.severity == "error" for mark in marks):
         assert not mistake.explained
         return
     with closing(Mind(Program.compile(text))) as mind:

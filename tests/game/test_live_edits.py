@@ -39,9 +39,8 @@ def with_robot(level: Level, name: str) -> Level:
 
 
 def without_robot(level: Level, at: int) -> Level:
-    robots = list(level.robots)
-    del robots[at % len(robots)]
-    return replace(level, robots=tuple(robots)) if robots else level
+    at %= len(level.robots)
+    return replace(level, robots=level.robots[:at] + level.robots[at + 1 :] or level.robots)
 
 
 EDITS: list[Callable[[Level], Level]] = [

@@ -25,13 +25,11 @@ def progress() -> Progress:
     return Progress(None)
 
 
-LATER = [(TODAY + timedelta(days), size) for days in range(4) for size in DAILY_SIZES][1:]
+DAYS = [(TODAY + timedelta(days), size) for days in range(4) for size in DAILY_SIZES]
+LATER = [pytest.param(*day, marks=pytest.mark.slow) for day in DAYS[1:]]
 
 
-@pytest.mark.parametrize(
-    ("day", "size"),
-    [(TODAY, "small"), *(pytest.param(*other, marks=pytest.mark.slow) for other in LATER)],
-)
+@pytest.mark.parametrize(("day", "size"), [(TODAY, "small"), *LATER])
 def test_our_program_wins_what_is_offered(day: date, size: DailySize, progress: Progress) -> None:
     level = daily_level(progress, day, size)
     assert level.name == Daily(day, size).name
