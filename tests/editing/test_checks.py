@@ -33,7 +33,6 @@ def goal(**more: Any) -> Area:
 
 
 def wall_with_gap(level: Level, gap: int) -> Level:
-    """A wall across the hall, with a gap in it."""
     level = paint_rectangle(level, (200, 0), (209, 199))
     return paint_rectangle(level, (200, 100), (209, 99 + gap), wall=False) if gap else level
 

@@ -184,8 +184,7 @@ def test_what_is_undone_is_called_by_its_name() -> None:
     assert (edits.undo(), edits.redo(), edits.can_undo, edits.can_redo) == ("", "", "", "")
     edits.do("paint", paint(edits.level, [(5, 5)]))
     edits.do("erase", paint(edits.level, [(5, 5)], wall=False))
-    assert edits.can_undo == "erase"
-    assert edits.undo() == "erase"
+    assert edits.can_undo == edits.undo() == "erase"
     assert (edits.can_undo, edits.can_redo) == ("paint", "erase")
     assert edits.redo() == "erase"
     edits.undo()

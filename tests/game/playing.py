@@ -1,10 +1,9 @@
 """A small level to play on."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Protocol
 
 from logical_robots_tui.game import Game
-from logical_robots_tui.mind import Program
 from logical_robots_tui.world import Level, load_level
 
 HALL = """
@@ -55,9 +54,5 @@ def hall(tmp_path: Path) -> Level:
     return load_level(path)
 
 
-class Play(Protocol):
-    """Opens a game, flat out and in the hall unless told otherwise, that is closed at the end."""
-
-    def __call__(
-        self, program: str | Program = COUNTER, level: Level = ..., **options: Any
-    ) -> Game: ...
+Play = Callable[..., Game]
+"""Opens a game, flat out and in the hall unless told otherwise, that is closed at the end."""

@@ -11,11 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.explain.why.explanation import Subject, part_of
-from logical_robots_tui.game import Link, Run, origin_in_run
-from logical_robots_tui.mind import Program, QueryError
+from logical_robots_tui.game import Link, origin_in_run
+from logical_robots_tui.mind import QueryError
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import Level
 from tests.game.playing import hall
+from tests.game.test_run import opened
 
 TICKS = 24
 
@@ -75,10 +76,9 @@ def test_the_tick_is_that_of_the_last_change_and_all_else_is_true(text: str, dat
 
 
 async def _check(level: Level, text: str, data: Any) -> None:
-    run = Run(level, Program.compile(text))
     names = [robot.name for robot in level.robots]
-    try:
-        frames = [each async for each in run.each(0, TICKS, lambda frame, _mind, _stop: frame)]
+    async with opened(level, text) as run:
+        frames = [it async for it in run.each(0, TICKS, lambda frame, _mind, _stop: frame)]
         for _ in range(4):
             name, field = data.draw(st.sampled_from(names)), data.draw(st.integers(0, 3))
             tick = data.draw(st.integers(1, TICKS))
@@ -86,13 +86,11 @@ async def _check(level: Level, text: str, data: Any) -> None:
             values = [part(frame.memories[name], path) for frame in frames]
             if values[tick] is KeyError:
                 continue
-            found = await origin_in_run(run, name, Subject(path=path), tick)
+            origin = await origin_in_run(run, name, Subject(path=path), tick)
             changes = [at for at in range(1, tick + 1) if values[at] != values[at - 1]]
-            assert found.links[0].tick == max(changes)
-            for link in found.links:
+            assert origin.links[0].tick == max(changes)
+            for link in origin.links:
                 _check_link(link, [frame.memories for frame in frames])
-    finally:
-        await run.close()
 
 
 def _check_link(link: Link, memories: list[Any]) -> None:

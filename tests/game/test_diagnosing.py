@@ -27,7 +27,6 @@ async def diagnosed(level: Level, text: str, ticks: int = 6) -> Diagnosis:
 
 
 def places(diagnosis: Diagnosis) -> list[tuple[str, int | None]]:
-    """The kinds and lines of findings."""
     return [(one.kind, one.span.line if one.span else None) for one in diagnosis.findings]
 
 

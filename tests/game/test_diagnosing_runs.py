@@ -108,7 +108,6 @@ ARENAS = [
 
 
 async def check(level: str, program: str, ticks: int) -> Diagnosis:
-    """The diagnosis of a program, of which nothing warns."""
     async with opened(load_level(level), load_program(PROGRAMS / f"{program}.l").text) as run:
         found = await diagnose_run(run, ticks)
     assert [each.message for each in found.findings if each.severity == "warning"] == []

@@ -53,7 +53,6 @@ def stretch(link: Link) -> tuple[Value, int, int]:
 
 
 def robot(fields: str, body: str, rest: str = "") -> str:
-    """A program with these fields of the memory."""
     return f"""{rest}
 Robot(robot_name:, desire: {{left_engine: 0, right_engine: 0}}, memory: {{{fields}}}) :-
   Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), {body};

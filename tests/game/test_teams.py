@@ -46,8 +46,7 @@ async def test_each_team_follows_its_own_program(match: Level, play: Play) -> No
 
 
 async def test_nothing_but_the_team_looked_at_is_visible(match: Level, play: Play) -> None:
-    """Not even to a program that asks to see all, and that commands the others' robots."""
-    game = play(teams(NOSY, COUNTER), match)
+    game = play(teams(NOSY, COUNTER), match)  # which asks to see all, and commands the others
     frame = await game.run_until(tick=3)
     two = {"others": 2, "seen": 2}
     assert frame.memories == {"Ada": two, "Bo": 3, "Cy": two}

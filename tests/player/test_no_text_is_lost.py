@@ -74,8 +74,6 @@ class Player:
 
 
 class Session:
-    """A session without a screen."""
-
     def __init__(self, folder: Path, *answers: str | None) -> None:
         self.drafts = Drafts(folder / "drafts")
         self.recorder = ProgressRecorder(folder / "progress.sqlite")
