@@ -70,5 +70,4 @@ def texts(nodes: tuple[Node, ...]) -> list[str]:
 
 
 def below(node: Node, kind: str) -> list[Node]:
-    """The nodes of a kind below another one."""
     return [each for _, each in node.walk() if each.kind == kind]

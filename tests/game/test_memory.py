@@ -87,9 +87,12 @@ DENSE = (
 )
 
 
-def run(script: str, *arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
+def run(
+    script: str, *arguments: object, timeout: float, env: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-c", script, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    options: Any = {"capture_output": True, "text": True, "check": False}
+    return subprocess.run(command, env=env, timeout=timeout, **options)
 
 
 def played(

@@ -56,7 +56,6 @@ async def known(level: Level, text: str = COUNTER) -> int:
 
 
 async def played(level: Level, ticks: int, text: str = COUNTER) -> list[Frame]:
-    """The frames of a game."""
     game = Game(level, Program.compile(text))
     seen = [game.frame]
     game.listen(seen.append)
