@@ -88,7 +88,6 @@ def read(text: str) -> Level:
 
 
 def changed_lines(before: str, after: str) -> list[str]:
-    """The lines that a diff shows, without context."""
     lines = difflib.unified_diff(before.splitlines(), after.splitlines(), n=0, lineterm="")
     return [line for line in lines if not line.startswith(("---", "+++", "@@"))]
 

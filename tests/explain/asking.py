@@ -37,7 +37,6 @@ def why(
 
 
 def proof(text: str, predicate: str = "Robot", *, depth: int = 100, **given: Any) -> Proof:
-    """The whole proof of a row of a predicate."""
     with _mind(text) as mind:
         return Explainer(mind, "Ada", [row("Ada")], {}).proof(Ask(predicate, given), depth=depth)
 

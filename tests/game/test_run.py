@@ -44,7 +44,6 @@ async def opened(
 async def frames(
     level: Level, ticks: int = TICKS, text: str = COUNTER, limits: Limits | None = None
 ) -> list[Frame]:
-    """The frames of a run that is opened and closed."""
     async with opened(level, text, limits) as run:
         return [frame async for frame in run.each(0, ticks, lambda frame, _mind, _stop: frame)]
 
