@@ -10,12 +10,16 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, TypeAlias, TypeVar
 
 from logical_robots_tui.language import tree
+from logical_robots_tui.language.adapter import types_on_duckdb
 from logical_robots_tui.language.definitions import definitions, prelude, reach, substitutions
 from logical_robots_tui.language.diagnostics import ProgramError
-from logical_robots_tui.language.source_text import diagnostic_for
+from logical_robots_tui.language.error_messages import COMPLAINTS
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
+from logical_robots_tui.language.tree import Span
 from logical_robots_tui.schema import INPUTS, VALUE
 
 N = TypeVar("N", bound=tree.Node)
@@ -156,15 +160,22 @@ TYPES = {
 }
 """Accepted names of types, in upper case, and their name here."""
 
+_UNKNOWN = ("Any", "Singular", "Sequential")
+"""Types of the package's inference that say nothing of a value."""
+
+OPEN_LIST = "Nothing tells what the empty list holds that is read here"
+OPEN_LIST_HINT = 'Give an example, such as [""], or a type: e = {seen: []}, e ~ {seen: [Str]}.'
 CAST_HINT = 'Write TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
 
 
-def spell_out(program: Iterable[tree.Statement], text: str) -> list[tree.Statement]:
+def spell_out(program: Sequence[tree.Statement], source: Prepared) -> list[tree.Statement]:
     """Replace the type in a cast by its text, and `ToString` of a boolean.
 
     Raises:
-        ProgramError: A cast does not have two arguments.
+        ProgramError: A cast does not have two arguments, or the type of an empty list in its
+            example can't be told.
     """
+    examples = _Examples(program, source)
 
     def change(node: tree.Node) -> tree.Node:
         node = tree.rebuild(node, change)
@@ -176,30 +187,120 @@ def spell_out(program: Iterable[tree.Statement], text: str) -> list[tree.Stateme
         if isinstance(node, tree.Call) and node.name in ("Cast", "TryCast"):
             if len(node.arguments) != 2:
                 message = f"{node.name} needs a value and an example of the result"
-                raise ProgramError((diagnostic_for(text, node.name, message, CAST_HINT),))
-            return _with_type_as_text(node)
+                raise ProgramError(
+                    (diagnostic_for(source.original, node.name, message, CAST_HINT),)
+                )
+            return _with_type_as_text(node, examples)
         return node
 
     return [tree.rebuild(statement, change) for statement in program]
 
 
-def _with_type_as_text(cast: tree.Call) -> tree.Call:
+def _with_type_as_text(cast: tree.Call, examples: _Examples) -> tree.Call:
     """Pass the type of a cast as text; in an example, a type becomes a value of that type."""
     value, example = cast.arguments
     assert example.expression is not None
     try:
-        wanted = tree.Text(
-            json.dumps(written_type(example.expression), separators=(",", ":"), ensure_ascii=False)
-        )
+        kind = written_type(example.expression)
     except KeyError:
+        kind = examples.kind(example.expression)
+    if kind is None:
         sample = replace(example, value=_with_samples(example.expression))
         return replace(cast, name="TryCast", arguments=(value, sample))
+    wanted = tree.Text(json.dumps(kind, separators=(",", ":"), ensure_ascii=False))
     given = tree.Record((replace(value, field="v"), tree.Argument("t", wanted)))
     return replace(
         cast,
         name="SqlExpr",
         arguments=tree.arguments({0: tree.Text("try_cast({v}, {t})"), 1: given}),
     )
+
+
+class _Examples:
+    """The types of examples, from all that a program does with them, as DuckDB knows them."""
+
+    def __init__(self, program: Sequence[tree.Statement], source: Prepared) -> None:
+        self._program = program
+        self._source = source
+
+    def kind(self, example: tree.Expression) -> Any:
+        """Return the type of an example, or None if its value is to tell it.
+
+        Raises:
+            ProgramError: It has a list of which nobody says what it holds.
+        """
+        if _tells_its_type(example) or example.span is None:
+            return None
+        kinds = self._kinds.get(example.span, [])
+        if not kinds or any(kind != kinds[0] for kind in kinds):
+            return None
+        try:
+            return _cast_type(kinds[0])
+        except _OpenListError:
+            start, stop = example.span
+            problem = diagnostic_at(
+                self._source.original, start, stop - start, OPEN_LIST, OPEN_LIST_HINT
+            )
+            raise ProgramError((problem,)) from None
+        except KeyError:
+            return None
+
+    @cached_property
+    def _kinds(self) -> dict[Span, list[Any]]:
+        rules = [_name_constants(each) for each in self._program if isinstance(each, tree.Rule)]
+        kinds: dict[Span, list[Any]] = {}
+        try:
+            for span, kind in types_on_duckdb(rules, self._source):
+                kinds.setdefault(span, []).append(kind)
+        except COMPLAINTS:  # as of rules of one predicate with different columns
+            return {}
+        return kinds
+
+
+def _name_constants(rule: tree.Rule) -> tree.Rule:
+    """Let all calls of ``E()`` in a rule be one variable, so that they have one type."""
+    constants: dict[str, tree.Call] = {}
+
+    def change(node: tree.Node) -> tree.Node:
+        if isinstance(node, tree.Call) and not node.arguments:
+            constants[node.name] = node
+            return tree.Variable(f"{node.name}()", span=node.span)
+        return tree.rebuild(node, change)
+
+    named = tree.rebuild(rule, change)
+    if named.body is None:
+        return rule
+    equations = (tree.Equation(tree.Variable(f"{name}()"), constants[name]) for name in constants)
+    return replace(named, body=tree.Conjunction((named.body, *equations)))
+
+
+class _OpenListError(Exception):
+    """Nothing says what a list holds."""
+
+
+def _cast_type(kind: Any) -> Any:
+    """Return a type of the package's inference as `try_cast` reads it.
+
+    Raises:
+        _OpenListError: It has a list of unknown elements.
+        KeyError: It is unknown.
+    """
+    if isinstance(kind, list):
+        (element,) = kind
+        if element in _UNKNOWN:
+            raise _OpenListError
+        return [_cast_type(element)]
+    if isinstance(kind, dict):
+        return {name: _cast_type(kind[name]) for name in sorted(kind)}
+    return TYPES[str(kind).upper()]
+
+
+def _tells_its_type(example: tree.Expression) -> bool:
+    if isinstance(example, tree.Record):
+        return all(a.expression is None or _tells_its_type(a.expression) for a in example.arguments)
+    if isinstance(example, tree.List):
+        return bool(example.elements) and _tells_its_type(example.elements[0])
+    return isinstance(example, tree.Boolean | tree.Number | tree.PredicateName | tree.Text)
 
 
 _SAMPLES: dict[str, tree.Expression] = {

@@ -111,13 +111,13 @@ def compile_statements(
     try:
         expanded = expand_rows(expand_functors([*program]))
         # A grounded predicate is computed once per query instead of in a table.
-        grounded = (
+        grounded = [
             replace(each, name="@With", arguments=each.arguments[:1])
             if isinstance(each, Annotation) and each.name == "@Ground"
             else each
             for each in expanded
-        )
-        spelled = spell_out(grounded, source.original)
+        ]
+        spelled = spell_out(grounded, source)
         own = definitions(spelled)
         library = [rule for rule in prelude() if rule.name not in own]
         iterated, found = fixpoints([*spelled, *library])
