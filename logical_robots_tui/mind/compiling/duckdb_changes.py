@@ -87,6 +87,23 @@ def extract(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     return whole.element if isinstance(whole, ListOf) else Plain.ANY
 
 
+def round_place(cast: exp.Expr, kind: Kind) -> None:
+    """Round a place in a list to the nearest one, halves of real numbers as DuckDB does."""
+    if types.is_whole(kind) or isinstance(cast.this.unnest(), exp.Boolean):
+        return
+    after = exp.Add(this=exp.Paren(this=cast.this.copy()), expression=exp.Literal.number(1))
+    name = "ROUND" if isinstance(kind, Decimal) else "to_whole"
+    cast.set("this", exp.Sub(this=call(name, after), expression=exp.Literal.number(1)))
+
+
+def skip_nulls(node: exp.In, listed: exp.Select) -> None:
+    """Let nothing that is no null be null for being in no list with nulls."""
+    value = sql.expression("value")
+    sql.restrict(listed, exp.Not(this=exp.Is(this=value, expression=exp.Null())))
+    is_null = exp.Is(this=node.this.copy(), expression=exp.Null())
+    node.replace(call("IIF", is_null, exp.Null(), node.copy()))
+
+
 def make_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     """Return the type of a record or list made of values, which are written as JSON."""
     name = sql.call_name(made)

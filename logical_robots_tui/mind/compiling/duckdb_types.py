@@ -16,7 +16,7 @@ from logical_robots_tui.mind.tuning import sql
 
 _GIVE: dict[Kind, tuple[str, ...]] = {
     Plain.TEXT: (
-        *("char", "format", "formatted", "group_concat", "join_list", "lower_text", "ltrim"),
+        *("character", "format", "formatted", "group_concat", "join_list", "lower_text", "ltrim"),
         *("pad_left", "pad_right", "regexp_extract", "repeat_text"),
         *("replace", "reverse", "rtrim", "string_agg", "substr", "substring", "to_text", "trim"),
         *("truth_to_text", "typeof", "upper_text", "lower", "upper", "decimal_to_text", "printf"),
@@ -210,6 +210,8 @@ class _Reader:
                 columns[item.alias_or_name] = self.kind(
                     item.this if isinstance(item, exp.Alias) else item
                 )
+        for ordered in select.find_all(exp.Ordered):
+            ordered.set("nulls_first", False)
         for part in ("where", "having"):
             if (clause := select.args.get(part)) is not None:
                 self.kind(clause.this)
@@ -326,6 +328,8 @@ class _Reader:
             if types.is_nested(looked_for) and calls:
                 listed_values = calls[0].expressions[0].copy()
                 node.replace(changes.call("list_has", listed_values, node.this.copy()))
+            elif calls and not sql.is_condition(node):
+                changes.skip_nulls(node, query.this)
         for item in list(node.expressions):
             self.kind(item)
         return Plain.TRUTH
@@ -334,7 +338,8 @@ class _Reader:
         name = sql.call_name(call)
         if name == "cast":
             (cast,) = call.expressions
-            self.kind(cast.this)
+            if (kind := self.kind(cast.this)) is not Plain.TEXT and cast.alias == "INTEGER":
+                changes.round_place(cast, kind)
             return {"REAL": Plain.REAL, "INTEGER": Plain.WHOLE}.get(cast.alias, Plain.ANY)
         kinds = [self.kind(argument) for argument in call.expressions]
         arguments = call.expressions  # after they were rewritten

@@ -99,9 +99,9 @@ _key = cmp_to_key(in_json)
 
 
 def order(value: Any) -> tuple[int, Any]:
-    """Return a sort key for values of all types: null, numbers, texts, then the rest."""
+    """Return a sort key for values of all types: numbers, texts, the rest, then null."""
     if value is None:
-        return (0, 0)
+        return (4, 0)
     if isinstance(value, int | float):
         return (1, value)
     if isinstance(value, str):

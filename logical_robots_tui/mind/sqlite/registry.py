@@ -34,7 +34,7 @@ class _Collecting:
 
 
 class _Distinct(_Collecting):
-    """`Set`: each value once, in ascending order, without null."""
+    """`Set`: each value once, in ascending order, null last."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -43,7 +43,7 @@ class _Distinct(_Collecting):
     def step(self, value: Scalar) -> int:
         item = element(value)
         key = to_json(item)
-        if item is None or key in self.unique:
+        if key in self.unique:
             return 0
         self.unique[key] = item
         return 2 * self.room.take(key)  # as an item and as a key
@@ -80,7 +80,7 @@ class _Concat(_Collecting):
 
 
 class _Pairs(_Collecting):
-    """An aggregate over pairs; equal values keep their order, nulls are ignored."""
+    """An aggregate over pairs without nulls; equal values keep their order."""
 
     def __init__(
         self, key: Callable[[Any], Any] = casting.order, *, descending: bool = False
@@ -92,7 +92,7 @@ class _Pairs(_Collecting):
 
     def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
         self.count = count
-        if value is None:
+        if value is None or argument is None:
             return 0
         size = self.room.take(value) + self.room.take(argument, 0)
         self.pairs.append((self.key(value), argument))
@@ -114,7 +114,7 @@ class _Array(_Pairs):
 
 
 class _Best:
-    """The argument of the least or greatest value; the first of equal ones, ignoring nulls."""
+    """The argument of the least or greatest value of pairs without nulls; the first of equal ones."""
 
     compares: ClassVar[bool] = True
 
@@ -127,7 +127,7 @@ class _Best:
         self.size = 0
 
     def step(self, argument: Scalar, value: Scalar) -> int:
-        if value is None:
+        if value is None or argument is None:
             return 0
         found = self.key(value)
         if self.best is not None and not (
@@ -303,6 +303,7 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "divide": (2, _divide),
     "formatted": (-1, texts.format_text),
     "generate_array": (-1, _generate),
+    "character": (1, texts.character),
     "ends_with": (2, lambda text, end: int(text.endswith(end))),
     "modulo": (2, _modulo),
     "pad_left": (-1, texts.pad_left),

@@ -84,6 +84,12 @@ def lower(text: str) -> str:
     return text.lower() if text.isascii() else "".join(c.lower()[:1] for c in text)
 
 
+def character(code: int) -> str:
+    """Return a character by its number; U+FFFD if there is none."""
+    is_one = 0 <= code <= sys.maxunicode and not 0xD800 <= code < 0xE000
+    return chr(code) if is_one else "\ufffd"
+
+
 def repeat(text: str, times: float) -> str:
     check_text(len(text) * max(0, int(times)))
     return text * int(times)

@@ -43,7 +43,8 @@ def untie_aggregates(tree: exp.Expr) -> None:
 def native_arg_min(tree: exp.Expr) -> None:
     """ArgMin and ArgMax by SQLite's MIN and MAX, beside which a bare column is of the best row.
 
-    It is of the first of several. Beside a second MIN or MAX it is not said of which row.
+    It is of the first of several. Beside a second MIN or MAX it is not said of which row. A best
+    row whose argument is null does not count, and fails, so that the plain query answers.
     """
     for select in list(tree.find_all(exp.Select)):
         if select.args.get("having") or select.args.get("order"):
@@ -65,7 +66,8 @@ def native_arg_min(tree: exp.Expr) -> None:
         ):
             continue
         for call in best:
-            chosen = f"CASE WHEN NOT {native}(value) IS NULL THEN argument END"
+            none, bad = f"{native}(value) IS NULL", "argument IS NULL"
+            chosen = f"CASE WHEN {none} THEN NULL WHEN {bad} THEN JSON('') ELSE argument END"
             call.replace(sql.expression(chosen, value=value, argument=call.expressions[0]))
 
 

@@ -181,6 +181,14 @@ def conjuncts(select: exp.Select) -> list[exp.Expr]:
     return found
 
 
+def is_condition(node: exp.Expr) -> bool:
+    """Return whether only rows for which an expression is true count, so that null is false."""
+    parent = node.parent
+    while isinstance(parent, exp.Paren | exp.And):
+        parent = parent.parent
+    return isinstance(parent, exp.Where)
+
+
 def restrict(select: exp.Select, condition: exp.Expr) -> None:
     where = select.args.get("where")
     if where is None:

@@ -74,6 +74,13 @@ def test_a_difference_is_told(expression: str, ours: Any, theirs: Any, tmp_path:
     assert f"`{expression}`" in PAGE.read_text(encoding="utf-8")
 
 
+def test_pairs_without_an_argument_are_passed_over(tmp_path: Path) -> None:
+    rules = "V(null, 0); V(3, 1); V(4, 2); V(null, 9);"
+    aggregates = {name: f"{name}{{x -> y :- V(x, y)}}" for name in ("ArgMin", "ArgMax")}
+    text = program(rules, **{name.lower(): text for name, text in aggregates.items()})
+    assert here(text) == there(text, tmp_path) == [(3, 4)]
+
+
 TRY_CASTS = [
     ("memory", "{count: Num, name: Str}", "STRUCT(count DOUBLE, name VARCHAR)"),
     ("memory.plan", "{spot: Str, done: Bool}", "STRUCT(spot VARCHAR, done BOOLEAN)"),
