@@ -47,13 +47,18 @@ def read_ordinary(path: Path, most: int) -> bytes:
         return file.read(most)
 
 
+def decoded(content: bytes) -> str:
+    """Return a file's text without a byte-order mark, lines ended by newlines; or UnicodeError."""
+    return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+
+
 def read_text(path: Path, most: int) -> str:
     """Return a regular file's text in UTF-8, of at most so many bytes; raises OSError."""
     content = read_ordinary(path, most + 1)
     if len(content) > most:
         raise OSError(None, f"it is larger than {most // 10**6} MB")
     try:
-        return content.decode("utf-8-sig").replace("\r\n", "\n")
+        return decoded(content)
     except UnicodeDecodeError:
         raise OSError(None, "it is not UTF-8 text") from None
 

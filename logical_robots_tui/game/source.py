@@ -16,6 +16,7 @@ from logical_robots_tui.language.diagnostics import Names, unknown_names
 from logical_robots_tui.mind import Diagnostic, ProgramError
 from logical_robots_tui.paths import (
     ARENAS,
+    decoded,
     did_you_mean,
     is_file,
     is_folder,
@@ -226,7 +227,7 @@ def _text_of(path: Path, *, pipes: bool = False) -> str:
     if len(raw) > MAX_PROGRAM_BYTES:
         raise InputError("is larger than 1 MB", place=place, hint="A program is a short text.")
     try:
-        text = raw.decode("utf-8-sig")
+        text = decoded(raw)
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         place += f", line {line}"
@@ -234,7 +235,7 @@ def _text_of(path: Path, *, pipes: bool = False) -> str:
         raise InputError("is not UTF-8 text", place=place, hint=hint) from error
     if "\0" in text:
         raise InputError("is a binary file, not a program", place=place)
-    return text.replace("\r\n", "\n")
+    return text
 
 
 def target(

@@ -22,7 +22,7 @@ from logical_robots_tui.lab.archives import (
     unpack,
 )
 from logical_robots_tui.language.diagnostics import printable
-from logical_robots_tui.paths import is_folder, read_ordinary
+from logical_robots_tui.paths import decoded, is_folder, read_ordinary
 from logical_robots_tui.wording import join_names
 
 MOST_BYTES = 1_000_000
@@ -141,7 +141,7 @@ class Submission:
 
 def _text(content: bytes) -> str:
     try:
-        text = content.decode("utf-8-sig").replace("\r\n", "\n")
+        text = decoded(content)
     except UnicodeDecodeError:
         raise ValueError("it is not UTF-8 text") from None
     if "\0" in text:

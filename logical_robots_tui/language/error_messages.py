@@ -272,7 +272,6 @@ _PLAIN = (
 
 
 _FOREIGN = (
-    (r"[\u2018\u2019\u201c\u201d]", "Write plain quotes: '...' or \"...\"."),
     (r"\A(//|--|/\*)", "Comments begin with '#'."),
     (r"\n(?P<next>[A-Z@]\w*)", "Rules end with ';'. Is one missing before {next}?"),
     (r"\bel(s?if|seif)\b", "Write 'else if', as in (if a < b then c else if d then e else f)."),

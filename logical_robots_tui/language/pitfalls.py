@@ -62,6 +62,7 @@ class _Finder:
     def in_rule(self, rule: tree.Rule) -> Iterator[Diagnostic]:
         in_body = _mentions(tree.conjuncts(rule.body))
         in_rule = in_body + _mentions(rule.head)
+        yield from self._unbound(rule, in_rule)
         marked: set[int] = set()  # nodes that are part of what was marked before
         for node, is_test in _in_tests(rule):
             if id(node) in marked:
@@ -84,6 +85,15 @@ class _Finder:
             yield from self._unknown_sign(node)
         for node in tree.walk(tree.conjuncts(rule.body)):
             yield from self._called_aggregate(node)
+
+    def _unbound(self, rule: tree.Rule, in_rule: Counter[str]) -> Iterator[Diagnostic]:
+        """Yield a warning for each column that is nothing but a variable without a value."""
+        for column in rule.head.columns if rule.body is not None else ():
+            name = tree.variable_of(column.value)
+            if name and in_rule[name] == 1 and column.value.span is not None:
+                message = f"No condition gives {name} a value, so every value matches"
+                hint = f"Say what it is in the body, {name} = ..., or leave it out of the head."
+                yield self._warning(column.value.span, message, hint)
 
     # -- '=' and '->' beside operators that are read later -----------------------------------------
 

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import islice
 from sys import maxunicode
 from typing import Literal, NamedTuple
 
+from logical_robots_tui.language.characters import foreign, with_plain_spaces
 from logical_robots_tui.language.diagnostics import Diagnostic
 
 _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
@@ -17,6 +19,8 @@ _CLOSES = {")": "(", "}": "{", "]": "["}
 _NESTING = dict.fromkeys(_CLOSES, -1) | dict.fromkeys(_CLOSES.values(), 1)
 _BRACKET = re.compile(r"[(){}\[\]]")
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
+_QUOTED_NAME = re.compile(r"`[^`\n]*`?")
+_MOST_FOREIGN = 25  # pieces that are reported
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
 _TOKEN = re.compile(
     r"(?P<comment>#[^\n]*|/\*(?:.*?\*/|.*))"
@@ -66,6 +70,7 @@ class Prepared(NamedTuple):
 
 def prepare(source: str) -> Prepared:
     """Blank comments, check brackets and quotes, allow a space between an aggregate and ``{``."""
+    source = source.replace("\r\n", " \n").replace("\r", "\n")
     kept: list[str] = []
     skeleton: list[str] = []
     brackets = _Brackets(source)
@@ -78,11 +83,15 @@ def prepare(source: str) -> Prepared:
             brackets.text(at, token)
         elif kind == "sign":
             brackets.see(at, token)
+        elif kind is None:
+            token = with_plain_spaces(token)
         kept.append(blank if kind == "comment" else _in_double_quotes(token))
         is_blank = kind == "comment" or (kind == "text" and token[0] != "`")
         skeleton.append(blank if is_blank else token)
     brackets.end_statement()
     bare = "".join(skeleton)
+    for piece in islice(foreign(_QUOTED_NAME.sub(_blanked, bare)), _MOST_FOREIGN):
+        brackets.report(piece.start, len(piece.text), piece.message, piece.hint)
     for found in _IMPORT.finditer(bare):
         hint = "Copy the predicates that you need into this program."
         brackets.report(found.start(1), 6, "Robots can't import other files", hint)
@@ -95,6 +104,10 @@ def prepare(source: str) -> Prepared:
     text = "".join(pieces) + text[at:]
     places, ends = tuple(brackets.places), tuple(brackets.ends)
     return Prepared(source, text, bare, tuple(brackets.problems), places, ends)
+
+
+def _blanked(found: re.Match[str]) -> str:
+    return " " * len(found.group())
 
 
 def statements(source: Prepared) -> Iterator[tuple[int, int]]:

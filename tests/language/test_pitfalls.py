@@ -14,7 +14,7 @@ from logical_robots_tui.language.source_text import prepare
 COMPARING = ["<", ">", "<=", ">=", "==", "!=", "in", "is", "is not"]
 OPERATORS = [*COMPARING, "&&", "||", "->", "++", "+", "-", "*", "/", "%", "^"]
 PLACES = [
-    *("P(y) :- {};", "P(y) :- Q(y), {}, Q(y);", "P(y) :- Q(y) | {};", "P(y) :- ~({});"),
+    *("P() :- {};", "P(y) :- Q(y), {}, Q(y);", "P(y) :- Q(y) | {};", "P() :- ~({});"),
     *("P(y) :- y == {{f: {}}};", "P(y) :- y == [{}];", "P(y) :- y == F({});"),
     *("P(y) :- y == F(n: {});", "P(y) :- y == Sum{{1 :- z in [1], {}}};"),
     *("P(y) :- y == List{{{} :- z in [1]}};", "P(n: {});", "P(n? Max= ({})) distinct;"),
@@ -118,7 +118,7 @@ BRANCHES = "P(y) :- y == (if c then x = 1 else x = 2);"
         ("P(y) :- y == Count(list);", "Count(...) aggregates a single", "Count{x :- x in list}"),
         ("P(y) :- y -= 1;", "There is no -= in Logica", "y = x - 1"),
         ("P(y) :- y /= 1;", "There is no /= in Logica", "Write !="),
-        ("Q(n: 1); P(y) :- Q(n = 1);", "'=' does not name a column", "Write n: 1."),
+        ("Q(n: 1); P() :- Q(n = 1);", "'=' does not name a column", "Write n: 1."),
         ("P(n = 1);", "'=' does not name a column", "Write n: 1."),
         ("P(n: {m = 1});", "'=' does not name a field of a record", "Write m: 1."),
         ("P(y) :- Q(y, z), z != null;", "A comparison with null never holds", "z is not null"),

@@ -17,20 +17,24 @@ are computed from them within a step.
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 from sqlglot import exp
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.checks import MOST_STEPS
-from logical_robots_tui.language.definitions import functor_names, names_used
+from logical_robots_tui.language.definitions import functor_names, names_used, rules_of
 from logical_robots_tui.language.expansion import rename
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
+
+_MOST_ALTERNATIVES = 50  # of one rule
 
 DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 
@@ -77,15 +81,62 @@ def fixpoints(program: Sequence[tree.Statement]) -> tuple[list[tree.Statement], 
     Returns:
         The program, with rules for one step in place of each recursion; and the recursions.
     """
-    own: dict[str, list[tree.Rule]] = {}
-    for each in program:
-        if isinstance(each, tree.Rule):
-            own.setdefault(str(each.name), []).append(each)
+    program = _with_alternatives_as_rules(program)
+    own = _rules_by_name(program)
     search = _Search(program, own)
     annotated = {each.subject for each in program if isinstance(each, tree.Annotation)}
     for name in sorted(own, key=lambda name: name not in annotated):  # those may have satellites
         search.extract(name)
     return search.statements, search.found
+
+
+def _rules_by_name(program: Sequence[tree.Statement]) -> dict[str, list[tree.Rule]]:
+    own: dict[str, list[tree.Rule]] = {}
+    for rule in rules_of(program):
+        own.setdefault(str(rule.name), []).append(rule)
+    return own
+
+
+def _uses(own: Mapping[str, Sequence[tree.Rule]]) -> dict[str, set[str]]:
+    return {n: {str(c) for c in names_used(rules) if c in own} for n, rules in own.items()}
+
+
+def _with_alternatives_as_rules(program: Sequence[tree.Statement]) -> list[tree.Statement]:
+    """Let each alternative in a rule of a recursion be a rule, so that some can begin it."""
+    uses = _uses(_rules_by_name(program))
+    recursive = {name for name in uses if name in _below(name, uses)}
+    statements: list[tree.Statement] = []
+    for statement in program:
+        if isinstance(statement, tree.Rule) and statement.name in recursive:
+            statements += _alternative_rules(statement)
+        else:
+            statements.append(statement)
+    return statements
+
+
+def _alternative_rules(rule: tree.Rule) -> list[tree.Rule]:
+    if rule.body is None or _count(rule.body) > _MOST_ALTERNATIVES:
+        return [rule]
+    return [replace(rule, body=body) for body in _alternatives(rule.body)]
+
+
+def _count(body: tree.Proposition) -> int:
+    """Return the number of alternatives."""
+    if isinstance(body, tree.Disjunction):
+        return sum(map(_count, body.alternatives))
+    return math.prod(map(_count, body.members)) if isinstance(body, tree.Conjunction) else 1
+
+
+def _alternatives(body: tree.Proposition) -> Iterator[tree.Proposition]:
+    """Yield the bodies, without ``|`` outside of negations, that hold if and only if one does."""
+    if isinstance(body, tree.Disjunction):
+        for alternative in body.alternatives:
+            yield from _alternatives(alternative)
+    elif isinstance(body, tree.Conjunction):
+        for members in product(*map(list, map(_alternatives, body.members))):
+            yield replace(body, members=members)
+    else:
+        yield body
 
 
 class _Search:
@@ -97,7 +148,7 @@ class _Search:
         self.statements = list(program)
         self.found: list[Fixpoint] = []
         self._own = own
-        self._uses = {n: {str(c) for c in names_used(mine) if c in own} for n, mine in own.items()}
+        self._uses = _uses(own)
         self._annotations = [each for each in program if isinstance(each, tree.Annotation)]
         self._done: set[str] = set()
         made = functor_names(program)

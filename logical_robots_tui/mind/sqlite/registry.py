@@ -114,7 +114,7 @@ class _Array(_Pairs):
 
 
 class _Best:
-    """The argument of the least or greatest value of pairs without nulls; the first of equal ones."""
+    """The argument of the least or greatest value, the first of equal ones; nulls are ignored."""
 
     compares: ClassVar[bool] = True
 
@@ -310,7 +310,7 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "pad_right": (-1, texts.pad_right),
     "regexp_extract": (2, texts.regexp_extract),
     "repeat_text": (2, texts.repeat),
-    "reverse": (1, lambda text: text[::-1]),
+    "reverse": (1, texts.reverse),
     "list_has": (2, _has),
     "lower_text": (1, texts.lower),
     "round_to": (2, texts.round_to),

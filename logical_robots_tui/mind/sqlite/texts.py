@@ -90,6 +90,15 @@ def character(code: int) -> str:
     return chr(code) if is_one else "\ufffd"
 
 
+def reverse(text: str) -> str:
+    """Return a text backwards, with marks after the letters that they belong to."""
+    if text.isascii():
+        return text[::-1]
+    from wcwidth import iter_graphemes  # here, because hardly a program needs it
+
+    return "".join(list(iter_graphemes(text))[::-1])
+
+
 def repeat(text: str, times: float) -> str:
     check_text(len(text) * max(0, int(times)))
     return text * int(times)

@@ -18,6 +18,7 @@ from textual.strip import Strip
 from textual.theme import Theme
 from textual.widgets import TextArea
 from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
+from wcwidth import iter_graphemes
 
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.program.completion import (
@@ -95,6 +96,7 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
 
 _A_PASTE = 0.005  # keys that follow each other faster, in seconds, were not typed
 _A_PAUSE = 0.05  # seconds after the last key of a burst
+_LONGEST_CLUSTER = 64  # code points of what is seen as one character
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
 _UNFINISHED = re.compile(r"(?:\w|\w\.)$")
@@ -345,6 +347,18 @@ class Editor(TextArea):
         else:
             changed = [f"# {line}" if line.strip() else line for line in lines]
         self._change_lines(changed)
+
+    def get_cursor_left_location(self) -> tuple[int, int]:
+        row, column = self.cursor_location
+        before = self.document.get_line(row)[max(0, column - _LONGEST_CLUSTER) : column]
+        *_, last = ["", *iter_graphemes(before)]
+        return (row, column - len(last)) if last else super().get_cursor_left_location()
+
+    def get_cursor_right_location(self) -> tuple[int, int]:
+        row, column = self.cursor_location
+        after = self.document.get_line(row)[column : column + _LONGEST_CLUSTER]
+        first = next(iter_graphemes(after), "")
+        return (row, column + len(first)) if first else super().get_cursor_right_location()
 
     def action_indent(self) -> None:
         start, end = self.selection

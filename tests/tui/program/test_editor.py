@@ -100,6 +100,20 @@ async def test_thousands_of_lines_are_pasted_undone_and_edited_without_a_hang(co
             assert desk.editor.text == edited
 
 
+async def test_a_key_steps_over_and_deletes_what_is_seen_as_one_character() -> None:
+    async with writing("") as desk:
+        for cluster in ("〽️", "👨‍👩‍👧", "🇩🇪", "👍🏽", "e\u0301", "a"):
+            await desk.load(f"é{cluster}🇫🇷\nx", 0, 1)
+            await desk.type("right")
+            assert desk.editor.cursor_location == (0, 1 + len(cluster))
+            await desk.type("left")
+            assert desk.editor.cursor_location == (0, 1)
+            await desk.type("delete", "right", "backspace")
+            assert desk.editor.text == "é\nx"
+            await desk.type("right", "left", "backspace", "backspace", "backspace")
+            assert desk.editor.text == "\nx"
+
+
 async def test_what_is_odd_in_a_text_is_shown_as_it_is() -> None:
     async with writing("a\x1b[2Jb\x07[bold]c\n") as desk:
         assert "a␛[2Jb␇[bold]c" in desk.screen()
