@@ -38,9 +38,10 @@ _BLOCKED = frozenset((*_HEARD, signal.SIGTTOU))  # blocked, it does not stop who
 _PLAIN_SCREEN = (
     "\x1b[?2026l"  # no synchronized output
     "\x1b[?1000l\x1b[?1002l\x1b[?1003l\x1b[?1006l\x1b[?1015l\x1b[?1016l"  # no mouse
-    "\x1b[?1004l\x1b[?2004l\x1b[?2048l\x1b[<u"  # no focus, pastes, sizes or keys as sequences
-    "\x1b[?1049l\x1b[0m\x1b[?7h\x1b[?25h"  # the shell's screen, colours, wrapping and cursor
+    "\x1b[?1004l\x1b[?2004l\x1b[?2048l"  # no focus, pastes or sizes as sequences
+    "{keys}\x1b[?1049l\x1b[0m\x1b[?7h\x1b[?25h"  # the shell's screen, colours, wrapping and cursor
 )
+_PLAIN_KEYS = "\x1b[<u"  # which a shell may have, too, so only after a screen was opened
 _FAULTS = {"SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT", "SIGTRAP", "SIGSYS"}
 _KEPT = "Unsaved text is kept. Start the game again to go on."
 
@@ -229,7 +230,8 @@ class _Supervisor:
         with suppress(termios.error, OSError):
             # Where nobody reads what the game has drawn, a write would wait for that.
             termios.tcflush(1, termios.TCOFLUSH)
-            os.write(1, _PLAIN_SCREEN.encode())
+            keys = _PLAIN_KEYS if self._shared[BEATS] and not self._shared[AWAY] else ""
+            os.write(1, _PLAIN_SCREEN.format(keys=keys).encode())
         self._set_terminal(self._terminal)
         with suppress(termios.error):
             termios.tcflush(0, termios.TCIFLUSH)

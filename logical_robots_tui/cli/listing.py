@@ -192,6 +192,7 @@ def _terminal() -> Iterator[Fact]:
         assume_colours,
         drawing_for,
         may_use_mouse,
+        writes_utf_8,
     )
 
     environ = dict(os.environ)
@@ -209,7 +210,7 @@ def _terminal() -> Iterator[Fact]:
     colours = "none (NO_COLOR)" if colourless else _colours(console.color_system)
     yield "colours", colours, ""
     encoding = console.encoding
-    poor = "" if "utf" in encoding.lower() else "ASCII only; set LANG to a UTF-8 locale"
+    poor = "" if writes_utf_8(encoding) else "ASCII only; set LANG to a UTF-8 locale"
     yield "encoding", encoding, poor
     drawing = drawing_for(environ, console.color_system, encoding, colourless=colourless)
     yield "drawing", drawing.value, ""

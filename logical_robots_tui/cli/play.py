@@ -191,9 +191,10 @@ def _prepare_screen() -> None:
             + (f" for standard {' and '.join(elsewhere)} too." if some else "."),
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
-    from logical_robots_tui.tui.terminal.capabilities import assume_colours
+    from logical_robots_tui.tui.terminal.capabilities import assume_colours, replace_unwritable
 
     assume_colours(os.environ)
+    replace_unwritable(sys.__stderr__)  # to which the screen is written
     # The terminal knows its size better than a shell that once exported it.
     for name in ("COLUMNS", "LINES"):
         os.environ.pop(name, None)

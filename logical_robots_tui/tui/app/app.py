@@ -30,7 +30,13 @@ from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-from logical_robots_tui.tui.terminal.capabilities import drawing_for, may_use_mouse
+from logical_robots_tui.tui.terminal.capabilities import (
+    NOT_UTF_8,
+    drawing_for,
+    may_use_mouse,
+    screen_encoding,
+    writes_utf_8,
+)
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
@@ -118,6 +124,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
                 self._follow(row.name, getattr(self._settings, row.name))
         for complaint in self._settings.complaints[:_COMPLAINTS]:
             self.main.warn(complaint)
+        if not writes_utf_8(screen_encoding()):
+            self.main.warn(NOT_UTF_8)
 
     def _end_if_asked(self) -> None:
         if self._games is not None and self._games.is_to_end:
@@ -228,7 +236,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     @property
     def _suited_drawing(self) -> Drawing:
         return drawing_for(
-            os.environ, self.console.color_system, self.console.encoding, colourless=self.no_color
+            os.environ, self.console.color_system, screen_encoding(), colourless=self.no_color
         )
 
     def save_unsaved(self) -> None:

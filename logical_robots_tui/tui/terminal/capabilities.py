@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+import unicodedata
+from codecs import register_error
 from collections.abc import Mapping, MutableMapping
+from io import TextIOWrapper
 from typing import TYPE_CHECKING
+
+from rich.cells import cell_len
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -37,11 +43,54 @@ def drawing_for(
         Drawing,  # slow to load because of numpy
     )
 
-    if colourless or colours not in ("truecolor", "256") or "utf" not in encoding.lower():
+    if colourless or colours not in ("truecolor", "256") or not writes_utf_8(encoding):
         return Drawing.ASCII
     if environ.get("TERM", "").lower().startswith(_POOR_FONTS):
         return Drawing.HALVES
     return Drawing.QUADRANTS
+
+
+NOT_UTF_8 = "This locale is not UTF-8: all is drawn in ASCII. LANG=C.UTF-8 shows it as it is."
+
+
+def screen_encoding() -> str:
+    """Return the encoding of what the screen is written to."""
+    return getattr(sys.__stderr__, "encoding", None) or "utf-8"
+
+
+def writes_utf_8(encoding: str) -> bool:
+    return "utf" in encoding.lower()
+
+
+def replace_unwritable(file: object) -> None:
+    """Let a file write what its encoding lacks as ASCII characters, each as wide as it was."""
+    if isinstance(file, TextIOWrapper) and not writes_utf_8(file.encoding):
+        register_error(_AS_ASCII, _as_ascii)
+        file.reconfigure(errors=_AS_ASCII)
+
+
+_AS_ASCII = "logical-robots-ascii"
+_SIGNS = (
+    *((" AND ", "+"), ("HORIZONTAL", "-"), ("VERTICAL", "|"), ("DASH", "-"), ("QUOTATION", '"')),
+    *(("BLOCK", "#"), ("SHADE", "#"), ("QUADRANT", "#"), ("SQUARE", "#"), ("LEFT", "<")),
+    *(("RIGHT", ">"), ("UP", "^"), ("DOWN", "v"), ("CIRCLE", "o"), ("DOT", "."), ("CHECK", "v")),
+)
+"""Words in the names of characters, and what resembles these."""
+
+
+def _as_ascii(error: UnicodeError) -> tuple[str, int]:
+    assert isinstance(error, UnicodeEncodeError)
+    text = error.object[error.start : error.end]
+    return "".join(cell_len(character) * _sign(character) for character in text), error.end
+
+
+def _sign(character: str) -> str:
+    base = unicodedata.normalize("NFKD", character)[0]
+    if base.isascii():
+        return base
+    name = unicodedata.name(character, "")
+    other = "?" if character.isalpha() else "*"
+    return next((sign for word, sign in _SIGNS if word in name), other)
 
 
 def may_use_mouse(environ: Mapping[str, str]) -> bool:

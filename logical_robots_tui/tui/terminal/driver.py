@@ -14,7 +14,7 @@ from functools import cache
 from time import monotonic
 from typing import Any, Protocol, runtime_checkable
 
-from textual import events
+from textual import constants, events
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
@@ -186,6 +186,8 @@ LARGEST = (1000, 400)
 """Columns and lines of the largest screen that is drawn."""
 
 _LAST_ANSWER = 0.5  # seconds to wait for it before another program gets the terminal
+_MOST_PATIENCE = 5.0  # seconds to wait for it where answers take long
+_END_OF_KEY_PROTOCOL = "\x1b[<u"
 
 _CHUNK = 4096
 _LOOK_UP_EVERY = 0.1  # seconds
@@ -221,7 +223,8 @@ class ListeningDriver(LinuxDriver):
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self._asked = 0
+        self._asked: deque[float] = deque()  # when
+        self._slowest = 0.0  # seconds until an answer
         self._under_way = 0
         self._all_answered = threading.Condition()
         self._heard_at: float | None = None  # since it has answered once
@@ -235,14 +238,20 @@ class ListeningDriver(LinuxDriver):
     def ask(self, text: str) -> None:
         """Write text that ends in a query to the terminal."""
         with self._all_answered:
-            self._asked += 1
+            self._asked.append(monotonic())
         self.write(text)
+
+    def write(self, data: str) -> None:
+        """Write to the terminal; no end of its key protocol where that was never begun."""
+        if data != _END_OF_KEY_PROTOCOL or not constants.DISABLE_KITTY_KEY:
+            super().write(data)
 
     def disable_input(self) -> None:
         """Stop reading after any pending answers, so that the next program doesn't get them."""
         with self._all_answered:
-            self._all_answered.wait_for(lambda: not self._asked, _LAST_ANSWER)
-            self._asked = 0
+            patience = min(max(_LAST_ANSWER, 2 * self._slowest), _MOST_PATIENCE)
+            self._all_answered.wait_for(lambda: not self._asked, patience)
+            self._asked.clear()
         super().disable_input()
 
     def _sigcont_application(self, *_: object) -> None:
@@ -344,8 +353,9 @@ class ListeningDriver(LinuxDriver):
     def _hear(self, answers: int) -> None:
         """Post answers, at most as many as there were queries."""
         with self._all_answered:
-            heard = min(answers, self._asked)
-            self._asked -= heard
+            heard = min(answers, len(self._asked))
+            for _ in range(heard):
+                self._slowest = max(self._slowest, monotonic() - self._asked.popleft())
             self._all_answered.notify_all()
         for _ in range(heard):
             self.process_message(events.CursorPosition(0, 0))

@@ -4,12 +4,18 @@ import os
 import shutil
 import subprocess
 import sys
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.tui.labyrinth.drawing import Drawing
-from logical_robots_tui.tui.terminal.capabilities import assume_colours, drawing_for, may_use_mouse
+from logical_robots_tui.tui.terminal.capabilities import (
+    assume_colours,
+    drawing_for,
+    may_use_mouse,
+    replace_unwritable,
+)
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
@@ -52,6 +58,35 @@ def test_the_mouse_is_left_alone_where_it_would_take_the_escape_key() -> None:
     ):
         assert may_use_mouse({"TERM": term, **within}) is is_used, (term, within)
     assert may_use_mouse({})
+
+
+LATIN = {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C", "LANG": "C"}
+
+
+def test_where_the_locale_is_not_utf_8_all_is_drawn_in_ascii_and_the_game_says_so(
+    tmp_path: Path,
+) -> None:
+    command = [sys.executable, "-m", "logical_robots_tui", "play", "02-open-space"]
+    with Terminal([*command, "--data-dir", tmp_path], env=LATIN) as terminal:
+        terminal.wait_for("This locale is not UTF-8")
+        assert terminal.everything.isascii()
+        assert "\\u" not in terminal.everything
+        assert "| Bring Ada through" in terminal.text
+        terminal.send("q")
+        assert terminal.finish() == 0
+
+
+@pytest.mark.parametrize(
+    ("encoding", "written"),
+    [("ascii", "-|+#<v.*?? e"), ("latin-1", "-|+#<v·*?? é"), ("utf-8", "─│┼█←▼·★漢 é")],
+)
+def test_what_an_encoding_lacks_is_written_as_wide_as_it_was(encoding: str, written: str) -> None:
+    content = BytesIO()
+    file = TextIOWrapper(content, encoding, errors="backslashreplace")
+    replace_unwritable(file)
+    file.write("─│┼█←▼·★漢 é")
+    file.flush()
+    assert content.getvalue().decode(encoding) == written
 
 
 @pytest.mark.skipif(

@@ -3,7 +3,10 @@
 import asyncio
 import os
 import signal
+import sys
 from pathlib import Path
+from time import monotonic
+from typing import Self
 
 import pytest
 from textual import events
@@ -11,6 +14,7 @@ from textual.app import App
 
 from logical_robots_tui.tui.terminal import diff_app as sparing
 from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
+from tests.terminal import Terminal
 from tests.tui.conftest import opened
 
 
@@ -51,6 +55,45 @@ async def test_answers_decide_what_is_sent(data_dir: Path, monkeypatch: pytest.M
         monkeypatch.setattr(driver, "silence", 0.0)
         game.app.redraw()
         await game.until(lambda: written)
+
+
+class LateTerminal(Terminal):
+    """Answers long after it was asked."""
+
+    SECONDS = 1.5
+
+    def __enter__(self) -> Self:
+        self._due: list[float] = []
+        return super().__enter__()
+
+    def _read(self, deadline: float) -> bool:
+        soon = min([deadline, *self._due[:1]])
+        is_open = super()._read(soon)
+        while self._due and self._due[0] <= monotonic():
+            del self._due[0]
+            super().send("\x1b[1;1R")
+        return is_open
+
+    def send(self, keys: str) -> None:
+        answers = keys.count("\x1b[1;1R")
+        self._due += [monotonic() + self.SECONDS] * answers
+        if keys and not answers:
+            super().send(keys)
+
+
+AFTERWARDS = "stty raw -echo min 0 time 30; echo left $(dd bs=99 count=1 2>/dev/null | od -An -c) ;"
+
+
+@pytest.mark.slow
+def test_answers_that_come_late_are_not_left_for_the_shell(tmp_path: Path) -> None:
+    play = f"{sys.executable} -m logical_robots_tui play 02-open-space --data-dir {tmp_path}"
+    with LateTerminal(["sh", "-c", f"{play}; {AFTERWARDS}"]) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send(" ")
+        terminal.wait_for("tick 40")
+        terminal.send("q")
+        terminal.finish()
+        assert terminal.everything.rpartition("left")[2].strip() == ""
 
 
 async def test_a_mistake_in_the_reader_thread_ends_the_app(monkeypatch: pytest.MonkeyPatch) -> None:
