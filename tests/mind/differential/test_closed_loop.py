@@ -12,26 +12,41 @@ from hypothesis import settings
 
 from logical_robots_tui import World, load_level
 from logical_robots_tui.mind import Limits, Mind, Program
+from tests.mind.differential import remembering
 from tests.mind.differential.duckdb_reference import Reference
 from tests.mind.differential.whole_programs import ASKED, engines, same_memory, told
 
-PROGRAMS = sorted((Path(__file__).parent / "closed_loop").glob("*.l"))
-TICKS = [min(40, 2 * settings().max_examples), pytest.param(1_000, marks=pytest.mark.proof)]
+FILES = sorted((Path(__file__).parent / "closed_loop").glob("*.l"))
+PROGRAMS = {**{path.stem: path.read_text("utf-8") for path in FILES}, **remembering.PROGRAMS}
+FEW = (*(path.stem for path in FILES), *list(remembering.PROGRAMS)[::5])
+"""What is not left to long proofs."""
+
+TICKS = {False: min(40, 2 * settings().max_examples), True: 8}
+"""For programs from files and generated ones, whose lists are filled and emptied in eight."""
+
 ROBOTS = 3
 """No more of the level's think: DuckDB is asked for all of them in each tick."""
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("ticks", TICKS)
-@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
-def test_a_robot_remembers_and_decides_as_on_duckdb(path: Path, ticks: int, tmp_path: Path) -> None:
-    text = path.read_text("utf-8")
+@pytest.mark.parametrize("name", FEW)
+def test_a_robot_remembers_and_decides_as_on_duckdb(name: str, tmp_path: Path) -> None:
+    assert_alike(PROGRAMS[name], TICKS[name in remembering.PROGRAMS], tmp_path)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_robot_goes_on_as_on_duckdb(name: str, tmp_path: Path) -> None:
+    assert_alike(PROGRAMS[name], 500, tmp_path)
+
+
+def assert_alike(text: str, ticks: int, folder: Path) -> None:
     world = World(load_level("10-distributed-mapping"))
     mind = Mind(Program.compile(text), "all", "all", Limits(think_seconds=10))
     names = [robot.name for robot in world.level.robots[:ROBOTS]]
     ours: dict[str, Any] = dict.fromkeys(names, "")
     theirs = dict(ours)
-    reference = Reference(ASKED.format(text), "Answer", tmp_path)
+    reference = Reference(ASKED.format(text), "Answer", folder)
     for tick in range(1, ticks + 1):
         rows: Any = [row for row in world.sense() if row["robot_name"] in names]
         answer = reference.answer(rows, theirs)
