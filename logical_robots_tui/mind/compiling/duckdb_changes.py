@@ -97,7 +97,7 @@ def round_place(cast: exp.Expr, kind: Kind) -> None:
 
 
 def skip_nulls(node: exp.In, listed: exp.Select) -> None:
-    """Let nothing that is no null be null for being in no list with nulls."""
+    """Let a value be null in no list but for being null: other nulls in the list do not count."""
     value = sql.expression("value")
     sql.restrict(listed, exp.Not(this=exp.Is(this=value, expression=exp.Null())))
     is_null = exp.Is(this=node.this.copy(), expression=exp.Null())
