@@ -70,7 +70,7 @@ def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explana
     )
 
 
-_MOST_OTHERS = 50  # rows among which another derivation is sought
+_MOST_OTHERS = 50  # rows among which another derivation is sought, derivations that are counted
 _DEEPEST = 5  # functions that call functions, in the search for an empty aggregation
 
 
@@ -170,8 +170,14 @@ class _Proving:
         if is_aggregated(rule):
             ways = list(self._ways(rule, row, MOST_ELEMENTS + 1))
             return tuple(self._aggregated(ways, row)) if ways else None
-        first = next(self._ways(rule, row), None)
-        return first and (*self._telling.row(*first, row), *self._telling.derivation(*first))
+        ways = list(self._ways(rule, row, _MOST_OTHERS if self._probing.distinct else 1))
+        if not ways:
+            return None
+        nodes = (*self._telling.row(*ways[0], row), *self._telling.derivation(*ways[0]))
+        if number := len(ways) - 1:
+            others = number_of(number, "other derivation", is_all=len(ways) < _MOST_OTHERS)
+            nodes = (*nodes, Node("note", f"This row has {others} by this rule"))
+        return nodes
 
     def _of_other_row(self, rule: RuleParts) -> tuple[Node, ...]:
         """Return the derivation of a row that this rule gives and that does not count."""
