@@ -1,0 +1,21 @@
+"""Of a row with several derivations one is shown, and the others are counted."""
+
+import pytest
+
+from tests.explain.asking import why
+
+EDGES = "E(x, x + 1) :- x in [1, 2, 3, 4];"
+AS_ALTERNATIVES = "Way(x, y) distinct :- E(x, y) | Way(x, z), Way(z, y);"
+AS_RULES = "Way(x, y) distinct :- E(x, y); Way(x, y) distinct :- Way(x, z), Way(z, y);"
+
+
+@pytest.mark.parametrize("rules", [AS_ALTERNATIVES, AS_RULES])
+@pytest.mark.parametrize(
+    ("end", "note"),
+    [(2, None), (3, None), (4, "1 other derivation"), (5, "2 other derivations")],
+)
+def test_the_other_derivations_of_a_row_are_counted(rules: str, end: int, note: str | None) -> None:
+    explanation = why(EDGES + rules, "Way", given={"x": 1, "y": end})
+    (rule,) = (rule for rule in explanation.rules if rule.row is not None)
+    notes = [node.text for _, node in rule.node.walk() if node.kind == "note"]
+    assert notes == ([f"This row has {note} by this rule"] if note else [])
