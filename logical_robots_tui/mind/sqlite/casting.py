@@ -207,6 +207,8 @@ def _parse(value: Any) -> Any:
 
 
 def _number(value: Any) -> float | None:
+    if isinstance(value, str) and not value.isascii():
+        return None  # Python reads digits of all scripts
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):
