@@ -20,7 +20,6 @@ from logical_robots_tui.language.definitions import (
     names_used,
     parameters,
     prelude,
-    reach,
     rules_of,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, distance
@@ -76,7 +75,6 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
     problems = [
         *parsed.problems,
         *_annotations(program, text),
-        *_stops_with_limits(program, text),
         *_redefinitions(program, text),
         *_names(program, text, parsed.doubtful, runs),
         *collisions(program, text),
@@ -175,21 +173,6 @@ def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
             message = f"@Recursive can't use this value of {argument.field}"
             hint = f"It is one of {', '.join(MODES)}." if argument.field == "mode" else ""
             yield diagnostic_for(text, annotation.name, message, hint or f"For example: {_OPTIONS}")
-
-
-def _stops_with_limits(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    own = definitions(program)
-    annotations = [each for each in program if isinstance(each, tree.Annotation)]
-    limited = {each.subject for each in annotations if each.name == "@Limit"}
-    for annotation in annotations:
-        name = annotation.subject
-        if name not in own or all(argument.field != "stop" for argument in annotation.arguments):
-            continue
-        around = {name, *(n for n in reach(own[name], own) if name in reach(own.get(n, ()), own))}
-        if around & limited:
-            message = "A recursion with stop: can't have @Limit"
-            hint = f"Limit a predicate that reads {name}."
-            yield diagnostic_for(text, annotation.name, message, hint)
 
 
 _ARGUMENTS: dict[str, tuple[type[tree.Expression], str, str]] = {

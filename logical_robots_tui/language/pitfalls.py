@@ -35,7 +35,7 @@ CALLED_AGGREGATE = "(...) aggregates a single value"
 
 
 def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Diagnostic]:
-    """Yield a warning for each such place.
+    """Yield a diagnostic for each such place.
 
     Above all, ``a = b < c`` is ``(a = b) < c``: of the operators, the parser reads `=` before
     comparisons, `&&`, `||` and `->`. The value of an equation is that of its right side.
@@ -44,6 +44,7 @@ def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Di
     for rule in rules_of(program):
         yield from finder.in_rule(rule)
     yield from _own_negations(program, source.original)
+    yield from _stops_with_limits(program, source.original)
 
 
 class _Finder:
@@ -311,6 +312,21 @@ def _own_negations(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
                     f"Negate only predicates that don't depend on {rule.name}."
                 )
                 yield diagnostic_for(text, call.name, message, hint, "warning")
+
+
+def _stops_with_limits(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    own = definitions(program)
+    annotations = [each for each in program if isinstance(each, tree.Annotation)]
+    limited = {each.subject for each in annotations if each.name == "@Limit"}
+    for annotation in annotations:
+        name = annotation.subject
+        if name not in own or all(argument.field != "stop" for argument in annotation.arguments):
+            continue
+        around = {name, *(n for n in reach(own[name], own) if name in reach(own.get(n, ()), own))}
+        if around & limited:
+            message = "A recursion with stop: can't have @Limit"
+            hint = f"Limit a predicate that reads {name}."
+            yield diagnostic_for(text, annotation.name, message, hint)
 
 
 def _denied(node: Node, *, is_odd: bool = False) -> Iterator[tree.Call | tree.Atom]:
