@@ -74,11 +74,11 @@ class LateTerminal(Terminal):
             super().send("\x1b[1;1R")
         return is_open
 
-    def send(self, keys: str) -> None:
+    def send(self, keys: str, sees: str = "") -> None:
         answers = keys.count("\x1b[1;1R")
         self._due += [monotonic() + self.SECONDS] * answers
         if keys and not answers:
-            super().send(keys)
+            super().send(keys, sees)
 
 
 AFTERWARDS = "stty raw -echo min 0 time 30; echo left $(dd bs=99 count=1 2>/dev/null | od -An -c) ;"
@@ -89,8 +89,7 @@ def test_answers_that_come_late_are_not_left_for_the_shell(tmp_path: Path) -> No
     play = f"{sys.executable} -m logical_robots_tui play 02-open-space --data-dir {tmp_path}"
     with LateTerminal(["sh", "-c", f"{play}; {AFTERWARDS}"]) as terminal:
         terminal.wait_for("· applied")
-        terminal.send(" ")
-        terminal.wait_for("tick 40")
+        terminal.send(" ", "tick 40")
         terminal.send("q")
         terminal.finish()
         assert terminal.everything.rpartition("left")[2].strip() == ""
