@@ -33,6 +33,7 @@ def test_the_checker_of_gymnasium_is_content(reward: str) -> None:
     check_env(env.unwrapped, skip_render_check=True)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_the_tests_of_pettingzoo_pass(mixed: RobotsEnv) -> None:
     parallel_api_test(RobotsEnv(HOME, ticks=60, reward="shaped"), num_cycles=150)

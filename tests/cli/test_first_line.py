@@ -62,6 +62,7 @@ def test_it_is_recorded_verified_and_shown_as_one(command: Command) -> None:
     assert (program["team"], program["text"]) == ("", LIKE_TEAMS)
 
 
+@pytest.mark.slow
 def test_it_is_swept_as_one(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engines, "LocalEngine", InlineEngine)
     for program in ("plain", "teams"):

@@ -292,7 +292,7 @@ def words_of(name: str) -> list[str]:
     return str(found).split()
 
 
-@pytest.mark.parametrize("has_systemd", [True, False])
+@pytest.mark.parametrize("has_systemd", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_a_session_runs_in_systemd_s_scope(has_systemd: bool, wall: Path, tmp_path: Path) -> None:
     """Something in the place of systemd-run notes how it is called, or fails as that does."""
     notes = tmp_path / "notes"

@@ -55,6 +55,7 @@ def test_with_a_tenth_of_a_processor_a_shipped_pair_plays_the_same(name: str) ->
     assert told(1000, first, name, starved=True) == told(1000, first, name)
 
 
+@pytest.mark.slow
 def test_with_a_tenth_of_a_processor_a_run_is_the_same() -> None:
     names = ("01-first-steps", "01-first-steps")  # the first one is compiled before it starves
     assert told(60, *names, starved=True) == told(60, *names)

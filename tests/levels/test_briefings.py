@@ -5,7 +5,7 @@ from math import dist
 import pytest
 
 from tests.levels.moments import STEPS, at, moments, step
-from tests.levels.playing import LEVELS, load_level, slow
+from tests.levels.playing import LEVELS, load_level
 
 
 def each_comes_home_at_some_time() -> bool:
@@ -97,7 +97,6 @@ def only_the_oven_is_done() -> bool:
     return jobs == ["Crane", "Lathe", "Oven", "Pump"] and done == ["Green gate"]
 
 
-QUICK = "09-doors"  # is looked at for three ticks
 TRIED = {
     "04-everybody-home": ("steer to the beacon", each_comes_home_at_some_time),
     "05-lighthouse": ("keep wreckers out", no_ship_stays_at_a_wreckers_light),
@@ -113,7 +112,8 @@ TRIED = {
 }
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=slow(name != QUICK)) for name in TRIED])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TRIED)
 def test_what_is_to_be_tried_first_does_what_the_briefing_promises(name: str) -> None:
     words, is_kept = TRIED[name]
     assert words in load_level(name).briefing.replace("\n", " ").partition("Try first: ")[2]

@@ -229,7 +229,7 @@ def test_every_tick_that_a_hint_names_is_looked_at() -> None:
     assert named == {(name, number) for name, number, _, _ in LOOKS}
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize(("distance", "wins"), [(20, False), (60, True), (120, False)])
 def test_between_20_and_120_there_is_a_distance_that_wins(distance: int, wins: bool) -> None:
     level = load_level("01-first-steps")

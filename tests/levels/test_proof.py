@@ -15,6 +15,7 @@ from logical_robots_tui.world.level import SecondGoal
 from tests.levels.playing import (
     LEVELS,
     LONG,
+    is_small,
     load_level,
     measured,
     reference_cases,
@@ -118,7 +119,9 @@ def test_the_solution_wins_from_a_varied_start(name: str, seed: int) -> None:
 
 
 @pytest.mark.sampled
-@each_level
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=slow(not is_small(load_level(n).starter))) for n in LEVELS]
+)
 def test_the_starter_does_not_win_soon(name: str) -> None:
     level = load_level(name)
     ticks = ticks_for(name, THOUGHTS_FOR_A_STARTER)

@@ -21,7 +21,7 @@ SLOW_FOR_MANY = ("empty records", "empty lists", "many numbers", "what can't be 
 ADDRESSES = 2 * 1024**3  # as in restricted mode
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("work", "room"),
     [("draw", 4), ("draw", 30), ("think", 1), ("think", 12), ("compile", 1), ("compile", 12)],

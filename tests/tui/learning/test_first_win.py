@@ -12,7 +12,7 @@ from logical_robots_tui.tui.labyrinth.results import Results
 from tests.tui.conftest import Size, opened
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_the_first_win_takes_few_keys(data_dir: Path, size: Size) -> None:
     file = shipped_folder("levels") / "01-first-steps.toml"
