@@ -65,7 +65,7 @@ def test_nothing_false_is_said(maker: Maker, answers: int, first: int) -> None:
     nothing_is_false(asked, maker, answers, first)
 
 
-@pytest.mark.parametrize(("maker", "changes", "first"), numbers((3, 8), (1, 5), 300))
+@pytest.mark.parametrize(("maker", "changes", "first"), numbers((3, 6), (1, 4), 300))
 def test_each_change_that_is_advised_gives_a_row(maker: Maker, changes: int, first: int) -> None:
     nothing_is_false(missed, maker, changes, first)
 
@@ -252,7 +252,7 @@ def deciding(text: str, name: str) -> tuple[object, list[Node]]:
     return row_asked[0], [each for each in nodes if each.said.startswith(("chosen", "is the"))]
 
 
-@pytest.mark.parametrize("examples", [5, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("examples", [5, pytest.param(30, marks=pytest.mark.slow)])
 def test_the_element_that_decides_has_the_value_of_the_result(examples: int) -> None:
     @given(questions())
     @settings(max_examples=examples)

@@ -18,7 +18,8 @@ from tests.levels.verdicts import verdict
 load_level = cache(logical_robots_tui.load_level)
 LEVELS = list_levels()
 LONG = 2_000  # thoughts, that is robots times ticks; only a full run waits for more
-LONGEST = 12_000  # and only a long proof for more than these
+LONGEST = 4_000  # and only a long proof for more than these
+LONGEST_OF_A_SOLUTION = 12_000
 
 SMALL = 1_050  # characters of a program that is soon compiled
 
@@ -64,10 +65,11 @@ def references_of(name: str) -> list[str]:
 def reference_cases() -> list[Any]:
     """Each level with each of its reference programs, for `parametrize`."""
     return [
-        pytest.param(level, program, marks=slow(thoughts > LONG, thoughts > LONGEST))
+        pytest.param(level, program, marks=slow(thoughts > LONG, thoughts > most))
         for level, programs in reference_table().items()
         for program, measures in programs.items()
         for thoughts in [len(load_level(level).robots) * measures.ticks]
+        for most in [LONGEST_OF_A_SOLUTION if program == solution_of(level) else LONGEST]
     ]
 
 

@@ -34,7 +34,7 @@ CHEAP = Path(__file__).with_name("cheap")
 FEWEST = 8
 MOST_WINS = 1
 THOUGHTS_IN_A_QUICK_RUN = 3_500
-THOUGHTS_WHILE_ONE_WAITS = 5_000
+THOUGHTS_WHILE_ONE_WAITS = 4_000
 
 HAVE_THE_IDEA = {
     # To react to what is ahead, to aggregate the radar, to keep a hand on the wall.

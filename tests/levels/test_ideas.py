@@ -227,7 +227,7 @@ VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
 @pytest.mark.parametrize(
     ("name", "changes"),
     [
-        pytest.param(name, changes, marks=slow(name > "03"))
+        pytest.param(name, changes, marks=slow(name > "03", name > "05"))
         for name, variations in VARIATIONS.items()
         for changes in variations
     ],

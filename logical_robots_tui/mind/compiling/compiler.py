@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compilation import Report
 
 _DEEPEST_RECURSION = 200
+_ALWAYS_USED = ("->", "`=`", "Arrow")  # by the package, too
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 _MOST_DIAGNOSTICS = 25
 
@@ -118,8 +119,8 @@ def compile_statements(
             for each in expanded
         ]
         spelled = spell_out(grounded, source)
-        own = definitions(spelled)
-        library = [rule for rule in prelude() if rule.name not in own]
+        own, used = definitions(spelled), {*names_used(spelled), *_ALWAYS_USED}
+        library = [rule for rule in prelude() if rule.name in used and rule.name not in own]
         iterated, found = fixpoints([*spelled, *library])
         flags = {"logica_default_engine": "sqlite"}
         return RobotProgram(to_package(iterated, source), found, tables or {}, user_flags=flags)

@@ -18,10 +18,10 @@ from tests.mind.differential.whole_programs import ASKED, engines, same_memory, 
 
 FILES = sorted((Path(__file__).parent / "closed_loop").glob("*.l"))
 PROGRAMS = {**{path.stem: path.read_text("utf-8") for path in FILES}, **remembering.PROGRAMS}
-FEW = (*(path.stem for path in FILES), *list(remembering.PROGRAMS)[::5])
+FEW = (*(path.stem for path in FILES), *list(remembering.PROGRAMS)[::8])
 """What is not left to long proofs."""
 
-TICKS = {False: min(40, 2 * settings().max_examples), True: 8}
+TICKS = {False: settings().max_examples, True: 8}
 """For programs from files and generated ones, whose lists are filled and emptied in eight."""
 
 ROBOTS = 3
