@@ -42,6 +42,7 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
 
         # An answer stands with its own question while another one is typed.
         await ask(game, "1000 + 1", sees="1001")
+        assert not game.main.query_one("AskPage > .about", Static).display, "the line says it"
         line(game).value = "1000 + 5"
         await game.sees("1000 + 5", "1001")
         assert answered(game) == "1000 + 1"
