@@ -373,10 +373,13 @@ def _searching(items: Any, wanted: Any) -> int:
     return 0
 
 
+_TOO_MANY = 250_000_000  # steps, more than there are for a thought or a query
+
+
 def _matching(text: Any, pattern: Any) -> int:
-    """Return the cost of a regular expression, whose states are tried at each character."""
+    """Return the cost of a regular expression, whose states may be tried at each character."""
     is_asked = isinstance(text, str) and isinstance(pattern, str)
-    return len(text) * len(pattern) // 20 if is_asked else 0
+    return min(4 * len(text) * texts.states_of(pattern), _TOO_MANY) if is_asked else 0
 
 
 _EXTRA: dict[str, Callable[..., int]] = {

@@ -123,14 +123,21 @@ def _filling(text: str, length: float, fill: str) -> str:
 
 
 _LONGEST_PATTERN = 1_000
+_PATTERN_BYTES = 250_000  # of a compiled one, which so has at most some 15,000 states
 
 
 def regexp_extract(text: str, pattern: str) -> str:
     """Return the first match of a regular expression of RE2, DuckDB's library, or ""."""
-    if len(pattern) > _LONGEST_PATTERN:
-        raise TooLargeError(f"a pattern of {len(pattern):,} characters")
     found = _compiled(pattern).search(text)
     return found.group() if found else ""
+
+
+def states_of(pattern: str) -> int:
+    """Return the states of a pattern, which RE2 tries at each character if they are many."""
+    if len(pattern) > _LONGEST_PATTERN:
+        raise TooLargeError(f"a pattern of {len(pattern):,} characters")
+    states: int = _compiled(pattern).programsize
+    return states
 
 
 @lru_cache(maxsize=64)
@@ -139,6 +146,7 @@ def _compiled(pattern: str) -> Any:
 
     options = re2.Options()
     options.log_errors = False
+    options.max_mem = _PATTERN_BYTES
     return re2.compile(pattern, options)
 
 

@@ -153,6 +153,12 @@ _BOUNDED = {
     "asks for a hard expression": (
         'ROBOT m = RegexpExtract(Join(List{"a" :- a in Range(9000)}, ""), "(a+)+$");'
     ),
+    "asks for a pattern of many states": (
+        'ROBOT m = RegexpExtract(Repeat("a", 1900000), Repeat("(a?){1000}", 20) ++ "b");'
+    ),
+    "asks for a pattern of some states": (
+        'ROBOT m = RegexpExtract(Repeat("a", 1900000), "(a?){900}b");'
+    ),
     # bombs of memory
     "counts below zero": "ROBOT m = Range(-1000000000000);",
     "fills with zeros": 'ROBOT m = Format("%2000000000d", 1);',
