@@ -71,9 +71,7 @@ def test_a_script_gets_a_verdict(typed: Ask, query: str, status: int, said: str)
     assert data["verdict"].startswith(said)
 
 
-def test_only_a_few_rows_of_many_are_printed_and_lesson_and_questions_as_json(
-    typed: Ask,
-) -> None:
+def test_only_a_few_rows_of_many_are_printed_and_lesson_and_questions_as_json(typed: Ask) -> None:
     query = "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar"
     lines = typed(options=("--question", "2", "--answer", query)).out.splitlines()
     assert len(lines) == 15

@@ -289,7 +289,9 @@ def charge(
                 steps += len(argument)
             elif argument is None and null_safe:
                 return None
-        work.steps -= steps if extra is None else steps + extra(*arguments)
+        work.steps -= steps
+        if extra is not None:
+            work.steps -= extra(*arguments)
         if work.halted or work.steps < 0:
             raise TooLargeError("the think was halted")
         if steps > _SHORT and checks:

@@ -32,8 +32,7 @@ ONE_LEVEL_OR_ALL = max(3, settings().max_examples // 4)
 
 @pytest.mark.sampled
 @pytest.mark.parametrize(
-    "title",
-    [*SOME, *(pytest.param(t, marks=pytest.mark.proof) for t in PROGRAMS if t not in SOME)],
+    "title", [*SOME, *(pytest.param(t, marks=pytest.mark.proof) for t in PROGRAMS if t not in SOME)]
 )
 def test_a_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> None:
     assert not differences(PROGRAMS[title], tmp_path, ONE_LEVEL_OR_ALL)

@@ -169,6 +169,7 @@ def test_a_call_takes_no_longer_than_it_is_charged_for(name: str, data: st.DataO
         ("sort_list", [json.dumps([[1] * 10 + [-i] for i in range(1_500)])]),
         ("formatted", ["%1999999d" * 50, *[1] * 50]),
         ("decimal_to_text", [1.5, 2_000_000_000]),
+        ("regexp_extract", ["a" * 20_000, "(a?){500}b"]),
         ("round_to", [200, 2**63 - 1]),
         ("round_to", [2.5, -(2**63)]),
         ("compare_values", [NULLS, NULLS]),
