@@ -37,8 +37,8 @@ class Bound:
 
 
 BOUNDS = {
-    "apps opened": Bound(400, "each lays out the whole screen, for 60 to 80 ms"),
-    "Pythons started": Bound(150, "an interpreter that loads the game takes 150 to 250 ms"),
+    "apps opened": Bound(200, "each lays out the whole screen, for 60 to 80 ms"),
+    "Pythons started": Bound(110, "an interpreter that loads the game takes 150 to 250 ms"),
     "ticks played": Bound(120_000, "a tick of a few robots takes 1 ms, one of a swarm 10 to 20"),
     "programs compiled": Bound(1_700, "a small one takes 22 ms, the longest of ours 1.3 s"),
 }
