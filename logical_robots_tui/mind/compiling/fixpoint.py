@@ -103,6 +103,8 @@ def _uses(own: Mapping[str, Sequence[tree.Rule]]) -> dict[str, set[str]]:
 
 def _with_alternatives_as_rules(program: Sequence[tree.Statement]) -> list[tree.Statement]:
     """Let each alternative in a rule of a recursion be a rule, so that some can begin it."""
+    if all(rule.body is None or _count(rule.body) == 1 for rule in rules_of(program)):
+        return list(program)
     uses = _uses(_rules_by_name(program))
     recursive = {name for name in uses if name in _below(name, uses)}
     statements: list[tree.Statement] = []
