@@ -237,8 +237,11 @@ class ListeningDriver(LinuxDriver):
 
     def ask(self, text: str) -> None:
         """Write text that ends in a query to the terminal."""
+        now = monotonic()
         with self._all_answered:
-            self._asked.append(monotonic())
+            while self._asked and now - self._asked[0] > _MOST_PATIENCE:
+                self._asked.popleft()  # its answer is lost
+            self._asked.append(now)
         self.write(text)
 
     def write(self, data: str) -> None:
