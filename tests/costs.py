@@ -55,7 +55,7 @@ def register(config: pytest.Config, *, is_quick: bool) -> None:
     """Measure each test in the process that runs it, and sum up in the one that reports."""
     if not hasattr(config, "workerinput"):
         config.pluginmanager.register(Costs(config, is_quick=is_quick), "costs")
-    if hasattr(config, "workerinput") or not config.option.numprocesses:
+    if hasattr(config, "workerinput") or not config.getoption("numprocesses", None):
         config.pluginmanager.register(_Meter(), "meter")
 
 

@@ -14,7 +14,7 @@ from functools import cache
 from time import monotonic
 from typing import Any, Protocol, runtime_checkable
 
-from textual import constants, events
+from textual import events
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
@@ -187,6 +187,7 @@ LARGEST = (1000, 400)
 
 _LAST_ANSWER = 0.5  # seconds to wait for it before another program gets the terminal
 _MOST_PATIENCE = 5.0  # seconds to wait for it where answers take long
+_BEGIN_OF_KEY_PROTOCOL = re.compile(r"\x1b\[>\d+u")
 _END_OF_KEY_PROTOCOL = "\x1b[<u"
 
 _CHUNK = 4096
@@ -229,6 +230,7 @@ class ListeningDriver(LinuxDriver):
         self._all_answered = threading.Condition()
         self._heard_at: float | None = None  # since it has answered once
         self._unknown: Size | None = None  # to the app, as it was last looked at
+        self._is_key_protocol_begun = False
 
     @property
     def silence(self) -> float:
@@ -246,7 +248,9 @@ class ListeningDriver(LinuxDriver):
 
     def write(self, data: str) -> None:
         """Write to the terminal; no end of its key protocol where that was never begun."""
-        if data != _END_OF_KEY_PROTOCOL or not constants.DISABLE_KITTY_KEY:
+        if _BEGIN_OF_KEY_PROTOCOL.fullmatch(data):
+            self._is_key_protocol_begun = True
+        if data != _END_OF_KEY_PROTOCOL or self._is_key_protocol_begun:
             super().write(data)
 
     def disable_input(self) -> None:
