@@ -1,6 +1,7 @@
 """Choosing a way of drawing for a terminal."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -61,19 +62,22 @@ def test_the_mouse_is_left_alone_where_it_would_take_the_escape_key() -> None:
 
 
 LATIN = {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C", "LANG": "C"}
+NO_KEY_PROTOCOL = {"TEXTUAL_DISABLE_KITTY_KEY": "1"}
 
 
 def test_where_the_locale_is_not_utf_8_all_is_drawn_in_ascii_and_the_game_says_so(
     tmp_path: Path,
 ) -> None:
     command = [sys.executable, "-m", "logical_robots_tui", "play", "02-open-space"]
-    with Terminal([*command, "--data-dir", tmp_path], env=LATIN) as terminal:
+    with Terminal([*command, "--data-dir", tmp_path], env=LATIN | NO_KEY_PROTOCOL) as terminal:
         terminal.wait_for("This locale is not UTF-8")
         assert terminal.everything.isascii()
         assert "\\u" not in terminal.everything
         assert "| Bring Ada through" in terminal.text
         terminal.send("q")
         assert terminal.finish() == 0
+        begun = re.findall(r"\x1b\[>\d+u", terminal.everything)
+        assert terminal.everything.count("\x1b[<u") == len(begun), "ends of the key protocol"
 
 
 @pytest.mark.parametrize(
