@@ -3,8 +3,9 @@
 
 PYTHON ?= python3
 VENV ?= .venv
-# As many as there are processors: hardly a test waits for anything else.
-WORKERS ?= $(shell getconf _NPROCESSORS_ONLN)
+# As many as there are processors, hardly a test of a quick run waits for anything else; one more
+# for all tests, of which a fifth of the time is waiting for terminals, servers and killed processes.
+WORKERS ?= $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + $(if $(ALL),1,0))))
 BIN := $(VENV)/bin
 # A quick run leaves out slow tests and nine tenths of what there are many of; ALL=1 runs everything.
 ALL ?=

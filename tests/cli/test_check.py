@@ -4,8 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.cli.check import diagnostics
-from logical_robots_tui.game import list_programs, load_program
 from tests.cli.running import Command
 
 CHECKED = {
@@ -73,9 +71,3 @@ def test_a_long_line_is_shown_around_its_mistake(command: Command, program: Path
     assert lines[1][lines[2].index("^") :].startswith("Wings")
     program.write_text('A("\x1b[31m", Wings(1));\n' + DOUBTFUL)
     assert "\x1b" not in command("check", program).out
-
-
-@pytest.mark.slow
-def test_the_shipped_programs_are_without_a_warning() -> None:
-    for name in list_programs(None):
-        assert diagnostics(load_program(name, None).text) == (), name

@@ -90,7 +90,7 @@ def test_programs_are_played_again(command: Command, tmp_path: Path) -> None:
     assert '"at most 9 ticks" claimed, not reached' in goals
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_a_victory_of_the_day_is_played_again(command: Command, tmp_path: Path) -> None:
     level, text = "daily-2026-11-22-small", load_program("the-long-hall").text
     true = {"program": text, **achieved(level, text)._asdict()}

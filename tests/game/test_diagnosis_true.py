@@ -96,7 +96,7 @@ def _before(finding: Finding, text: str) -> list[str] | None:
     return before if before and is_bound else None
 
 
-MANY = (pytest.param(20, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.proof))
+MANY = (pytest.param(8, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.proof))
 
 
 @pytest.mark.parametrize("findings", [2, *MANY])

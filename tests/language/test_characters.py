@@ -1,6 +1,5 @@
 """Spaces and ends of lines of every kind; other characters are in `mind/broken/programs.txt`."""
 
-import sys
 import unicodedata
 
 import pytest
@@ -12,7 +11,7 @@ from logical_robots_tui.language.tree import Statement
 TEXT = "A(x) :- # a comment\n  x = (if 1 is null then 2 else 3), x in [2];\nB() = Sum{x :- A(x)};\n"
 SPACES = [
     character
-    for character in map(chr, range(128, sys.maxunicode))
+    for character in map(chr, range(128, 0x10000))
     if unicodedata.category(character) in ("Zs", "Zl", "Zp")
 ]
 

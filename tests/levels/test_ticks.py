@@ -24,8 +24,8 @@ from logical_robots_tui.world import World
 from tests.levels.playing import LEVELS, is_small, load_level, shipped_program, slow
 
 FILE = Path(__file__).with_name("ticks.txt")
-TICKS = 300
-THOUGHTS = 9_000  # of a swarm, for which that is fewer ticks
+TICKS = 200
+THOUGHTS = 6_000  # of a swarm, for which that is fewer ticks
 WINDOW = 5
 PLACES = 6  # decimals; the last ones are those of the processor's mathematics
 MOST_ROBOTS, LONGEST = 8, 30

@@ -26,7 +26,11 @@ def progress() -> Progress:
 
 
 DAYS = [(TODAY + timedelta(days), size) for days in range(4) for size in DAILY_SIZES]
-LATER = [pytest.param(*day, marks=pytest.mark.slow) for day in DAYS[1:]]
+TOMORROW = len(DAILY_SIZES)
+LATER = [
+    *(pytest.param(*day, marks=pytest.mark.slow) for day in DAYS[1:TOMORROW]),
+    *(pytest.param(*day, marks=pytest.mark.proof) for day in DAYS[TOMORROW:]),
+]
 
 
 @pytest.mark.parametrize(("day", "size"), [(TODAY, "small"), *LATER])
