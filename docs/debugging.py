@@ -302,8 +302,7 @@ So only the distance kept Dot from reading a lamp.
 {pictures["6"]}
 
 The old branch is still there, dotted on the timeline. `C` goes to the first tick in which the two
-differ, says how, and names the first derivation that differs; `F` switches to the other branch and
-back.
+differ, says how, and shows where the two proofs differ; `F` switches to the other branch and back.
 
 {pictures["7"]}
 

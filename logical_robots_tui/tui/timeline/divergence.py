@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from math import degrees
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.explain import Node
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.proof_difference import Comparison, compare_proofs
 from logical_robots_tui.mind import QueryError
@@ -26,11 +25,18 @@ if TYPE_CHECKING:
 
 _LONGEST = 600  # characters of a value
 _LONGEST_TEXT = 160  # of a piece of a program
-_LONGEST_ARGUMENT = 24
+_MOST_LINES = 200  # of two proofs
+_BRANCHES = {
+    " ": ("     ", INK.text),
+    "-": ("here ", INK.key),
+    "+": ("there", INK.key),
+    "@": ("…    ", INK.dim),
+}
+"""The branch that a line of a diff belongs to, and how the line is shown."""
 
 
 class DivergencePage(Reader):
-    """Shows the first differing derivation once it is found, and all differences."""
+    """Shows all differences, and before them what differs in the proofs once they are compared."""
 
     def __init__(self, game: Game, divergence: Divergence) -> None:
         self._game, self._divergence = game, divergence
@@ -45,51 +51,33 @@ class DivergencePage(Reader):
     async def _compare(self) -> None:
         try:
             work = compare_proofs(self._game, self._divergence)
-            found = await self._waiting.run(work, lambda: "comparing the proofs", self._say)
+            comparison = await self._waiting.run(work, lambda: "comparing the proofs", self._say)
         except Superseded:
             return
         except (NoSuchTickError, QueryError) as error:
             self._say(Content.styled(one_line(str(error)), INK.warn))
             return
-        self._say(None if found is None else derivation(found))
+        self._say(None if comparison is None else describe_comparison(comparison))
 
     def _say(self, words: Content | None) -> None:
         parts = [self._differences] if words is None else [words, Content(""), self._differences]
         self._text_shown.update(Content("\n").join(parts))
 
 
-def derivation(comparison: Comparison) -> Content:
-    found, robot = comparison.differing, one_line(comparison.robot)
-    if found is None:
+def describe_comparison(comparison: Comparison) -> Content:
+    robot = one_line(comparison.robot)
+    if not comparison.lines:
         return Content(f"The proofs of {robot}'s decision are equal as far as they go.")
-    given = ", ".join(
-        f"{'' if name.startswith('col') and name[3:].isdigit() else f'{name}: '}"
-        f"{format_value(value, _LONGEST_ARGUMENT)}"
-        for name, value in found.asked.given.items()
-    )
-    what = one_line(f"{found.asked.predicate}({given})")
-    lines = [Content.assemble(f"What {robot} decides differs first in ", (what, INK.title))]
-    for where, node in (("here ", found.here), ("there", found.there)):
-        lines.append(Content.assemble((f"  {where}  ", INK.dim), _node(node, found.kind)))
-    if comparison.condition is not None:
-        node, side = comparison.condition
-        words = "there and not here" if side == "there" else "here and not there"
-        text = clip(one_line(node.text), _LONGEST_TEXT)
-        lines.append(Content.assemble("  ", (text, INK.key), f" holds {words}."))
+    lines = [Content(f"The proofs of what {robot} decides differ:")]
+    for line in comparison.lines[:_MOST_LINES]:
+        branch, style = _BRANCHES[line[0]]
+        statement = line[1:].lstrip()
+        indent = " " * (len(line) - 1 - len(statement))
+        text = indent + clip(one_line(statement), _LONGEST_TEXT)
+        lines.append(Content.assemble((f"  {branch}  ", INK.dim), (text, style)))
+    if (more := len(comparison.lines) - _MOST_LINES) > 0:
+        lines.append(Content.styled(f"  and {more:,} more lines", INK.dim))
     return Content("\n").join(lines)
-
-
-def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
-    if node is None:
-        return Content.styled("missing here", INK.dim)
-    line = f"line {node.span.line}  " if node.span is not None else ""
-    text = Content.assemble((line, INK.key), (clip(one_line(node.text), _LONGEST_TEXT), INK.text))
-    if kind == "value" or node.kind == "column":
-        values = " or ".join(format_value(value, _LONGEST_TEXT) for value in node.values)
-        return text.append(Content.styled(f" = {values}" if values else "", INK.number))
-    if node.holds is False:
-        return text.append(Content.styled("  does not hold", INK.bad))
-    return text
 
 
 def describe_divergence(divergence: Divergence) -> Content:

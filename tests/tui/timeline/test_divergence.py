@@ -1,10 +1,8 @@
 """In what two futures differ, as a page to read."""
 
-from logical_robots_tui.explain import Ask, Node
-from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game import Difference, Divergence
-from logical_robots_tui.game.debugging.proof_difference import Comparison, ProofDifference
-from logical_robots_tui.tui.timeline.divergence import derivation, describe_divergence
+from logical_robots_tui.game.debugging.proof_difference import Comparison
+from logical_robots_tui.tui.timeline.divergence import describe_comparison, describe_divergence
 from logical_robots_tui.values import Desire
 
 
@@ -35,28 +33,16 @@ def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
     ]
 
 
-def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() -> None:
-    here = Node("rule", "Drive(robot_name:) :- Explore()", holds=True, span=Span(0, 9, 35, ""))
-    there = Node("rule", "Drive(robot_name:) :- Steer()", holds=True, span=Span(0, 9, 31, ""))
-    differing = ProofDifference("rule", Ask("Drive", {"robot_name": "Ada"}), here, there)
-    condition = Node("denial", "~Fresh(robot_name:)", holds=False)
-    assert derivation(Comparison("Ada", differing, (condition, "there"))).plain.splitlines() == [
-        'What Ada decides differs first in Drive(robot_name: "Ada")',
-        "  here   line 35  Drive(robot_name:) :- Explore()",
-        "  there  line 31  Drive(robot_name:) :- Steer()",
-        "  ~Fresh(robot_name:) holds there and not here.",
+def test_lines_of_proofs_are_told_by_their_branch() -> None:
+    lines = (" Robot()", "-  d < 20 does not hold", "+  d < 30 = true", "@", " [x]")
+    assert describe_comparison(Comparison("Ada", lines)).plain.splitlines() == [
+        "The proofs of what Ada decides differ:",
+        "         Robot()",
+        "  here     d < 20 does not hold",
+        "  there    d < 30 = true",
+        "  …      ",
+        "         [x]",
     ]
-    # A value, a failed step and nothing are told apart.
-    asked, read = Ask("Robot", {}), Node("read", "memory.n", values=(3,))
-    value = derivation(Comparison("Ada", ProofDifference("value", asked, read, None)))
-    assert value.plain.splitlines()[1:] == ["  here   memory.n = 3", "  there  missing here"]
-    failed, steer = Node("condition", "d < 20", holds=False), Ask("Steer", {"col0": 0.5})
-    for difference, words in (
-        (ProofDifference("step", asked, failed, None), "d < 20  does not hold"),
-        (
-            ProofDifference("step", steer, None, None),
-            "What Ada decides differs first in Steer(0.5)",
-        ),
-        (None, "are equal"),
-    ):
-        assert words in derivation(Comparison("Ada", difference)).plain
+    assert "are equal" in describe_comparison(Comparison("Ada", ())).plain
+    many = describe_comparison(Comparison("Ada", ("+x",) * 1_300)).plain
+    assert many.endswith("and 1,100 more lines")

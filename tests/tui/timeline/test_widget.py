@@ -141,9 +141,9 @@ async def test_an_old_future_is_kept_compared_and_gone_over_to(data_dir: Path, s
         await game.press("C", sees="The two branches differ from tick 11")
         for words in ("memory", "here   false", "there  true"):
             await game.until(lambda words=words: game.shows(words))  # type: ignore[misc]  # a default
-        await game.until(lambda: game.shows("What Pip decides differs first in Robot("))
-        await game.sees("here   line 2  memory: sensor.clock > 15")
-        await game.sees("there  line 2  memory: sensor.clock > 5")
+        await game.until(lambda: game.shows("The proofs of what Pip decides differ:"))
+        await game.sees("here     memory: sensor.clock > 15 = false")
+        await game.sees("there    memory: sensor.clock > 5 = true")
         await game.press("escape", until=lambda: game.app.screen is game.main and game.tick == 11)
         await game.press("F", sees="This is the other branch.")
         assert game.session.frame.memories == {"Pip": True}
