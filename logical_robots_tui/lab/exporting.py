@@ -79,8 +79,6 @@ def tables_of_runs(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
     tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
     if manifest.asked or manifest.until:
         tables["series"] = _series(manifest, done)
-    if manifest.wide:
-        tables["wide"] = _wide(manifest, done)
     return tables
 
 
@@ -139,19 +137,6 @@ def _varied_of(names: list[str], done: Done) -> Row:
     cell = done.cell
     settings = (cell.settings.get(name) for name in names)
     return (cell.level_name, cell.program_name, *settings, done.start)
-
-
-def _wide(manifest: Manifest, done: list[Done]) -> Table:
-    """Return a row for each run and measured tick, and a column for each question."""
-    rows: list[Row] = []
-    names, settings = [asked.name for asked in manifest.asked], settings_of(manifest)
-    for each in done:
-        numbers = {n: dict(s.numbers) for n, s in each.result.series.items()}
-        first = (manifest.run(each.job), *_varied_of(settings, each))
-        for tick in sorted({tick for found in numbers.values() for tick in found}):
-            values = (numbers.get(name, {}).get(tick) for name in names)
-            rows.append((*first, tick, *values))
-    return Table(("run", *_varied(manifest), "tick", *names), rows)
 
 
 def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:

@@ -133,7 +133,6 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     run_steps: Index = 0
     first_start: Annotated[int, msgspec.Meta(ge=1, le=10**9)] = 1
     until: str = ""
-    wide: bool = False
     engine: dict[str, str] = {}
     format: int = _FORMAT
 

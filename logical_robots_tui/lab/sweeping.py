@@ -75,10 +75,9 @@ class Vary(msgspec.Struct, frozen=True):
 
 
 class Sample(msgspec.Struct, frozen=True):
-    """``[sample]``: how many values are taken of each range that is sampled, and how."""
+    """``[sample]``: how many values are taken of each range that is sampled."""
 
     count: Annotated[int, Bounds(1, _MOST_VALUES)]
-    method: Literal["latin hypercube", "random"] = "latin hypercube"
     seed: int = 1
 
 
@@ -97,7 +96,6 @@ class ExperimentTable(msgspec.Struct, frozen=True):
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = False
     until: str = ""
-    wide: bool = False
 
     @property
     def span(self) -> tuple[int, int]:
@@ -189,16 +187,12 @@ def sampled(
 ) -> list[dict[_Parameter, Scalar]]:
     """Return values of each range by its key, together `sample.count` times, always the same.
 
-    In a Latin hypercube each of as many equal parts of a range is hit once. Between whole numbers
-    are whole numbers.
+    Between whole numbers are whole numbers.
     """
     chance, count = random.Random(sample.seed), sample.count  # noqa: S311 - not for security
     columns: list[list[Scalar]] = []
     for low, high in ranges.values():
         shares = [chance.random() for _ in range(count)]
-        if sample.method != "random":
-            parts = chance.sample(range(count), count)
-            shares = [(part + share) / count for part, share in zip(parts, shares, strict=True)]
         if isinstance(low, int) and isinstance(high, int):
             columns.append([low + int(share * (high - low + 1)) for share in shares])
         else:
@@ -330,7 +324,6 @@ class _Plan:
             run_steps=limits.run_steps,
             first_start=first,
             until=table.until,
-            wide=table.wide,
         )
         return manifest, self._inputs
 

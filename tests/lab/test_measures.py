@@ -1,6 +1,5 @@
 """What an experiment varies and measures, and how it stands in its tables."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from statistics import fmean
 from typing import Any
@@ -36,28 +35,9 @@ def wrong(*vary: dict[str, Any], **more: Any) -> str:
     return "\n".join(caught.value.problems)
 
 
-@given(
-    st.integers(1, 60),
-    st.integers(0, 10),
-    st.lists(st.tuples(st.integers(-99, 99), st.integers(0, 99)), min_size=1, max_size=4),
-)
-def test_a_latin_hypercube_hits_each_part_of_each_range_once(
-    count: int, seed: int, bounds: Sequence[tuple[int, int]]
-) -> None:
-    ranges = {(f"P{n}", True): [low / 1, low + size / 1] for n, (low, size) in enumerate(bounds)}
-    points = sampled(Sample(count, "latin hypercube", seed), dict(ranges))
-    assert len(points) == count
-    assert points == sampled(Sample(count, "latin hypercube", seed), dict(ranges))
-    for key, (low, high) in ranges.items():
-        found = sorted(float(point[key]) for point in points)
-        step = (high - low) / count
-        for part, value in enumerate(found):
-            assert low + part * step - 1e-6 <= value <= low + (part + 1) * step + 1e-6
-
-
-@given(st.sampled_from(["random", "latin hypercube"]), st.integers(0, 99), st.integers(0, 9))
-def test_between_whole_numbers_are_whole_ones_and_ends(method: Any, low: int, size: int) -> None:
-    points = sampled(Sample(300, method), {("N", True): [low, low + size]})
+@given(st.integers(0, 99), st.integers(0, 9))
+def test_between_whole_numbers_are_whole_ones_and_ends(low: int, size: int) -> None:
+    points = sampled(Sample(300), {("N", True): [low, low + size]})
     assert {point["N", True] for point in points} == {*range(low, low + size + 1)}
 
 
@@ -78,12 +58,11 @@ def test_what_is_sampled_is_sampled_together_and_crossed_with_the_rest() -> None
 @given(
     st.lists(st.integers(0, 99) | st.floats(0, 99), min_size=1, max_size=3, unique=True),
     st.text("abc é€#'", max_size=9),
-    st.booleans(),
 )
 def test_a_mapping_means_what_a_file_would(
-    tmp_path_factory: pytest.TempPathFactory, values: list[float], text: str, wide: bool
+    tmp_path_factory: pytest.TempPathFactory, values: list[float], text: str
 ) -> None:
-    table = {"level": "01-first-steps", "program": FIRST_STEPS, "wide": wide, "title": "t"}
+    table = {"level": "01-first-steps", "program": FIRST_STEPS, "title": "t"}
     data = {
         "experiment": table,
         "vary": [{"constant": "Near", "values": values}],
@@ -156,7 +135,7 @@ def test_a_series_is_reduced_to_one_number(numbers: list[float]) -> None:
 
 
 def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
-    table = {"ticks": 60, "wide": True, "until": "Sensor(sensor:), sensor.clock >= 35"}
+    table = {"ticks": 60, "until": "Sensor(sensor:), sensor.clock >= 35"}
     given: dict[str, Any] = {
         "experiment": {"level": "01-first-steps", "program": FIRST_STEPS, **table},
         "vary": [{"constant": "Near", "values": [20, 40]}],
@@ -168,7 +147,7 @@ def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
         },
     }
     results = sweep(given, tmp_path / "out", workers=1, progress=False)
-    assert results.tables == ("runs", "series", "wide")
+    assert results.tables == ("runs", "series")
     for name in results.tables:
         columns = list(results.to_pandas(name).columns[:5])
         assert columns == ["run", "level", "program", "Near", "start"]
@@ -178,13 +157,9 @@ def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
     assert list(runs.columns[5:11]) == measures
     assert {*runs["outcome"]} == {"stopped"}
     assert {*runs["final"]} == {*runs["clock_max"]} == {35}
-    wide = results.to_pandas("wide")
-    ours = wide[wide["Near"] == 20]
-    assert list(ours["tick"])[:3] == [1, 10, 20]
-    assert list(ours.columns[5:]) == ["tick", "clock", "final", "alone"]
-    assert ours["clock"].mean() == pytest.approx(runs["clock_mean"][0])
-    assert ours["final"].notna().sum() == 1
-    means = results.to_pandas("series").query("measure == 'clock'").groupby("Near").number.mean()
+    clocks = results.to_pandas("series").query("measure == 'clock'")
+    assert sorted({*clocks["tick"]})[:3] == [1, 10, 20]
+    means = clocks.groupby("Near").number.mean()
     assert list(means) == pytest.approx(list(runs["clock_mean"]))
     sweep(given, tmp_path / "another", workers=2, progress=False)
     assert exported(tmp_path / "another") == exported(tmp_path / "out")
