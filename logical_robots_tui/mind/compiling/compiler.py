@@ -75,7 +75,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         statements,
         **visibility,
         warnings=tuple(found),
-        web=tuple(web_remarks(parsed.statements, source)),
+        web=tuple(web_remarks(parsed.statements, source.original)),
         mentions=mentions,
         needed=needed,
         uses=uses,
