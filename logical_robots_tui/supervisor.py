@@ -1,4 +1,4 @@
-"""The command's first process: forks the game, and restores the terminal in any case.
+"""The command's first process: forks the rest, and restores the terminal in any case.
 
 A call into C can hold the interpreter for hours, so that no key and no signal ends the
 game. The game's event loop counts up a shared byte; when it stands still, the game is
@@ -17,7 +17,13 @@ from contextlib import suppress
 from time import clock_gettime, monotonic
 from typing import Any
 
-from logical_robots_tui.processes.lifeline import AWAY, BEATS, is_watched_in, signal_when_closed
+from logical_robots_tui.processes.lifeline import (
+    AWAY,
+    BEATS,
+    bound_calls,
+    is_watched_in,
+    signal_when_closed,
+)
 
 STUCK = 70  # as for any other bug: EX_SOFTWARE in sysexits.h
 
@@ -44,14 +50,28 @@ _PLAIN_SCREEN = (
 _PLAIN_KEYS = "\x1b[<u"  # which a shell may have, too, so only after a screen was opened
 _FAULTS = {"SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT", "SIGTRAP", "SIGSYS"}
 _KEPT = "Unsaved text is kept. Start the game again to go on."
+_ENDLESS_CALL = "The program computed for 15 s in a single call, past all limits, and was ended."
+
+
+_THINKING = frozenset(
+    ["run", "trace", "query", "when", "why", "origin", "diagnose", "learn", "replay"]
+)
+"""Commands in whose own process programs think."""
+
+_SENT_TO_ONE = 0  # at most this is the code of a signal that no terminal has sent to all
 
 
 def main() -> int:
     """Run the command, supervising a game on screen; return the status or raise SystemExit."""
-    if _opens_screen(sys.argv[1:]) and hasattr(signal, "sigtimedwait"):
-        status = _supervise()
-        if status is not None:
-            return status
+    words = sys.argv[1:]
+    status = None
+    if hasattr(signal, "sigtimedwait"):
+        if _opens_screen(words):
+            status = _supervise()
+        elif words and words[0] in _THINKING:
+            status = _run_bounded()
+    if status is not None:
+        return status
     from logical_robots_tui.cli.main import main as run
 
     return run()
@@ -82,6 +102,36 @@ def _supervise() -> int | None:
         return None
     os.close(lifeline)
     return _Supervisor(game, shared, terminal).run()
+
+
+def _run_bounded() -> int | None:
+    """Fork; return None in the command, and its exit status in this process."""
+    lifeline, held = os.pipe()
+    heard = {*_ENDS, signal.SIGCHLD, signal.SIGINT}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, heard)
+    command = os.fork()
+    if command == 0:
+        os.close(held)
+        bound_calls()
+        signal_when_closed(lifeline, signal.SIGTERM)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        return None
+    os.close(lifeline)
+    while True:
+        signalled = signal.sigwaitinfo(heard)
+        if signalled.si_signo != signal.SIGCHLD:
+            if signalled.si_code <= _SENT_TO_ONE:
+                os.kill(command, signalled.si_signo)
+            continue
+        pid, status = os.waitpid(command, os.WNOHANG)
+        if not pid:  # it was only stopped or continued
+            continue
+        code = os.waitstatus_to_exitcode(status)
+        if code == -signal.SIGPROF:
+            words = " ".join(sys.argv[1:])
+            os.write(2, f"logical-robots: {words}: {_ENDLESS_CALL}\n".encode())
+            return STUCK
+        return code if code >= 0 else 128 - code
 
 
 class _Supervisor:

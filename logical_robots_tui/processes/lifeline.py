@@ -52,6 +52,26 @@ def keep_beating(loop: AbstractEventLoop) -> None:
         loop.call_later(_BEAT_SECONDS, keep_beating, loop)
 
 
+_MOST_IN_A_CALL = 15.0  # processor seconds
+
+_is_bounded = False
+
+
+def bound_calls() -> None:
+    """Let the kernel end this process by SIGPROF if one call into C keeps computing.
+
+    Such a call holds the interpreter, so that nothing in this process could end it.
+    """
+    global _is_bounded
+    _is_bounded = True
+
+
+def renew_bound(*, is_working: bool) -> None:
+    """Begin the time for a call anew, or end it while there is no work."""
+    if _is_bounded:
+        signal.setitimer(signal.ITIMER_PROF, _MOST_IN_A_CALL if is_working else 0)
+
+
 @contextmanager
 def away() -> Iterator[None]:
     """Suspend the heartbeat while another program, such as an editor, has the terminal."""

@@ -13,10 +13,11 @@ from typing import Any
 
 import pytest
 
+from logical_robots_tui import supervisor
 from logical_robots_tui.player.drafts import Drafts
 from tests.memory_use import memory_use
 from tests.terminal import Terminal
-from tests.waiting import until
+from tests.waiting import PATIENCE, until
 
 GETS_STUCK = """if True:
     import ctypes, itertools, os, sys, threading
@@ -304,3 +305,44 @@ def test_an_editor_in_the_terminal_is_not_taken_for_a_stuck_game(tmp_path: Path)
         terminal.send("E", sees="open-space-starter*")
         terminal.send("q")
         assert terminal.finish() == 0
+
+
+COMPUTES_IN_C = """if True:
+    import itertools, sys
+    from logical_robots_tui import supervisor
+    from logical_robots_tui.mind.sqlite import texts
+    from logical_robots_tui.processes import lifeline
+
+    lifeline._MOST_IN_A_CALL = 0.5
+    texts.upper = lambda text: all(itertools.repeat(True))
+    sys.exit(supervisor.main())
+"""
+SHOUTS = """
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: Upper("a")) :-
+  Sensor(robot_name:);
+"""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "run LEVEL PROGRAM --ticks 9",
+        pytest.param("query LEVEL PROGRAM --tick 1 Robot", marks=pytest.mark.slow),
+        pytest.param("why LEVEL PROGRAM --tick 1 --robot Ada", marks=pytest.mark.slow),
+        pytest.param("replay record LEVEL PROGRAM -o x.replay --ticks 9", marks=pytest.mark.slow),
+    ],
+)
+def test_a_call_without_end_is_ended_and_blamed_on_the_program(words: str, tmp_path: Path) -> None:
+    program = tmp_path / "shouts.l"
+    program.write_text(SHOUTS, "utf-8")
+    line = words.replace("LEVEL", "01-first-steps").replace("PROGRAM", str(program))
+    done = subprocess.run(
+        [sys.executable, "-c", COMPUTES_IN_C, *line.split()],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+    assert done.returncode == supervisor.STUCK
+    assert done.stderr.startswith(f"logical-robots: {line}: The program computed for 15 s")

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Protocol
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits, weight_of_row, weight_of_scalar
+from logical_robots_tui.processes.lifeline import renew_bound
 
 STEPS_AT_ONCE = 20_000
 """Steps of SQLite's virtual machine between two counts: a fifth of a millisecond or more."""
@@ -204,6 +205,7 @@ class _Watcher:
         self._looks = False  # whether the thread is alive and awake
 
     def add(self, work: Work) -> None:
+        renew_bound(is_working=True)
         with self._lock:
             self._works.add(work)
             if not self._looks:
@@ -230,6 +232,7 @@ class _Watcher:
                     quiet = 0 if self._works else quiet + 1
                     for work in self._works:
                         work.look(now - last)
+                    renew_bound(is_working=bool(self._works))
                     if quiet > _QUIET_LOOKS:
                         quiet = 0
                         self._looks = False
