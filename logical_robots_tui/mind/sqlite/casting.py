@@ -339,7 +339,7 @@ class _Reader:
 
     def part(self, separator: str) -> tuple[str | None, str]:
         """Return the next part, or None for an unquoted null; and what it ended with."""
-        text, pieces = self._text, [""]
+        text, pieces, quoted = self._text, list[str](), list[int]()
         ended = ""
         while self._at < len(text) and not self._is_broken and text[self._at] != self._closing:
             at, character = self._at, text[self._at]
@@ -348,24 +348,27 @@ class _Reader:
                 ended = separator
                 break
             if character in _QUOTED:
-                found = _QUOTED[character].match(text, at + 1)
-                self._move(found.end() if found else -1)
-                pieces += [_ESCAPE.sub(r"\1", found.group()[:-1]) if found else "", ""]
+                match = _QUOTED[character].match(text, at + 1)
+                self._move(match.end() if match else -1)
+                quoted.append(len(pieces))
+                pieces.append(_ESCAPE.sub(r"\1", match.group()[:-1]) if match else "")
             elif character in _CLOSES:
                 self._move(_closed(text, at))
-                pieces[-1] += text[at : self._at]
+                pieces.append(text[at : self._at])
             elif character == "\\" and text[at + 1 : at + 2] in _QUOTED:
                 self._move(at + 2)
-                pieces[-1] += text[at + 1]
+                pieces.append(text[at + 1])
             else:
                 plain = _PLAIN.match(text, at)
                 self._move(plain.end() if plain else at + 1)
-                pieces[-1] += text[at : self._at]
-        # Without the spaces round it; quoted pieces, every second one, keep theirs.
-        pieces[0] = pieces[0].lstrip(_SPACES)
-        pieces[-1] = pieces[-1].rstrip(_SPACES)
-        part = "".join(pieces)
-        return None if part.upper() == "NULL" and len(pieces) == 1 else part, ended
+                pieces.append(text[at : self._at])
+        if not quoted:
+            part = "".join(pieces).strip(_SPACES)
+            return None if part.upper() == "NULL" else part, ended
+        first, last = quoted[0], quoted[-1]  # what is in quotes keeps its spaces
+        begin, end = "".join(pieces[:first]), "".join(pieces[last + 1 :])
+        inside = "".join(pieces[first : last + 1])
+        return begin.lstrip(_SPACES) + inside + end.rstrip(_SPACES), ended
 
     def _move(self, at: int) -> None:
         self._is_broken = at < 0
