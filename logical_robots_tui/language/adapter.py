@@ -7,6 +7,7 @@ back what the package's compiler takes, with the places that its messages need.
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -15,7 +16,7 @@ from logica.parser_py import parse as parser
 from logica.type_inference.research import infer, reference_algebra
 
 from logical_robots_tui.language import error_messages, tree
-from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS, Diagnostic
 from logical_robots_tui.language.package_patches import deep_copy
 from logical_robots_tui.language.source_text import (
     Prepared,
@@ -57,12 +58,14 @@ class Parsed:
         problems: Errors in the statements that could not be parsed.
         doubtful: Names in those statements, about which nothing is known.
         source: The text that was parsed.
+        more: Errors that are not among the problems, because they are too many.
     """
 
     statements: list[Statement]
     problems: list[Diagnostic]
     doubtful: frozenset[str]
     source: Prepared
+    more: int
 
 
 def parse(source: Prepared) -> Parsed:
@@ -71,19 +74,23 @@ def parse(source: Prepared) -> Parsed:
     parser.TOO_MUCH = "fun" if _OPERATOR.search(source.skeleton) else "too much"
     parser.EnactIncantations(source.original)
     found: list[Statement] = []
-    problems = list(source.problems)
+    problems, more = list(source.problems), source.more
     doubtful: set[str] = set()
+    broken = sorted(source.broken)
     for start, end in statements(source):
-        if not any(start <= place < end for place in source.broken):
+        if bisect_left(broken, start) == bisect_left(broken, end):
             try:
                 text, beside = _take_from_head(source, start, end)
                 found += _parse_statement(source._replace(text=text), start, end)
                 found += [each for each in beside if each not in found]
                 continue
             except error_messages.COMPLAINTS as error:
-                problems.append(error_messages.explain(error, source, (start, end)))
+                if len(problems) < MOST_DIAGNOSTICS:
+                    problems.append(error_messages.explain(error, source, (start, end)))
+                else:
+                    more += 1
         doubtful.update(_NAME.findall(source.skeleton[start:end]))
-    return Parsed(found, problems, frozenset(doubtful), source)
+    return Parsed(found, problems, frozenset(doubtful), source, more)
 
 
 def parse_proposition(source: Prepared) -> tree.Proposition:

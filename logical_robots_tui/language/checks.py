@@ -22,7 +22,13 @@ from logical_robots_tui.language.definitions import (
     prelude,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, distance
+from logical_robots_tui.language.diagnostics import (
+    MOST_DIAGNOSTICS,
+    Diagnostic,
+    Mention,
+    closest,
+    distance,
+)
 from logical_robots_tui.language.expansion import TYPES, written_type
 from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.pitfalls import pitfalls
@@ -218,6 +224,11 @@ def _names(
     subjects = {each.subject for each in program if isinstance(each, tree.Annotation)}
     values = {node.name for node in tree.walk(program) if isinstance(node, tree.PredicateName)}
     values -= {*(each.name for each in calls(program)), *subjects}
+    given_aggregates = {
+        call.name
+        for call in calls(program)
+        if any(isinstance(argument.value, tree.Aggregate) for argument in call.arguments)
+    }
     for name in names_used(program):
         if name in seen or name in known or name in left_open:
             continue
@@ -237,17 +248,13 @@ def _names(
                 hint = _instead(name, known, runs)
                 yield diagnostic_for(text, name, f"{name} is not available here", hint)
         elif re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
-            hint = _instead(name, known, runs) or "Define it, or correct its name."
+            similar = _instead(name, known, runs) if len(seen) <= MOST_DIAGNOSTICS else ""
+            hint = similar or "Define it, or correct its name."
             if name in values:
                 hint = _meant_as_value(name)
-            elif _is_given_an_aggregate(program, name):
+            elif name in given_aggregates:
                 hint = f"To define it, give it a body: {name}(...) :- ..."
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
-
-
-def _is_given_an_aggregate(program: Sequence[tree.Statement], name: str) -> bool:
-    own = (each for each in calls(program) if each.name == name)
-    return any(isinstance(given.value, tree.Aggregate) for each in own for given in each.arguments)
 
 
 def _meant_as_value(name: str) -> str:
@@ -322,6 +329,7 @@ def _instead(name: str, known: set[str], runs: Runs) -> str:
 
 _SHORTEST = 4  # letters in a word that can be recognised as misspelt
 _LONG = 7  # letters in a word that may have two errors
+_MOST_COMPARED = 200  # variables of a rule; nobody writes more by hand
 
 
 def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
@@ -332,6 +340,8 @@ def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
         columns = (node for node in nodes if isinstance(node, tree.Argument))
         shorthand = {each.field for each in columns if tree.variable_of(each.value) == each.field}
         counts = Counter(map(str, variables))
+        if len(counts) > _MOST_COMPARED:
+            continue
         for at, name in enumerate(variables):
             if counts[name] > 1 or name in shorthand:
                 continue

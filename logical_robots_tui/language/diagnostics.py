@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.schema import NO_LABEL, WALL
+
+MOST_DIAGNOSTICS = 100
+"""Most diagnostics of a program that are made and shown."""
 
 _MOST_LISTED = 4
 _LONGEST = 60  # characters of a name in a message
@@ -36,6 +39,22 @@ class Diagnostic:
     def __str__(self) -> str:
         head = f"line {self.line}, column {self.column}: {self.message}"
         return f"{head} {self.hint}" if self.hint else head
+
+
+def most_important(diagnostics: Iterable[Diagnostic], more: int = 0) -> tuple[Diagnostic, ...]:
+    """Return the first hundred in text order, errors before warnings.
+
+    If there are others, the last one says how many, with `more` that nobody has made.
+    """
+    by_severity = sorted(diagnostics, key=lambda d: (d.severity, d.line, d.column))
+    shown, hidden = by_severity[:MOST_DIAGNOSTICS], by_severity[MOST_DIAGNOSTICS:]
+    last = shown[-1] if shown else None
+    shown.sort(key=lambda d: (d.line, d.column))
+    if last is not None and (more := more + len(hidden)):
+        what = f"{more:,} more problem{'s' * (more > 1)} not shown"
+        hint = "Correct these first."
+        shown.append(replace(last, message=what, hint=hint, excerpt=""))
+    return tuple(shown)
 
 
 class ProgramError(LogicalRobotsError):

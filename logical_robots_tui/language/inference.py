@@ -7,7 +7,7 @@ argument that has the same kind everywhere. What is read from a memory is not.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal, TypeAlias
 
 from logical_robots_tui.language import tree, types
@@ -104,14 +104,14 @@ class Inference:
         return False
 
     def _go_through_rules(self) -> None:
-        columns: dict[Column, list[Kind]] = {}
+        columns: dict[Column, dict[Kind, None]] = {}
         for rule in self._rules:
             scope = self._scope(rule.body, self._parameters(rule))
             for column in rule.head.columns:
                 kind = self._value(column, scope)
-                earlier = columns.setdefault((rule.name, column.field), [])
+                earlier = columns.setdefault((rule.name, column.field), {})
                 self._check_column(rule, column, kind, earlier)
-                earlier.append(kind)
+                earlier[kind] = None
         for place, kinds in columns.items():
             if place[0] not in self._unknown:
                 self._columns[place] = types.common(kinds)
@@ -398,7 +398,7 @@ class Inference:
             self._check_number("Sum" if operator == "Agg+" else operator, node, kind)
 
     def _check_column(
-        self, rule: Rule, column: Argument, kind: Kind, earlier: Sequence[Kind]
+        self, rule: Rule, column: Argument, kind: Kind, earlier: Iterable[Kind]
     ) -> None:
         if (rule.name, column.field) == (MAIN, "memory"):
             return  # what a robot remembers can be of another type at any time

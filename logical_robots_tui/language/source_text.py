@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from bisect import bisect_right
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import islice
 from sys import maxunicode
 from typing import Literal, NamedTuple
 
-from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS, Diagnostic
 
 _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
@@ -21,6 +23,7 @@ _BRACKET = re.compile(r"[(){}\[\]]")
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
 _QUOTED_NAME = re.compile(r"`[^`\n]*`?")
 _MOST_FOREIGN = 25  # pieces that are reported
+_LONGEST_EXCERPT = 1_000  # characters that are looked at
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
 _TOKEN = re.compile(
     r"(?P<comment>#[^\n]*|/\*(?:.*?\*/|.*))"
@@ -58,6 +61,7 @@ class Prepared(NamedTuple):
         skeleton: The same with quoted texts blanked, to search for names.
         problems: Errors that the parser would explain worse; `broken` are their offsets.
         ends: Offsets of the ``;`` that end statements.
+        more: Errors that are not among the problems, because they are too many.
     """
 
     original: str
@@ -66,6 +70,7 @@ class Prepared(NamedTuple):
     problems: tuple[Diagnostic, ...]
     broken: tuple[int, ...] = ()
     ends: tuple[int, ...] = ()
+    more: int = 0
 
 
 def prepare(source: str) -> Prepared:
@@ -103,7 +108,8 @@ def prepare(source: str) -> Prepared:
         at = found.end()
     text = "".join(pieces) + text[at:]
     places, ends = tuple(brackets.places), tuple(brackets.ends)
-    return Prepared(source, text, bare, tuple(brackets.problems), places, ends)
+    more = len(places) - len(brackets.problems)
+    return Prepared(source, text, bare, tuple(brackets.problems), places, ends, more)
 
 
 def _blanked(found: re.Match[str]) -> str:
@@ -179,7 +185,8 @@ class _Brackets:
         self._complained = False
 
     def report(self, at: int, length: int, message: str, hint: str) -> None:
-        self.problems.append(diagnostic_at(self._source, at, length, message, hint))
+        if len(self.problems) < MOST_DIAGNOSTICS:
+            self.problems.append(diagnostic_at(self._source, at, length, message, hint))
         self.places.append(at)
 
     def text(self, at: int, token: str) -> None:
@@ -210,7 +217,7 @@ class _Brackets:
             self._complain(at, f"This '{sign}' closes nothing", "Remove it.")
         else:
             bracket, place = self._opened[-1]
-            line = self._source.count("\n", 0, place) + 1
+            line, _ = place_of(self._source, place)
             message = f"This '{sign}' does not match the '{bracket}' of line {line}"
             self._complain(at, message, "Brackets close in the order in which they were opened.")
 
@@ -241,17 +248,20 @@ def diagnostic_at(
     severity: Literal["error", "warning"] = "error",
 ) -> Diagnostic:
     start = max(0, min(start, len(source)))
-    before = source[:start]
-    line_start = before.rfind("\n") + 1
-    excerpt = source[start : start + length].split("\n", 1)[0].strip()
-    return Diagnostic(
-        line=before.count("\n") + 1,
-        column=start - line_start + 1,
-        message=message,
-        hint=hint,
-        excerpt=excerpt[:80],
-        severity=severity,
-    )
+    line, column = place_of(source, start)
+    excerpt = source[start : start + min(length, _LONGEST_EXCERPT)].split("\n", 1)[0].strip()
+    return Diagnostic(line, column, message, hint, excerpt[:80], severity)
+
+
+def place_of(source: str, offset: int) -> tuple[int, int]:
+    """Return line and column of an offset, from 1."""
+    line = bisect_right(_line_starts(source), offset)
+    return line, offset - _line_starts(source)[line - 1] + 1
+
+
+@lru_cache(maxsize=4)
+def _line_starts(source: str) -> list[int]:
+    return [0, *(newline.end() for newline in re.finditer("\n", source))]
 
 
 def diagnostic_for(

@@ -27,7 +27,7 @@ from logical_robots_tui.language.definitions import (
     reach,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, most_important
 from logical_robots_tui.language.expansion import expand_functors, expand_rows, spell_out
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for, prepare
 from logical_robots_tui.language.tree import Annotation, Functor, Rule, Statement
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 _DEEPEST_RECURSION = 200
 _ALWAYS_USED = ("->", "`=`", "Arrow")  # by the package, too
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
-_MOST_DIAGNOSTICS = 25
 
 
 def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict[str, exp.Query]]:
@@ -56,7 +55,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     parsed = parse(source)
     found, mentions = check(parsed, text, runs)
     rest, visibility, invalid = _take_visibility(parsed.statements, text)
-    _refuse([*found, *invalid])
+    _refuse([*found, *invalid], parsed.more)
     compiled = compile_statements(rest, source)
     statements, predicates, problems = _compile_predicates(
         compiled, rest, source, report or (lambda _done, _all: None)
@@ -74,7 +73,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         (*inputs, *sorted(predicates, key=lambda p: p.line or len(text))),
         statements,
         **visibility,
-        warnings=tuple(found),
+        warnings=most_important(found),
         web=tuple(web_remarks(parsed.statements, source.original)),
         mentions=mentions,
         needed=needed,
@@ -129,13 +128,12 @@ def compile_statements(
         raise ProgramError((problem or error_messages.explain(error, source),)) from None
 
 
-def _refuse(found: list[Diagnostic]) -> None:
+def _refuse(found: list[Diagnostic], more: int = 0) -> None:
     if any(problem.severity == "error" for problem in found):
         wrong = {(p.line, p.column) for p in found if p.severity == "error"}
         found = [p for p in found if p.severity == "error" or (p.line, p.column) not in wrong]
         unique = {(p.line, p.column, p.message): p for p in found}.values()
-        found = sorted(unique, key=lambda p: (p.severity, p.line, p.column))[:_MOST_DIAGNOSTICS]
-        raise ProgramError(tuple(sorted(found, key=lambda p: (p.line, p.column))))
+        raise ProgramError(most_important(unique, more))
 
 
 class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package has no types

@@ -24,7 +24,12 @@ from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.language.definitions import with_constants
-from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, printable
+from logical_robots_tui.language.diagnostics import (
+    MOST_DIAGNOSTICS,
+    Diagnostic,
+    ProgramError,
+    printable,
+)
 from logical_robots_tui.language.pitfalls import CALLED_AGGREGATE
 from logical_robots_tui.mind.asking import in_plain_words
 from logical_robots_tui.mind.compilation import NO_MEMORY
@@ -40,7 +45,6 @@ from logical_robots_tui.schema import MAIN
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compilation import Report
 
-_MOST_DIAGNOSTICS = 100
 _LONGEST_MESSAGE = 1_000
 _MOST_SQL = 4_000_000  # characters of all statements of a program
 _PREPARE_SECONDS = 1.0
@@ -131,7 +135,7 @@ def answer(
         tuned = keep_preparable(tune_all(statements, trees))
         return {"program": asdict(replace(program, tuned=tuned))}
     except ProgramError as error:
-        shown = [asdict(each) for each in error.diagnostics[:_MOST_DIAGNOSTICS]]
+        shown = [asdict(each) for each in error.diagnostics[: MOST_DIAGNOSTICS + 1]]
         for each in shown:
             for part in ("message", "hint", "excerpt"):
                 each[part] = printable(each[part][:_LONGEST_MESSAGE])
