@@ -9,6 +9,7 @@ import re
 import stat
 from collections.abc import Iterable
 from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 from typing import Literal, TypeAlias
 
@@ -127,9 +128,14 @@ def shipped_names(kind: ShippedKind, suffix: str, within: str = "") -> list[str]
     return sorted(path.stem for path in folder.glob(f"*{suffix}"))
 
 
+_MOST_OPTIONS = 1_000
+_LONGEST_WORD = 100  # characters; the time to compare grows with the square
+
+
 def did_you_mean(word: str, options: Iterable[str]) -> str:
-    by_folded = {option.casefold(): option for option in options}
-    close = difflib.get_close_matches(word.casefold(), by_folded, n=1, cutoff=0.6)
+    by_folded = {option.casefold(): option for option in islice(options, _MOST_OPTIONS)}
+    word = word[:_LONGEST_WORD].casefold()
+    close = difflib.get_close_matches(word, by_folded, n=1, cutoff=0.6)
     return f'Did you mean "{by_folded[close[0]]}"?' if close else ""
 
 

@@ -38,6 +38,7 @@ T = TypeVar("T")
 
 _MOST_BYTES = 1_000_000
 _MOST_SHOWN = 60  # characters of a wrong value
+_MOST_PROBLEMS = 100
 _MOST = sys.float_info.max
 
 
@@ -165,20 +166,27 @@ class TomlFile:
 
     def problem(self, path: Path_, message: str) -> None:
         said = _sentence(message)
-        self._wrong.add(path)
+        self._wrong.update(path[:length] for length in range(len(path) + 1))
         if not self._is_file and (name := _name(path)) not in said:
             said = f"{name}: {said}"
         while path and path not in self._lines:
             path = path[:-1]
         self._problems.add((self._lines.get(path, 1), said))
+        self._refuse_many()
 
     def problem_in(self, name: str, line: int, message: str) -> None:
         """Report a problem of another file, which this one names."""
         self._others.append(f"{self.folder / name}:{line}: {_sentence(message)}")
+        self._refuse_many()
+
+    def _refuse_many(self) -> None:
+        if len(self._problems) + len(self._others) >= _MOST_PROBLEMS:
+            more = f"{self.file}: There may be more problems. Correct these first."
+            raise TomlFileError((*self.problems, more))
 
     def is_wrong(self, path: Path_) -> bool:
         """Return whether there is a problem with a value or a part of it."""
-        return any(each[: len(path)] == path for each in self._wrong)
+        return path in self._wrong
 
     def refuse(self) -> None:
         """Raise TomlFileError if something is wrong."""
@@ -200,7 +208,7 @@ class TomlFile:
         self, hints: Mapping[str, Any], data: Mapping[str, Any], path: Path_ = ()
     ) -> dict[str, Any]:
         """Return the values of the known keys, by type hints, without those that are wrong."""
-        for key in data.keys() - hints.keys():
+        for key in (key for key in data if key not in hints):
             hint = did_you_mean(key, hints) or f"Known keys: {', '.join(hints)}."
             self.problem((*path, key), f'"{clip(key, _MOST_SHOWN)}" is not a known key. {hint}')
         known = hints.keys() & data.keys()
@@ -261,8 +269,8 @@ def _shown(value: object) -> str:
     return clip(json.dumps(value, ensure_ascii=False, default=str), _MOST_SHOWN)
 
 
-_HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
-_KEY = re.compile(r"""\s*([\w-]+|"[^"]*"|'[^']*')\s*(?:=|\.)""")
+_HEADER = re.compile(r"\s*+(\[\[?+)([^\[\]]++)\]\]?+\s*+(?:#.*)?$")
+_KEY = re.compile(r"""\s*+([\w-]++|"[^"]*+"|'[^']*+')\s*+[=.]""")
 
 
 def _lines(text: str) -> list[tuple[Path_, int]]:
@@ -272,7 +280,7 @@ def _lines(text: str) -> list[tuple[Path_, int]]:
     counts: dict[str, int] = {}
     for number, line in enumerate(text.split("\n"), 1):
         if header := _HEADER.match(line):
-            name = header[2]
+            name = header[2].strip()
             table = tuple(part.strip(" \"'") for part in name.split("."))
             if header[1] == "[[":
                 table = (*table, counts.get(name, 0))
