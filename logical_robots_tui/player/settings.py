@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -95,21 +96,35 @@ def write_setting(path: Path, name: str, value: object) -> None:
     Raises:
         InputError: The file is not valid, or can't be written.
     """
-    import tomlkit  # loading it takes longer than reading
-
     try:
-        text = read_text(path, _MOST_BYTES) if path.exists() else ""
-        parse_toml(text)
-        document = tomlkit.parse(text)
-        if value is not None:
-            document[name] = value
-        elif name in document:
-            document.remove(name)
+        text = _changed(read_text(path, _MOST_BYTES) if path.exists() else "", name, value)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, tomlkit.dumps(document))
+        write_atomically(path, text)
     except (OSError, InputError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise InputError(f"The setting can't be saved in {path}: {reason}") from error
+
+
+def _changed(text: str, name: str, value: object) -> str:
+    """Return the text with one line changed: tomlkit takes minutes for a hostile megabyte."""
+    wanted = {key: other for key, other in parse_toml(text).items() if key != name}
+    header = re.search(r"^[ \t]*+\[", text, re.MULTILINE)
+    end = header.start() if header else len(text)
+    head, tables = text[:end], text[end:]
+    earlier = rf"""^[ \t]*+{name}[ \t]*+=[ \t]*+(?:"[^"\n]*"|'[^'\n]*'|[^\s#]++)"""
+    if value is None:
+        head = re.sub(rf"{earlier}.*\n?", "", head, count=1, flags=re.MULTILINE)
+    else:
+        wanted[name] = value
+        line = f"{name} = {json.dumps(value, ensure_ascii=False)}"
+        head, number = re.subn(earlier, lambda _: line, head, count=1, flags=re.MULTILINE)
+        if not number:
+            own = head.rstrip()
+            rest = head[len(own) :] or "\n"
+            head = f"{own}\n{line}{rest}".lstrip("\n")
+    if parse_toml(head + tables) != wanted:
+        raise InputError(f"Change {name} there by hand: it is not on a line of its own")
+    return head + tables
 
 
 def as_toml(settings: Settings) -> Iterator[str]:
