@@ -18,6 +18,8 @@ from typing import Any, NamedTuple
 MOST_PACKED = 200_000_000
 """Bytes of an archive that holds a whole class."""
 
+_LONGEST_PATH = 500  # characters; names are matched with patterns
+_LONGEST_NAME = 100
 _MOST_RATIO = 200
 _SLACK = 1_000_000  # bytes of which the ratio does not matter
 _ENDINGS = (".tar.gz", ".tar.bz2", ".tar.xz", ".zip", ".tar", ".tgz", ".tbz2", ".txz")
@@ -94,7 +96,9 @@ def unpack(archive: File, room: Room, most: Callable[[str], int]) -> Iterator[Fi
             problem, content = member.problem, b""
             if not parts or any(is_hidden(part) for part in parts if part != ".."):
                 continue
-            if "" in parts or ".." in parts or ":" in parts[0]:
+            if len(member.name) > _LONGEST_PATH:
+                parts, problem = (parts[0][:_LONGEST_NAME] or "?",), "its path is too long"
+            elif "" in parts or ".." in parts or ":" in parts[0]:
                 parts = tuple(part for part in parts if part not in ("", ".."))[-1:] or ("?",)
                 problem = "its path leads out of the archive"
             if not problem and (limit := most(parts[-1])):

@@ -8,7 +8,7 @@ import unicodedata
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
@@ -21,6 +21,7 @@ from logical_robots_tui.lab.archives import (
     stem_of,
     unpack,
 )
+from logical_robots_tui.lab.exporting import check_extra
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.paths import decoded, is_folder, read_ordinary
 from logical_robots_tui.wording import join_names
@@ -32,6 +33,8 @@ _MOST_ARCHIVE = 20_000_000
 _MOST_DEPTH = 8
 _MOST_NAMED = 5
 _LONGEST_NAME = 200
+_MOST_WORDS = 10  # of a name of people, which may be in any order
+_DEEPEST = 20  # mappings and lists in each other in Gradescope's metadata
 _METADATA = "submission_metadata.yml"
 
 FIELDS = {"name": r"[^/]+", "id": r"[^/_\s]+", "level": r"[^/]+"}
@@ -151,7 +154,9 @@ def _text(content: bytes) -> str:
 
 def plain(text: str) -> str:
     """Return a name as it is compared: letters and digits, without case and accents."""
-    text = unicodedata.normalize("NFKD", text.casefold()).translate(_LETTERS)
+    # One by one, because the time to put marks in order grows with the square of their number.
+    parts = (unicodedata.normalize("NFKD", character) for character in text.casefold())
+    text = "".join(parts).translate(_LETTERS)
     return "".join(character for character in text if character.isalnum())
 
 
@@ -295,15 +300,49 @@ def _unwrapped(files: list[File], stems: Mapping[str, str]) -> list[File]:
 
 def _students_of_gradescope(files: list[File]) -> dict[str, tuple[str, str]]:
     """Return names and ids by folder, from the metadata that Gradescope exports."""
-    content = next((file.content for file in files if file.parts == (_METADATA,)), b"")
+    file = next((file for file in files if file.parts == (_METADATA,)), None)
+    entries = _yaml(file.content) if file else {}
     found: dict[str, tuple[str, str]] = {}
-    for part in re.split(r"^(?=\S)", content.decode(errors="replace"), flags=re.M):
-        name, student = (
-            re.search(rf"^[\s-]*:{key}:[ '\"]*([^'\"\n]*)", part, re.M) for key in ("name", "sid")
-        )
-        folder = part.partition(":")[0]
-        found[folder] = (name[1].strip() if name else "", student[1].strip() if student else "")
+    for folder, entry in entries.items() if isinstance(entries, dict) else ():
+        submitters = entry.get(":submitters") if isinstance(entry, dict) else ()
+        first = submitters[0] if isinstance(submitters, list) and submitters else ()
+        if isinstance(first, dict):
+            texts = (first.get(f":{key}") for key in ("name", "sid"))
+            name, student = (text.strip() if isinstance(text, str) else "" for text in texts)
+            found[folder] = name, student
     return found
+
+
+def _yaml(content: bytes) -> object:
+    """Return what Gradescope's metadata say, all scalars as text; raises InputError."""
+    check_extra("yaml", "An export of Gradescope")
+    import yaml
+
+    stack: list[list[Any]] = [[]]
+    try:
+        for event in yaml.parse(content, getattr(yaml, "CBaseLoader", yaml.BaseLoader)):
+            if isinstance(event, yaml.AliasEvent) or len(stack) > _DEEPEST:
+                problem = "nested too deeply" if len(stack) > _DEEPEST else "an alias"
+                raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+            if isinstance(event, yaml.ScalarEvent):
+                stack[-1].append(event.value)
+            elif isinstance(event, yaml.CollectionStartEvent):
+                stack.append([])
+            elif isinstance(event, yaml.CollectionEndEvent):
+                items = stack.pop()
+                pairs = zip(items[::2], items[1::2], strict=False)
+                is_list = isinstance(event, yaml.SequenceEndEvent)
+                named = {key: value for key, value in pairs if not is_list and isinstance(key, str)}
+                stack[-1].append(items if is_list else named)
+    except (yaml.YAMLError, ValueError) as error:
+        mark = getattr(error, "problem_mark", None)
+        reason = getattr(error, "problem", None) or getattr(error, "reason", str(error))
+        raise InputError(
+            f"This YAML can't be read: {reason}",
+            place=_METADATA + (f", line {mark.line + 1}" if mark else ""),
+            hint="Export the submissions again, or remove this file.",
+        ) from error
+    return next(iter(stack[0]), {})
 
 
 def _patterns(pattern: str, stems: Mapping[str, str]) -> list[re.Pattern[str]]:
@@ -393,7 +432,8 @@ def _alike(row: Mapping[str, str]) -> list[str]:
 
 def _called(row: Mapping[str, str]) -> list[str]:
     words = re.findall(r"\w+", row.get("name") or "")
-    return [plain("".join(words[n:] + words[:n])) for n in range(len(words))]
+    orders = range(len(words) if len(words) <= _MOST_WORDS else 1)
+    return [plain("".join(words[n:] + words[:n])) for n in orders]
 
 
 _KEYS = (_exact, _alike, _called)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections import defaultdict
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -33,6 +34,7 @@ from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
 
 _MOST_REMARKS = 20
+_MOST_COLUMNS = 100  # of a table of students
 _BY_HAND = ("assignment", "by_hand")
 _TABLES: dict[tuple[str, str], tuple[tuple[str, ...], tuple[str, ...]]] = {
     ("assignment", "roster"): (("id",), ("name", "submission")),
@@ -155,7 +157,7 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
     is_late = {row["id"] for row in late.rows.values()}
     rows = [*roster.rows.values()]
     students, strays = _students(assignment, entries, rows, is_late, deadlines, added)
-    known = [student.id for student in students]
+    known = dict.fromkeys(student.id for student in students)
     for table in (late, extensions, by_hand) if rows else (by_hand,):
         for line, row in table.rows.items():
             if (nobody := row["id"]) not in known:
@@ -201,7 +203,7 @@ def _deadlines(spec: TomlFile, table: _Table) -> dict[str, datetime]:
 
 def _added(spec: TomlFile, table: _Table) -> dict[str, tuple[tuple[float, str], ...]]:
     """Return points that were given by hand, with their reasons, by student."""
-    found: dict[str, tuple[tuple[float, str], ...]] = {}
+    found: dict[str, list[tuple[float, str]]] = defaultdict(list)
     for line, row in table.rows.items():
         try:
             points = float(row.get("points", ""))
@@ -212,8 +214,8 @@ def _added(spec: TomlFile, table: _Table) -> dict[str, tuple[tuple[float, str], 
             spec.problem_in(table.file, line, said)
         else:
             reason = readable(row.get("reason", ""))
-            found[row["id"]] = (*found.get(row["id"], ()), (points, reason))
-    return found
+            found[row["id"]].append((points, reason))
+    return {student: tuple(points) for student, points in found.items()}
 
 
 def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> _Table:
@@ -227,6 +229,8 @@ def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> _Ta
         separator = max(",;\t", key=lines[0].count) if lines else ","
         reader = csv.DictReader(lines, restval="", delimiter=separator)
         heads = [head.strip().casefold() for head in reader.fieldnames or ()]
+        if len(heads) > _MOST_COLUMNS:
+            raise ValueError(f"it has more than {_MOST_COLUMNS} columns")
         heads = reader.fieldnames = [_COLUMNS.get(head, head) for head in heads]
         rows = [(reader.line_num, row) for row in reader]
     except (OSError, ValueError, csv.Error) as error:
@@ -266,7 +270,8 @@ def _students(
     used = set(found.values())
     known = [(found.get(row["id"], ""), row) for row in roster]
     strays = [name for name in entries if name not in used and entries[name].is_stray]
-    others = [name for name in entries if name not in used and name not in strays]
+    used.update(strays)
+    others = [name for name in entries if name not in used]
     students = []
     for name, row in [*known, *((name, dict[str, str]()) for name in others)]:
         entry = entries.get(name)
@@ -301,7 +306,7 @@ def account_of(manifest: Manifest) -> list[str]:
     """Return who of the roster handed in something, what nobody in it did, and what is odd."""
     students = manifest.students
     others = [each for each in students if NOT_IN_ROSTER in each.remarks]
-    roster = [each for each in students if each not in others]
+    roster = [each for each in students if NOT_IN_ROSTER not in each.remarks]
     missing = [each.called for each in roster if not each.submission]
     if manifest.assignment["assignment"]["roster"]:
         said = f"{len(roster):,} in the roster, {len(roster) - len(missing):,} matched"

@@ -239,3 +239,28 @@ def test_what_can_not_be_read_is_said(tmp_path: Path) -> None:
     assert utf_16.remarks == ["first-steps.l: it is not UTF-8 text"]
     with pytest.raises(InputError, match=r"Several entries have this name: ada, ada\.zip"):
         only(tmp_path / "e", {"ada/x.l": "", "ada.zip": zipped({"x.l": ""})})
+
+
+@pytest.mark.parametrize(
+    ("metadata", "message"),
+    [
+        ("a: &a 1\nb: *a\n", "submission_metadata.yml, line 2: This YAML can't be read: an alias"),
+        ("a: " + "[" * 30, "line 1: This YAML can't be read: nested too deeply"),
+        ("a:\n  b: 'x\n", "line 3: This YAML can't be read: found unexpected end of stream"),
+        ("a: \x01", "This YAML can't be read: "),
+    ],
+)
+def test_metadata_that_can_not_be_read_are_refused(
+    metadata: str, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError) as refusal:
+        planned(tmp_path, {"s1/first-steps.l": "", "submission_metadata.yml": metadata})
+    assert message in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "metadata", ["", "a", "- a", "a: {b: c}", "s1: {? [x] : y}", "s1: {a: {}}"]
+)
+def test_metadata_of_nobody_leave_submissions_as_they_are(metadata: str, tmp_path: Path) -> None:
+    files = {"1001/first-steps.l": "", "submission_metadata.yml": metadata}
+    assert planned(tmp_path, files).students[0].submission == "1001"
