@@ -81,12 +81,12 @@ def texts_of(text: str) -> dict[str, str]:
     Its first line says how many lines each team has; otherwise it is the program of "".
     """
     head, _, rest = text.partition("\n")
-    lines, texts = rest.split("\n"), {}
+    lines, texts, begin = rest.split("\n"), {}, 0
     if head.startswith(_HEAD) and len(head) < _LONGEST:
         try:
             for team, count in json.loads(head.removeprefix(_HEAD)).items():
-                texts[team] = "\n".join(lines[:count])
-                del lines[:count]
+                end = begin + max(count, 0)
+                texts[team], begin = "\n".join(lines[begin:end]), end
         except (AttributeError, RecursionError, TypeError, ValueError):
             return {"": text}
-    return {"": text} if lines or not texts else texts
+    return {"": text} if begin < len(lines) or not texts else texts

@@ -34,7 +34,10 @@ class Desire:
 
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _TEXT_OR_FIELD = re.compile(
-    r""""(?:[^"\\]|\\.)*"|('(?:[^'\\]|\\.)*')|([A-Za-z_]\w*)(?=\s*:)""", re.ASCII | re.DOTALL
+    r""""(?:[^"\\]|\\.)*+"?"""
+    r"""|('(?:[^'\\]|\\.)*+')|'.*+"""
+    r"""|(?<!\w)([A-Za-z_]\w*+)(?=\s*+:)""",
+    re.ASCII | re.DOTALL,
 )
 
 
