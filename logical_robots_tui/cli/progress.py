@@ -7,7 +7,7 @@ import asyncio
 import csv
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,8 +16,9 @@ import msgspec
 
 from logical_robots_tui import mind, world
 from logical_robots_tui.cli import command
-from logical_robots_tui.cli.command import columns, folder_of, harmless, print_json
+from logical_robots_tui.cli.command import columns, drawn_bar, folder_of, harmless, print_json
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.verification import SECONDS, Budget, OverBudgetError, check_size
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import read_text
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
@@ -40,6 +41,9 @@ CELLS = ("state", "hints", "ticks", "size", "distance", "wins", "starts", "goals
         "play the programs of an exported JSON file again, and compare the results",
         type=Path,
     ),
+    command.number(
+        "--seconds", command.number_from(1), SECONDS, "give up after so many processor seconds"
+    ),
     command.DATA_DIR,
 )
 def progress(options: argparse.Namespace) -> int:
@@ -55,7 +59,7 @@ def progress(options: argparse.Namespace) -> int:
     exit status: 0 done or all confirmed, 1 a result is not confirmed, 2 bad file
     """
     if options.check is not None:
-        return _check(options.check, as_json=options.json)
+        return _check(options.check, options.seconds, as_json=options.json)
     file = folder_of(options.data_dir) / FILE_NAME
     with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as kept:
         _list(kept, options)
@@ -116,6 +120,7 @@ def _is_best(found: Measures, bests: Bests) -> bool:
 
 
 _MOST_BYTES = 20_000_000
+_SHARE_OF_GIVEN_UP = 0.9  # of the time that playing may take: the system counts it coarsely
 
 _Count = Annotated[int, msgspec.Meta(ge=0, le=1_000_000_000)]
 
@@ -145,7 +150,7 @@ class _Export(msgspec.Struct):
     levels: list[_Level]
 
 
-def _read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
+def read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
     """Yield level, program and measures of each victory in an exported file.
 
     Raises InputError, naming the wrong key, if the file is unreadable or another one.
@@ -172,15 +177,22 @@ def _read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
     )
 
 
-def _check(file: Path, *, as_json: bool) -> int:
-    claims = _read_claims(file)
+def _check(file: Path, seconds: int, *, as_json: bool) -> int:
+    claims = list(read_claims(file))
+    try:
+        check_size(len({claim[:2] for claim in claims}))
+    except InputError as error:
+        raise InputError(error.message, place=str(file)) from error
+    budget = Budget(seconds)
     results: list[dict[str, Any]] = []
     played: dict[tuple[str, str], Measures | str] = {}
     if not as_json:
         print(f"{'LEVEL':24}  {'TICKS':>6}  {'SIZE':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
-    for level, text, claimed in claims:
+    for number, (level, text, claimed) in enumerate(claims, 1):
         if (level, text) not in played:
-            played[level, text] = asyncio.run(_replay(level, text))
+            part = f"victory {number:,} of {len(claims):,}"
+            with drawn_bar(level) as draw:
+                played[level, text] = asyncio.run(_replay(level, text, budget, part, draw))
         outcome = played[level, text]
         found = None if isinstance(outcome, str) else outcome
         problem = str(outcome) if found is None else "; ".join(_differences(claimed, found))
@@ -203,8 +215,11 @@ def _check(file: Path, *, as_json: bool) -> int:
     return CONFIRMED if confirmed else NOT_CONFIRMED
 
 
-async def _replay(level: str, text: str) -> Measures | str:
-    from logical_robots_tui.game.measuring import MeasuringError, measure
+async def _replay(
+    level: str, text: str, budget: Budget, part: str, draw: Callable[[int, int, str, str], None]
+) -> Measures | str:
+    """Return what a program achieves, or why that is not known."""
+    from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.world.levels.labyrinths import Daily
 
@@ -213,11 +228,22 @@ async def _replay(level: str, text: str) -> Measures | str:
     where = world.load_level(level)
     if is_reference(where, text):
         return "this is a reference program"
+
+    def report(trial: Trial) -> None:
+        draw(trial.tried, trial.of_all, part, f"start {trial.tried} of {trial.of_all}")
+
+    report(Trial())
     try:
-        found = await measure(where, mind.Program.compile(text), None)
+        program = await budget.compile(text)
+        left, allowed = budget.left, budget.of_entry
+        found = await measure(where, program, None, report, allowed)
+    except OverBudgetError as error:
+        return str(error)
     except mind.ProgramError as error:
         return f"line {error.diagnostics[0].line}: {error.diagnostics[0].message}"
     except MeasuringError:
+        if left - budget.left > _SHARE_OF_GIVEN_UP * allowed:
+            return f"{OverBudgetError(allowed)}"
         return "it could not be played to the end; try again"
     return found or "the program does not win"
 

@@ -15,6 +15,7 @@ from logical_robots_tui.cli.command import harmless, named_programs, print_json,
 from logical_robots_tui.cli.level import refuse_existing, write
 from logical_robots_tui.cli.run import open_run
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.verification import SECONDS, Budget, OverBudgetError, check_size
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
@@ -34,6 +35,9 @@ command.group(
 """,
 )
 
+_SECONDS = command.number(
+    "--seconds", command.number_from(1), SECONDS, "give up after so many processor seconds"
+)
 _REPLAY = command.option("replay", "FILE", "a replay", type=Path)
 
 
@@ -110,7 +114,7 @@ def _play(options: argparse.Namespace) -> int:
     return play_replay(options, load_replay(options.replay))
 
 
-@command.declare("replay verify", _REPLAY, command.JSON)
+@command.declare("replay verify", _REPLAY, command.JSON, _SECONDS)
 def _verify(options: argparse.Namespace) -> int:
     """compute a replay again and compare
 
@@ -119,12 +123,15 @@ def _verify(options: argparse.Namespace) -> int:
     All ticks are computed again: what the program wants in each tick is compared with
     the replay, and the world with a hash of it every 100 ticks.
 
-    exit status: 0 the same, 2 the replay can't be used, 3 something is different
+    exit status: 0 the same, 2 the replay can't be used or takes too long, 3 something is different
     """
     from logical_robots_tui.game.replay import load_replay
 
     replay = load_replay(options.replay)
-    verifier = asyncio.run(_compute(replay))
+    try:
+        verifier = asyncio.run(_compute(replay, options.seconds))
+    except InputError as error:
+        raise InputError(error.message, place=str(options.replay), hint=error.hint) from error
     tick, reason = verifier.difference or (None, "")
     if options.json:
         told = {"same": tick is None, "tick": tick, "reason": reason, "ticks": replay.last}
@@ -138,16 +145,26 @@ def _verify(options: argparse.Namespace) -> int:
     return SAME if tick is None else DIFFERENT
 
 
-async def _compute(replay: Replay) -> Verifier:
-    """Compute a replay to its end and compare; raise ProgramError if a program is wrong."""
+async def _compute(replay: Replay, seconds: int) -> Verifier:
+    """Compute a replay to its end and compare.
+
+    Raises ProgramError if a program is wrong, InputError if it is too large or takes too long.
+    """
     from logical_robots_tui.game.replay import play_into
 
-    programs = [await game.compile_program(texts) for texts in replay.programs.values()]
+    texts_in_order = replay.programs.values()
+    robots = max(len(level.robots) for level in replay.levels)
+    check_size(sum(map(len, texts_in_order)), (replay.last - replay.first) * robots)
+    budget = Budget(seconds)
+    programs = [await budget.compile(texts) for texts in texts_in_order]
     playing = game.Game(replay.levels[0], programs[0], history=replay.last)
     try:
         with progress_bar(replay.levels[0].title, replay.last) as show:
             playing.listen(lambda frame: show(frame.tick))
-            return await play_into(playing, replay, programs, playing.use)
+            return await budget.bound(play_into(playing, replay, programs, playing.use))
+    except OverBudgetError as error:
+        said = f"Tick {playing.frame.tick:,} of {replay.last:,}: {error.message}"
+        raise InputError(said, hint=error.hint) from error
     finally:
         await playing.close()
 

@@ -220,14 +220,15 @@ async def measure(
     program: Program,
     known: Measures | None,
     report: Callable[[Trial], None] = lambda _trial: None,
+    seconds: int = PROCESSOR_SECONDS,
 ) -> Measures | None:
     """Measure a program in a process; None if it does not win from the original start.
 
     `report` is called on the event loop after each start. Raises MeasuringError if the process
-    ended early or the clock cut off a thought.
+    ended early, after so many processor seconds at the latest, or the clock cut off a thought.
     """
     loop = asyncio.get_running_loop()
-    work = _Work(pickle.dumps((level, program, known)))
+    work = _Work(pickle.dumps((level, program, known)), seconds)
 
     def pass_on(trial: Trial) -> None:
         if not work.is_over:
@@ -242,8 +243,8 @@ async def measure(
 class _Work:
     """A measuring process; one thread talks to it, any thread may end it."""
 
-    def __init__(self, request: bytes) -> None:
-        self._request = request
+    def __init__(self, request: bytes, seconds: int) -> None:
+        self._request, self._seconds = request, seconds
         self._guard = threading.Lock()
         self._process: Helper | None = None
         self.is_over = False
@@ -259,7 +260,7 @@ class _Work:
         with self._guard:
             if self.is_over:
                 raise MeasuringError
-            self._process = process = Helper(__name__)
+            self._process = process = Helper(__name__, str(self._seconds))
         assert process.stdin is not None
         assert process.stdout is not None
         try:
@@ -283,7 +284,7 @@ class _Work:
 
 
 def main() -> None:
-    begin(PROCESSOR_SECONDS)
+    begin(int(sys.argv[2]))
     os.nice(NICENESS)
     size = int.from_bytes(sys.stdin.buffer.read(8), "big")
     request = sys.stdin.buffer.read(size)
