@@ -8,12 +8,16 @@ from __future__ import annotations
 import mmap
 import os
 import resource
-from collections.abc import Iterator
 from errno import EACCES, EDQUOT
 from pathlib import Path
 from typing import NamedTuple
 
 MOST_FILES = 2_000
+"""Files and folders in a player's folder."""
+
+MOST_DEPTH = 10
+"""Folders in each other below a player's folder."""
+
 MOST_BYTES = 200 * 2**20
 """Total size of all files in a player's folder."""
 
@@ -66,17 +70,34 @@ def check_name(path: Path) -> None:
 def check_quota(path: Path, size: int) -> None:
     """Raise OSError if a file of this size would exceed the player's quota."""
     for confined in _confined:
-        sizes = {found.path: found.stat().st_size for found in _files(confined.own)}
+        sizes = _sizes(confined.own)
         before = sizes.get(os.path.realpath(path))
-        if before is None and len(sizes) >= MOST_FILES:
-            said = f"your folder is full: it holds {MOST_FILES:,} files, the most allowed"
-            raise OSError(EDQUOT, said, str(path))
+        if before is None:
+            _check_number(len(sizes), path)
         if size > (before or 0) and sum(sizes.values()) - (before or 0) + size > MOST_BYTES:
             said = f"your folder is full: at most {MOST_BYTES // 2**20} MB are allowed"
             raise OSError(EDQUOT, said, str(path))
 
 
-def _files(folder: str) -> Iterator[os.DirEntry[str]]:
+def check_new_folder(path: str | Path) -> None:
+    """Raise OSError if a folder is too deep, or the player's folder is full."""
+    where = os.path.realpath(path)
+    for confined in _confined if not os.path.lexists(where) else ():
+        if len(Path(os.path.relpath(where, confined.own)).parts) > MOST_DEPTH:
+            said = f"at most {MOST_DEPTH} folders can be in each other"
+            raise OSError(EDQUOT, said, str(path))
+        _check_number(len(_sizes(confined.own)), path)
+
+
+def _check_number(number: int, path: str | Path) -> None:
+    if number >= MOST_FILES:
+        said = f"your folder is full: it holds {MOST_FILES:,} files and folders, the most allowed"
+        raise OSError(EDQUOT, said, str(path))
+
+
+def _sizes(folder: str) -> dict[str, int]:
+    """Return the sizes of all files below a folder by path; those of folders are 0."""
+    sizes: dict[str, int] = {}
     folders = [folder]
     while folders:
         try:
@@ -84,10 +105,12 @@ def _files(folder: str) -> Iterator[os.DirEntry[str]]:
                 for entry in entries:
                     if entry.is_dir(follow_symlinks=False):
                         folders.append(entry.path)
+                        sizes[entry.path] = 0
                     elif entry.is_file(follow_symlinks=False):
-                        yield entry
+                        sizes[entry.path] = entry.stat().st_size
         except OSError:
             continue
+    return sizes
 
 
 def check_room(size: int) -> None:

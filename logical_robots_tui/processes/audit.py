@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from logical_robots_tui.confinement import WHY
+from logical_robots_tui.confinement import WHY, check_new_folder
 from logical_robots_tui.paths import shipped_folder
 
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -88,6 +88,8 @@ class _AuditHook:
         elif event in _CHANGES:
             for path in arguments[: 2 if event in _OF_TWO else 1]:
                 self._check(path, writing=True)
+            if event == "os.mkdir":
+                check_new_folder(arguments[0])
         elif event in _LISTINGS:
             self._check(arguments[0], writing=False)
         elif event == "subprocess.Popen":

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.cli.play import clear_environment
-from logical_robots_tui.confinement import MOST_FILES
+from logical_robots_tui.confinement import MOST_DEPTH, MOST_FILES
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.drafts import release
 from logical_robots_tui.player.recovery import MOST_GAMES, OpenGames
@@ -345,10 +345,27 @@ def test_a_game_in_lines_is_fenced_in_and_a_full_folder_is_told_in_a_sentence(
     programs.mkdir(parents=True)
     for number in range(MOST_FILES):
         (programs / f"p{number}.l").touch()
-    told = in_lines(tmp_path, "save mine\nstep\nopen /etc/passwd\nquit\n", "02-open-space")
+    script = "save mine\nsave ./0/mine.l\nstep\nopen /etc/passwd\nquit\n"
+    told = in_lines(tmp_path, script, "02-open-space")
     assert (told.status, told.err) == (0, "")
-    assert f"your folder is full: it holds {MOST_FILES:,} files" in told.out
+    assert f"your folder is full: it holds {MOST_FILES:,} files and folders" in told.out
     assert "Tick 1." in told.out
     assert "restricted mode allows only your own files" in told.out
-    assert not (programs / "mine.l").exists()
     assert len(list(programs.iterdir())) == MOST_FILES
+    assert not [folder for folder in programs.parent.rglob("*") if folder.name in ("mine.l", "0")]
+
+
+def test_folders_are_counted_and_not_deep(tmp_path: Path) -> None:
+    own = tmp_path / "players" / "ada"
+    own.mkdir(parents=True)
+    for number in range(MOST_FILES - 50):
+        (own / f"d{number}").mkdir()
+    deep = "/".join("a" * MOST_DEPTH)
+    saves = [f"./{deep}/a/mine.l", f"./{deep}/mine.l", *(f"./n{n}/mine.l" for n in range(50))]
+    script = "".join(f"save {path}\n" for path in saves)
+    told = in_lines(tmp_path, script + "quit\n", "02-open-space")
+    assert (told.status, told.err) == (0, "")
+    assert f"at most {MOST_DEPTH} folders can be in each other" in told.out
+    assert told.out.count("Saved") == 1 + len(list(own.rglob("n*/mine.l"))), told.out
+    assert f"it holds {MOST_FILES:,} files and folders" in told.out
+    assert len(list(own.rglob("*"))) <= MOST_FILES + 10
