@@ -2,6 +2,7 @@
 
 import pytest
 
+from logical_robots_tui.mind import Limits
 from tests.explain.asking import why
 
 EDGES = "E(x, x + 1) :- x in [1, 2, 3, 4];"
@@ -20,3 +21,11 @@ def test_the_other_derivations_of_a_row_are_counted(rules: str, end: int, note: 
     (rule,) = (rule for rule in explanation.rules if rule.row is not None)
     notes = [node.text for _, node in rule.node.walk() if node.kind == "note"]
     assert notes == ([f"This row has {note} by this rule"] if note else [])
+
+
+def test_derivations_that_take_long_to_count_are_not() -> None:
+    """The steps for the rows, and as many again for a count, would be too many for a query."""
+    text = "N(i) :- i in Range(70); S(s) distinct :- N(a), N(b), N(c), a + b == c * 138, s = 0;"
+    (rule,) = why(text, "S", limits=Limits(query_steps=4_500_000)).rules
+    assert rule.row is not None
+    assert "note" not in [node.kind for _, node in rule.node.walk()]

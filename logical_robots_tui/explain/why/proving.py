@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 
@@ -71,6 +72,7 @@ def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explana
 
 
 _MOST_OTHERS = 50  # rows among which another derivation is sought, derivations that are counted
+_STEPS_FOR_OTHERS = 1_000_000  # some 15 milliseconds
 _DEEPEST = 5  # functions that call functions, in the search for an empty aggregation
 
 
@@ -170,7 +172,7 @@ class _Proving:
         if is_aggregated(rule):
             ways = list(self._ways(rule, row, MOST_ELEMENTS + 1))
             return tuple(self._aggregated(ways, row)) if ways else None
-        ways = list(self._ways(rule, row, _MOST_OTHERS if self._probing.distinct else 1))
+        ways = self._derivations_of(rule, row)
         if not ways:
             return None
         nodes = (*self._telling.row(*ways[0], row), *self._telling.derivation(*ways[0]))
@@ -178,6 +180,14 @@ class _Proving:
             others = number_of(number, "other derivation", is_all=len(ways) < _MOST_OTHERS)
             nodes = (*nodes, Node("note", f"This row has {others} by this rule"))
         return nodes
+
+    def _derivations_of(self, rule: RuleParts, row: Row) -> list[tuple[Clause, Way]]:
+        """Return derivations of a row: of a distinct one those that are found in a few steps."""
+        if self._probing.distinct:
+            within = self._derivations.relations.within
+            with suppress(FailureError), within.at_most(_STEPS_FOR_OTHERS):
+                return list(self._ways(rule, row, _MOST_OTHERS))
+        return list(islice(self._ways(rule, row), 1))
 
     def _of_other_row(self, rule: RuleParts) -> tuple[Node, ...]:
         """Return the derivation of a row that this rule gives and that does not count."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import KW_ONLY, dataclass, field, replace
 from time import process_time
 from typing import Any, ClassVar, Protocol
@@ -106,6 +107,18 @@ class Within:
     def renew(self) -> None:
         self._left = self.weight
         self.budget = Budget(self.steps, self.seconds)
+
+    @contextmanager
+    def at_most(self, steps: int) -> Iterator[None]:
+        """Bound the steps of what follows; they are spent of the budget."""
+        whole = self.budget
+        self.budget = part = Budget(min(steps, whole.steps), whole.seconds)
+        try:
+            yield
+        finally:
+            whole.steps -= min(steps, whole.steps) - part.steps
+            whole.seconds, whole.is_late = part.seconds, part.is_late
+            self.budget = whole
 
     def again(self) -> Within:
         """Return the same budget unused, counted exactly."""
