@@ -6,7 +6,7 @@ separate part of the body, so that its value is computed once.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -44,7 +44,6 @@ from logical_robots_tui.language.tree import (
     Atom,
     Choice,
     Conjunction,
-    Disjunction,
     Expression,
     FieldAccess,
     Literal,
@@ -57,6 +56,7 @@ from logical_robots_tui.language.tree import (
     Rule,
     Tree,
     Variable,
+    alternatives,
     arguments,
     children,
     conjuncts,
@@ -80,6 +80,7 @@ PROBE = "WhyProbe"
 """The prefix of the queries' names."""
 
 _DEEPEST = 4  # nesting of bodies
+_MOST_CLAUSES = 32  # of one body
 _MOST_COLUMNS = 90  # SQLite's limit is 100
 
 
@@ -100,13 +101,9 @@ class Builder:
         depth: int = 0,
     ) -> tuple[Clause, ...]:
         """Return a body's clauses; `collected` holds the aggregations, `head` the other columns."""
-        try:
-            found = _alternatives(body)
-        except _TooManyError:
-            found = [(list(body), [])]
         return tuple(
-            _ClauseBuilder(self, parts, head, collected, given, depth).clause(taken)
-            for parts, taken in found
+            _ClauseBuilder(self, parts, head, collected, given, depth).clause(chosen)
+            for parts, chosen in alternatives(body, _MOST_CLAUSES)
         )
 
     def span(self, tree: Tree) -> Span:
@@ -346,38 +343,6 @@ class _ClauseBuilder:
         name = f"{PROBE}{len(probes)}"
         probes[name] = make_rule(name, columns, body)
         return name
-
-
-_MOST_CLAUSES = 32
-
-
-def _alternatives(body: Iterable[Proposition]) -> list[tuple[list[Proposition], list[Proposition]]]:
-    """Return each choice of alternatives: the parts of the body, and what was chosen.
-
-    Raises:
-        _TooManyError: There are too many to show.
-    """
-    found: list[tuple[list[Proposition], list[Proposition]]] = [([], [])]
-    for part in body:
-        options: list[tuple[list[Proposition], list[Proposition]]] = [([part], [])]
-        if isinstance(part, Disjunction):
-            options = [
-                (parts, [branch, *taken])
-                for branch in part.alternatives
-                for parts, taken in _alternatives(conjuncts(branch))
-            ]
-        if len(found) * len(options) > _MOST_CLAUSES:
-            raise _TooManyError
-        found = [
-            ([*parts, *more], [*taken, *chosen])
-            for parts, taken in found
-            for more, chosen in options
-        ]
-    return found
-
-
-class _TooManyError(Exception):
-    """A body has too many choices of alternatives."""
 
 
 def _values_in(node: Node, column: str) -> Iterator[Expression]:

@@ -413,6 +413,33 @@ def conjuncts(body: Proposition | None) -> list[Proposition]:
     return [part for member in body.members for part in conjuncts(member)]
 
 
+def alternatives(
+    body: Iterable[Proposition], most: int
+) -> list[tuple[list[Proposition], list[Proposition]]]:
+    """Return each choice of a body's alternatives: its parts then, and what was chosen.
+
+    Where there are more than `most` choices, none is made.
+    """
+    body = list(body)
+    choices: list[tuple[list[Proposition], list[Proposition]]] = [([], [])]
+    for part in body:
+        options: list[tuple[list[Proposition], list[Proposition]]] = [([part], [])]
+        if isinstance(part, Disjunction):
+            options = [
+                (parts, [branch, *chosen])
+                for branch in part.alternatives
+                for parts, chosen in alternatives(conjuncts(branch), most)
+            ]
+        if len(choices) * len(options) > most:
+            return [(body, [])]
+        choices = [
+            ([*parts, *more], [*chosen, *further])
+            for parts, chosen in choices
+            for more, further in options
+        ]
+    return choices
+
+
 def equation_sides(part: Node) -> tuple[Expression, Expression] | None:
     if isinstance(part, Equation):
         return part.left, part.right

@@ -17,12 +17,10 @@ are computed from them within a step.
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 from sqlglot import exp
@@ -103,42 +101,20 @@ def _uses(own: Mapping[str, Sequence[tree.Rule]]) -> dict[str, set[str]]:
 
 def _with_alternatives_as_rules(program: Sequence[tree.Statement]) -> list[tree.Statement]:
     """Let each alternative in a rule of a recursion be a rule, so that some can begin it."""
-    if all(rule.body is None or _count(rule.body) == 1 for rule in rules_of(program)):
+    rules = list(rules_of(program))
+    if not any(isinstance(node, tree.Disjunction) for node in tree.walk(rules)):
         return list(program)
     uses = _uses(_rules_by_name(program))
     recursive = {name for name in uses if name in _below(name, uses)}
     statements: list[tree.Statement] = []
     for statement in program:
-        if isinstance(statement, tree.Rule) and statement.name in recursive:
-            statements += _alternative_rules(statement)
+        if isinstance(statement, tree.Rule) and statement.body and statement.name in recursive:
+            choices = tree.alternatives(tree.conjuncts(statement.body), _MOST_ALTERNATIVES)
+            bodies = (tree.Conjunction(tuple(parts)) for parts, _ in choices)
+            statements += (replace(statement, body=body) for body in bodies)
         else:
             statements.append(statement)
     return statements
-
-
-def _alternative_rules(rule: tree.Rule) -> list[tree.Rule]:
-    if rule.body is None or _count(rule.body) > _MOST_ALTERNATIVES:
-        return [rule]
-    return [replace(rule, body=body) for body in _alternatives(rule.body)]
-
-
-def _count(body: tree.Proposition) -> int:
-    """Return the number of alternatives."""
-    if isinstance(body, tree.Disjunction):
-        return sum(map(_count, body.alternatives))
-    return math.prod(map(_count, body.members)) if isinstance(body, tree.Conjunction) else 1
-
-
-def _alternatives(body: tree.Proposition) -> Iterator[tree.Proposition]:
-    """Yield the bodies, without ``|`` outside of negations, that hold if and only if one does."""
-    if isinstance(body, tree.Disjunction):
-        for alternative in body.alternatives:
-            yield from _alternatives(alternative)
-    elif isinstance(body, tree.Conjunction):
-        for members in product(*map(list, map(_alternatives, body.members))):
-            yield replace(body, members=members)
-    else:
-        yield body
 
 
 class _Search:
