@@ -24,6 +24,7 @@ _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
 _QUOTED_NAME = re.compile(r"`[^`\n]*`?")
 _MOST_FOREIGN = 25  # pieces that are reported
 _LONGEST_EXCERPT = 1_000  # characters that are looked at
+_WIDE_SPACE = re.compile(r"[^\S\x00-\x7f]")  # such as U+00A0, and line separators
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
 _TOKEN = re.compile(
     r"(?P<comment>#[^\n]*|/\*(?:.*?\*/|.*))"
@@ -89,14 +90,15 @@ def prepare(source: str) -> Prepared:
         elif kind == "sign":
             brackets.see(at, token)
         elif kind is None:
-            token = _with_plain_spaces(token)
+            token = _WIDE_SPACE.sub(" ", token)
         kept.append(blank if kind == "comment" else _in_double_quotes(token))
         is_blank = kind == "comment" or (kind == "text" and token[0] != "`")
         skeleton.append(blank if is_blank else token)
     brackets.end_statement()
     bare = "".join(skeleton)
-    for piece in islice(_foreign(_QUOTED_NAME.sub(_blanked, bare)), _MOST_FOREIGN):
-        brackets.report(piece.start, len(piece.text), piece.message, piece.hint)
+    unquoted = _QUOTED_NAME.sub(lambda name: " " * len(name[0]), "" if bare.isascii() else bare)
+    for found in islice(_FOREIGN.finditer(unquoted), _MOST_FOREIGN):
+        brackets.report(found.start(), len(found.group()), *_complaint(found.group()))
     for found in _IMPORT.finditer(bare):
         hint = "Copy the predicates that you need into this program."
         brackets.report(found.start(1), 6, "Robots can't import other files", hint)
@@ -110,10 +112,6 @@ def prepare(source: str) -> Prepared:
     places, ends = tuple(brackets.places), tuple(brackets.ends)
     more = len(places) - len(brackets.problems)
     return Prepared(source, text, bare, tuple(brackets.problems), places, ends, more)
-
-
-def _blanked(found: re.Match[str]) -> str:
-    return " " * len(found.group())
 
 
 def statements(source: Prepared) -> Iterator[tuple[int, int]]:
@@ -309,66 +307,31 @@ def _character(escape: str) -> str | None:
 _FOREIGN = re.compile(r"\w*[^\W\x00-\x7f]\w*|[^\w\x00-\x7f◇○♡⊕⊗]")
 """A word, or another character, that is not ASCII; the five are operators of one's own."""
 
-_ALIKE = (
-    ("−–—‐‑‒×·÷¬。、", "------**/!.,"),
-    ("“”„‟«»″", '"' * 7),
-    ("‘’‚‛′´", "'" * 6),
-    ("АВЕКМНОРСТУХЅІЈ", "ABEKMHOPCTYXSIJ"),  # Cyrillic
-    ("аеорсухѕіј", "aeopcyxsij"),
-    ("ΑΒΕΖΗΙΚΜΝΟΡΤΥΧ", "ABEZHIKMNOPTYX"),  # Greek
-    ("ανορυχ", "avopux"),
-)
 _MEANT = {
-    **{one: other for pair in _ALIKE for one, other in zip(*pair, strict=True)},
+    **dict(zip("−–—‐‑‒×·÷¬。、", "------**/!.,", strict=True)),
+    **dict.fromkeys("“”„‟«»″‘’‚‛′´", "'"),
+    **dict(zip("АВЕКМНОРСТУХЅІЈаеорсухѕіј", "ABEKMHOPCTYXSIJaeopcyxsij", strict=True)),  # Cyrillic
+    **dict(zip("ΑΒΕΖΗΙΚΜΝΟΡΤΥΧανορυχ", "ABEZHIKMNOPTYXavopux", strict=True)),  # Greek
     **dict(zip("≤≥≠→⇒∧∨∈…", ("<=", ">=", "!=", "->", "=>", "&&", "||", "in", "..."), strict=True)),
 }
 """What stands in ASCII for characters that look like it, or that mean it elsewhere."""
 
-_QUOTES = ("'", '"')
-_PLAIN_QUOTES = """Write plain quotes: '...' or "..."."""
 
-
-class _Foreign(NamedTuple):
-    """A piece of a program that is not in the language, and how to write it."""
-
-    start: int
-    text: str
-    message: str
-    hint: str
-
-
-def _with_plain_spaces(text: str) -> str:
-    """Return a text with a plain space for each other one, such as U+00A0, and line separator."""
-    if text.isascii():
-        return text
-    return "".join(" " if c != "\n" and c.isspace() else c for c in text)
-
-
-def _foreign(text: str) -> Iterator[_Foreign]:
-    """Yield the pieces of a text that are not in the language; strings must be blanked."""
-    if text.isascii():
-        return
-    for found in _FOREIGN.finditer(text):
-        piece = found.group()
-        start = found.start()
-        meant = "".join(map(_meant, piece))
-        strange = next(c for c in piece if not c.isascii())
-        shown = f"{strange} (U+{ord(strange):04X})"
-        if meant in _QUOTES:
-            message = f"{shown} is not a quote of Logica"
-            yield _Foreign(start, piece, message, _PLAIN_QUOTES)
-        elif meant.isascii() and meant.isprintable():
-            message = f"{shown} is not a character of Logica"
-            yield _Foreign(start, piece, message, f"Write {meant} instead.")
-        elif strange.isalpha():
-            message = f"The name {piece} has letters that Logica does not know"
-            yield _Foreign(start, piece, message, "Names have the letters a to z, digits and _.")
-        elif not strange.isprintable():
-            message = f"There is an invisible character here, U+{ord(strange):04X}"
-            yield _Foreign(start, piece, message, "Delete it.")
-        else:
-            message = f"{shown} is not a character of Logica"
-            yield _Foreign(start, piece, message, "Put it in quotes, or delete it.")
+def _complaint(piece: str) -> tuple[str, str]:
+    """Return what is wrong with a piece that is not in the language, and what to do about it."""
+    strange = next(c for c in piece if not c.isascii())
+    shown = f"{strange} (U+{ord(strange):04X}) is not a"
+    meant = "".join(map(_meant, piece))
+    if meant in ("'", '"'):
+        return f"{shown} quote of Logica", """Write plain quotes: '...' or "..."."""
+    if meant.isascii() and meant.isprintable():
+        return f"{shown} character of Logica", f"Write {meant} instead."
+    if strange.isalpha():
+        message = f"The name {piece} has letters that Logica does not know"
+        return message, "Names have the letters a to z, digits and _."
+    if not strange.isprintable():
+        return f"There is an invisible character here, U+{ord(strange):04X}", "Delete it."
+    return f"{shown} character of Logica", "Put it in quotes, or delete it."
 
 
 def _meant(character: str) -> str:
