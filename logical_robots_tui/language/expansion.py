@@ -16,7 +16,7 @@ from typing import Any, TypeAlias, TypeVar
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import types_on_duckdb
 from logical_robots_tui.language.definitions import definitions, prelude, reach, substitutions
-from logical_robots_tui.language.diagnostics import ProgramError
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.error_messages import COMPLAINTS
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import Span
@@ -205,8 +205,9 @@ def _with_type_as_text(cast: tree.Call, examples: _Examples) -> tree.Call:
     except KeyError:
         kind = examples.kind(example.expression)
     if kind is None:
-        sample = replace(example, value=_with_samples(example.expression))
-        return replace(cast, name="TryCast", arguments=(value, sample))
+        return replace(
+            cast, name="TryCast", arguments=(value, tree.rebuild(example, _with_samples))
+        )
     wanted = tree.Text(json.dumps(kind, separators=(",", ":"), ensure_ascii=False))
     given = tree.Record((replace(value, field="v"), tree.Argument("t", wanted)))
     return replace(
@@ -234,14 +235,12 @@ class _Examples:
         kinds = self._kinds.get(example.span, [])
         if not kinds or any(kind != kinds[0] for kind in kinds):
             return None
+        start, stop = example.span
+        problem = diagnostic_at(
+            self._source.original, start, stop - start, OPEN_LIST, OPEN_LIST_HINT
+        )
         try:
-            return _cast_type(kinds[0])
-        except _OpenListError:
-            start, stop = example.span
-            problem = diagnostic_at(
-                self._source.original, start, stop - start, OPEN_LIST, OPEN_LIST_HINT
-            )
-            raise ProgramError((problem,)) from None
+            return _cast_type(kinds[0], problem)
         except KeyError:
             return None
 
@@ -274,24 +273,20 @@ def _name_constants(rule: tree.Rule) -> tree.Rule:
     return replace(named, body=tree.Conjunction((named.body, *equations)))
 
 
-class _OpenListError(Exception):
-    """Nothing says what a list holds."""
-
-
-def _cast_type(kind: Any) -> Any:
+def _cast_type(kind: Any, open_list: Diagnostic) -> Any:
     """Return a type of the package's inference as `try_cast` reads it.
 
     Raises:
-        _OpenListError: It has a list of unknown elements.
+        ProgramError: It has a list of unknown elements.
         KeyError: It is unknown.
     """
     if isinstance(kind, list):
         (element,) = kind
         if element in _UNKNOWN:
-            raise _OpenListError
-        return [_cast_type(element)]
+            raise ProgramError((open_list,))
+        return [_cast_type(element, open_list)]
     if isinstance(kind, dict):
-        return {name: _cast_type(kind[name]) for name in sorted(kind)}
+        return {name: _cast_type(kind[name], open_list) for name in sorted(kind)}
     return TYPES[str(kind).upper()]
 
 
@@ -311,14 +306,10 @@ _SAMPLES: dict[str, tree.Expression] = {
 }
 
 
-def _with_samples(node: tree.Expression) -> tree.Expression:
-    def change(inner: tree.Node) -> tree.Node:
-        if isinstance(inner, tree.PredicateName):
-            sample = _SAMPLES.get(TYPES.get(inner.name.upper(), ""))
-            return inner if sample is None else replace(sample, span=inner.span)
-        return tree.rebuild(inner, change)
-
-    return change(node)  # type: ignore[return-value]  # an expression for an expression
+def _with_samples(node: tree.Node) -> tree.Node:
+    if isinstance(node, tree.PredicateName) and (kind := TYPES.get(node.name.upper())):
+        return replace(_SAMPLES[kind], span=node.span)
+    return tree.rebuild(node, _with_samples)
 
 
 def written_type(node: tree.Expression) -> Any:
