@@ -304,8 +304,10 @@ def _character(escape: str) -> str | None:
 
 # -- characters outside of strings --------------------------------------------------------------
 
-_FOREIGN = re.compile(r"\w*[^\W\x00-\x7f]\w*|[^\w\x00-\x7f◇○♡⊕⊗]")
-"""A word, or another character, that is not ASCII; the five are operators of one's own."""
+_FOREIGN = re.compile(
+    r"\w*(?:[^\W\x00-\x7f]|(?<=\w)[\u0300-\u036f])[\w\u0300-\u036f]*|[^\w\x00-\x7f◇○♡⊕⊗]"
+)
+"""A word, with its accents, or another character, that is not ASCII; the five are operators."""
 
 _MEANT = {
     **dict(zip("−–—‐‑‒×·÷¬。、", "------**/!.,", strict=True)),
@@ -326,7 +328,7 @@ def _complaint(piece: str) -> tuple[str, str]:
         return f"{shown} quote of Logica", """Write plain quotes: '...' or "..."."""
     if meant.isascii() and meant.isprintable():
         return f"{shown} character of Logica", f"Write {meant} instead."
-    if strange.isalpha():
+    if strange.isalpha() or piece[0].isalpha():
         message = f"The name {piece} has letters that Logica does not know"
         return message, "Names have the letters a to z, digits and _."
     if not strange.isprintable():
