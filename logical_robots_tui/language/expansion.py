@@ -163,8 +163,8 @@ TYPES = {
 _UNKNOWN = ("Any", "Singular", "Sequential")
 """Types of the package's inference that say nothing of a value."""
 
-OPEN_LIST = "Nothing tells what the empty list holds that is read here"
-OPEN_LIST_HINT = 'Give an example, such as [""], or a type: e = {seen: []}, e ~ {seen: [Str]}.'
+OPEN_LIST = "The empty list in this example could hold anything"
+OPEN_LIST_HINT = 'Give it an element, such as [""], or a type: e = {seen: []}, e ~ {seen: [Str]}.'
 CAST_HINT = 'Write TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
 
 

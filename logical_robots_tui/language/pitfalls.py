@@ -45,6 +45,7 @@ def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Di
         yield from finder.in_rule(rule)
     yield from _own_negations(program, source.original)
     yield from _stops_with_limits(program, source.original)
+    yield from _ignored_types(program, source.original)
 
 
 class _Finder:
@@ -312,6 +313,18 @@ def _own_negations(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
                     f"Negate only predicates that don't depend on {rule.name}."
                 )
                 yield diagnostic_for(text, call.name, message, hint, "warning")
+
+
+def _ignored_types(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    for assertion in calls(program):
+        for node in tree.walk(assertion.arguments[1:]) if assertion.name == "~" else ():
+            if isinstance(node, tree.PredicateName) and node.name not in _ASSERTED_TYPES:
+                message = f"{node.name} is not a type that ~ knows, so it is ignored"
+                hint = "Write Num, Str, Bool, [Num] or {count: Num}."
+                yield diagnostic_for(text, node.name, message, hint, "warning")
+
+
+_ASSERTED_TYPES = ("Bool", "Num", "Str", "Time")
 
 
 def _stops_with_limits(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:

@@ -56,7 +56,11 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     found, mentions = check(parsed, text, runs)
     rest, visibility, invalid = _take_visibility(parsed.statements, text)
     _refuse([*found, *invalid], parsed.more)
-    compiled = compile_statements(rest, source)
+    try:
+        compiled = compile_statements(rest, source)
+    except ProgramError as error:
+        _refuse([*found, *error.diagnostics])
+        raise
     statements, predicates, problems = _compile_predicates(
         compiled, rest, source, report or (lambda _done, _all: None)
     )
