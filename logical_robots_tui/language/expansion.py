@@ -15,7 +15,13 @@ from typing import Any, TypeAlias, TypeVar
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import types_on_duckdb
-from logical_robots_tui.language.definitions import definitions, prelude, reach, substitutions
+from logical_robots_tui.language.definitions import (
+    definitions,
+    prelude,
+    reach,
+    rules_of,
+    substitutions,
+)
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.error_messages import COMPLAINTS
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
@@ -230,27 +236,23 @@ class _Examples:
         Raises:
             ProgramError: It has a list of which nobody says what it holds.
         """
-        if _tells_its_type(example) or example.span is None:
+        if example.span is None or _tells_its_type(example):
             return None
-        kinds = self._kinds.get(example.span, [])
-        if not kinds or any(kind != kinds[0] for kind in kinds):
-            return None
-        start, stop = example.span
-        problem = diagnostic_at(
-            self._source.original, start, stop - start, OPEN_LIST, OPEN_LIST_HINT
-        )
+        text, (start, stop) = self._source.original, example.span
+        open_list = diagnostic_at(text, start, stop - start, OPEN_LIST, OPEN_LIST_HINT)
         try:
-            return _cast_type(kinds[0], problem)
+            return _cast_type(self._kinds.get(example.span), open_list)
         except KeyError:
             return None
 
     @cached_property
-    def _kinds(self) -> dict[Span, list[Any]]:
-        rules = [_name_constants(each) for each in self._program if isinstance(each, tree.Rule)]
-        kinds: dict[Span, list[Any]] = {}
+    def _kinds(self) -> dict[Span, Any]:
+        """Types by place, None where they differ, as between rules that functors copy."""
+        rules = [_name_constants(rule) for rule in rules_of(self._program)]
+        kinds: dict[Span, Any] = {}
         try:
             for span, kind in types_on_duckdb(rules, self._source):
-                kinds.setdefault(span, []).append(kind)
+                kinds[span] = kind if kinds.get(span, kind) == kind else None
         except COMPLAINTS:  # as of rules of one predicate with different columns
             return {}
         return kinds
