@@ -21,6 +21,7 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 from sqlglot import exp
@@ -79,8 +80,9 @@ def fixpoints(program: Sequence[tree.Statement]) -> tuple[list[tree.Statement], 
     Returns:
         The program, with rules for one step in place of each recursion; and the recursions.
     """
-    program = _with_alternatives_as_rules(program)
-    own = _rules_by_name(program)
+    own: dict[str, list[tree.Rule]] = {}
+    for rule in rules_of(program):
+        own.setdefault(str(rule.name), []).append(rule)
     search = _Search(program, own)
     annotated = {each.subject for each in program if isinstance(each, tree.Annotation)}
     for name in sorted(own, key=lambda name: name not in annotated):  # those may have satellites
@@ -88,45 +90,22 @@ def fixpoints(program: Sequence[tree.Statement]) -> tuple[list[tree.Statement], 
     return search.statements, search.found
 
 
-def _rules_by_name(program: Sequence[tree.Statement]) -> dict[str, list[tree.Rule]]:
-    own: dict[str, list[tree.Rule]] = {}
-    for rule in rules_of(program):
-        own.setdefault(str(rule.name), []).append(rule)
-    return own
-
-
-def _uses(own: Mapping[str, Sequence[tree.Rule]]) -> dict[str, set[str]]:
-    return {n: {str(c) for c in names_used(rules) if c in own} for n, rules in own.items()}
-
-
-def _with_alternatives_as_rules(program: Sequence[tree.Statement]) -> list[tree.Statement]:
-    """Let each alternative in a rule of a recursion be a rule, so that some can begin it."""
-    rules = list(rules_of(program))
-    if not any(isinstance(node, tree.Disjunction) for node in tree.walk(rules)):
-        return list(program)
-    uses = _uses(_rules_by_name(program))
-    recursive = {name for name in uses if name in _below(name, uses)}
-    statements: list[tree.Statement] = []
-    for statement in program:
-        if isinstance(statement, tree.Rule) and statement.body and statement.name in recursive:
-            choices = tree.alternatives(tree.conjuncts(statement.body), _MOST_ALTERNATIVES)
-            bodies = (tree.Conjunction(tuple(parts)) for parts, _ in choices)
-            statements += (replace(statement, body=body) for body in bodies)
-        else:
-            statements.append(statement)
-    return statements
+def _alternative_rules(rule: tree.Rule) -> list[tree.Rule]:
+    """Return a rule for each alternative in a body, so that some can begin a recursion."""
+    choices = tree.alternatives(tree.conjuncts(rule.body), _MOST_ALTERNATIVES)
+    if len(choices) == 1:
+        return [rule]
+    return [replace(rule, body=tree.Conjunction(tuple(parts))) for parts, _ in choices]
 
 
 class _Search:
     """Extracts recursions one after the other; `statements` is what is left of the program."""
 
-    def __init__(
-        self, program: Sequence[tree.Statement], own: Mapping[str, list[tree.Rule]]
-    ) -> None:
+    def __init__(self, program: Sequence[tree.Statement], own: dict[str, list[tree.Rule]]) -> None:
         self.statements = list(program)
         self.found: list[Fixpoint] = []
         self._own = own
-        self._uses = _uses(own)
+        self._uses = {n: {str(c) for c in names_used(mine) if c in own} for n, mine in own.items()}
         self._annotations = [each for each in program if isinstance(each, tree.Annotation)]
         self._done: set[str] = set()
         made = functor_names(program)
@@ -162,6 +141,8 @@ class _Search:
             if circle & _below(other, self._uses)
         }
         together = circle | beside
+        for other in together:
+            self._own[other] = [*chain.from_iterable(map(_alternative_rules, self._own[other]))]
         if not any(not together & _needs(rule) for each in together for rule in self._own[each]):
             return  # nothing to begin with
         names = (*self._cuts(circle), *sorted(beside - circle))
