@@ -416,24 +416,28 @@ class _Writer:
         return text
 
 
-def types_on_duckdb(program: Iterable[Statement], source: Prepared) -> Iterator[tuple[Span, Any]]:
-    """Yield the spans of expressions, with the types that the package infers for DuckDB.
+def types_on_duckdb(program: Iterable[Statement], source: Prepared) -> list[tuple[Span, Any]]:
+    """Return the spans of expressions, with the types that the package infers for DuckDB.
 
-    Raises:
-        Exception: One of the package's, if it gives up.
+    There are none if it gives up, as for rules of one predicate with different columns.
     """
-    rules = to_package(program, source)
-    engine = infer.TypesInferenceEngine(rules, "duckdb")
-    wanted, given = (reference_algebra.TypeReference("Any") for _ in range(2))
-    engine.predicate_signature["TryCast"] = {0: given, 1: wanted, VALUE: wanted}
-    engine.InferTypes()
-    found: list[Raw] = []
-    infer.Walk(rules, found.append)
-    for node in found:
-        piece: Any = node.get("expression_heritage")
-        if "type" in node and hasattr(piece, "start"):
-            kind = reference_algebra.VeryConcreteType(node["type"]["the_type"])
-            yield Span(piece.start, piece.stop), kind
+    nodes: list[Raw] = []
+    try:
+        rules = to_package(program, source)
+        engine = infer.TypesInferenceEngine(rules, "duckdb")
+        wanted, given = (reference_algebra.TypeReference("Any") for _ in range(2))
+        engine.predicate_signature["TryCast"] = {0: given, 1: wanted, VALUE: wanted}
+        engine.InferTypes()
+        infer.Walk(rules, nodes.append)
+    except (infer.TypeErrorCaughtException, *error_messages.COMPLAINTS):
+        return []
+    typed = (node for node in nodes if "type" in node)
+    places: Iterable[tuple[Any, Any]] = ((n.get("expression_heritage"), n["type"]) for n in typed)
+    return [
+        (Span(place.start, place.stop), reference_algebra.VeryConcreteType(kind["the_type"]))
+        for place, kind in places
+        if hasattr(place, "start")
+    ]
 
 
 # -- in the package's own compiler ---------------------------------------------------------------

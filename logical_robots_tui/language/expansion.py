@@ -23,7 +23,6 @@ from logical_robots_tui.language.definitions import (
     substitutions,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.error_messages import COMPLAINTS
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import Span
 from logical_robots_tui.schema import INPUTS, VALUE
@@ -250,11 +249,8 @@ class _Examples:
         """Types by place, None where they differ, as between rules that functors copy."""
         rules = [_name_constants(rule) for rule in rules_of(self._program)]
         kinds: dict[Span, Any] = {}
-        try:
-            for span, kind in types_on_duckdb(rules, self._source):
-                kinds[span] = kind if kinds.get(span, kind) == kind else None
-        except COMPLAINTS:  # as of rules of one predicate with different columns
-            return {}
+        for span, kind in types_on_duckdb(rules, self._source):
+            kinds[span] = kind if kinds.get(span, kind) == kind else None
         return kinds
 
 
