@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -31,7 +30,7 @@ from logical_robots_tui.language.diagnostics import (
 )
 from logical_robots_tui.language.expansion import TYPES, written_type
 from logical_robots_tui.language.inference import Inference
-from logical_robots_tui.language.pitfalls import pitfalls
+from logical_robots_tui.language.pitfalls import pitfalls, typos
 from logical_robots_tui.language.signatures import (
     Runs,
     Signature,
@@ -325,45 +324,6 @@ def _instead(name: str, known: set[str], runs: Runs) -> str:
     if close and (close in known or runs(close)):
         return f"Did you mean {close}?"
     return "`logical-robots help` lists all functions." if is_built_in(name) else ""
-
-
-_SHORTEST = 4  # letters in a word that can be recognised as misspelt
-_LONG = 7  # letters in a word that may have two errors
-_MOST_COMPARED = 200  # variables of a rule; nobody writes more by hand
-
-
-def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for rule in rules_of(program):
-        nodes = [*tree.walk(rule)]
-        variables = [node.name for node in nodes if isinstance(node, tree.Variable)]
-        # In `name:` a column and its variable are named at once.
-        columns = (node for node in nodes if isinstance(node, tree.Argument))
-        shorthand = {each.field for each in columns if tree.variable_of(each.value) == each.field}
-        counts = Counter(map(str, variables))
-        if len(counts) > _MOST_COMPARED:
-            continue
-        for at, name in enumerate(variables):
-            if counts[name] > 1 or name in shorthand:
-                continue
-            earlier = dict.fromkeys(map(str, variables[:at]))
-            others = (o for o in counts if o in earlier or counts[o] > 1)
-            meant = next((o for o in others if o != name and _looks_like(name, o)), "")
-            if meant:
-                message = f"{name} is used only once; is it a misspelt {meant}?"
-                hint = f"Write {meant} if you mean the same."
-                yield diagnostic_for(text, name, message, hint, "warning")
-
-
-def _looks_like(name: str, other: str) -> bool:
-    left, right = name.split("_"), other.split("_")
-    different = [(a, b) for a, b in zip(left, right, strict=False) if a != b]
-    if len(left) != len(right) or len(different) != 1:
-        return False
-    ((one, two),) = different
-    shorter = min(len(one), len(two))
-    if shorter < _SHORTEST or one.rstrip("s") == two.rstrip("s") or re.search(r"\d", one + two):
-        return False
-    return one[0] == two[0] and distance(one, two) <= (2 if shorter >= _LONG else 1)
 
 
 # -- the rule for Robot -------------------------------------------------------------------------
