@@ -6,6 +6,7 @@ import lzma
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing, suppress
+from itertools import product
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -28,6 +29,7 @@ from logical_robots_tui.values import read_value
 from logical_robots_tui.world import World
 from logical_robots_tui.world.levels.load import read_level, read_web
 from logical_robots_tui.world.levels.native import read_native
+from tests.growth import few_of
 from tests.hostile_files import FAMILIES
 from tests.lab.test_handins import tarred, zipped
 
@@ -199,9 +201,7 @@ def seconds(read: Read, text: str, folder: Path, least: float = 9.0) -> float:
     return min(least, process_time() - began)
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.parametrize("reader", READERS)
+@pytest.mark.parametrize(("reader", "family"), few_of(product(READERS, FAMILIES)))
 def test_time_grows_with_the_size(reader: str, family: str, tmp_path: Path) -> None:
     read, size, times = READERS[reader], SMALLEST, [SLOWEST]
     while size <= LARGEST and (len(times) < 3 or times[-1] < ENOUGH):
