@@ -13,6 +13,7 @@ import os
 import signal
 import sys
 import termios
+from collections.abc import Iterable
 from contextlib import suppress
 from time import clock_gettime, monotonic
 from typing import Any
@@ -52,7 +53,6 @@ _FAULTS = {"SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT", "SIGTRAP", "SIGSY
 _KEPT = "Unsaved text is kept. Start the game again to go on."
 _ENDLESS_CALL = "The program computed for 15 s in a single call, past all limits, and was ended."
 
-
 _THINKING = frozenset(
     ["run", "trace", "query", "when", "why", "origin", "diagnose", "learn", "replay"]
 )
@@ -87,36 +87,42 @@ def _opens_screen(words: list[str]) -> bool:
 
 def _supervise() -> int | None:
     """Fork; return None in the game, and the game's exit status in this process."""
-    lifeline, held = os.pipe()
     shared = mmap.mmap(-1, 2)
     terminal: list[Any] | None = None
     with suppress(termios.error):
         terminal = termios.tcgetattr(0)  # before the game can change it
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _BLOCKED)
-    game = os.fork()
+    game = _fork(_BLOCKED, signal.SIGHUP)
     if game == 0:
-        os.close(held)
         is_watched_in(shared)
-        signal_when_closed(lifeline, signal.SIGHUP)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return None
-    os.close(lifeline)
     return _Supervisor(game, shared, terminal).run()
+
+
+def _fork(blocked: Iterable[signal.Signals], end: signal.Signals) -> int:
+    """Fork, and block signals in this process.
+
+    Returns:
+        The child's number; 0 in the child, which gets the signal `end` when this process is gone.
+    """
+    lifeline, held = os.pipe()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, blocked)
+    child = os.fork()
+    if child == 0:
+        os.close(held)
+        signal_when_closed(lifeline, end)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    else:
+        os.close(lifeline)
+    return child
 
 
 def _run_bounded() -> int | None:
     """Fork; return None in the command, and its exit status in this process."""
-    lifeline, held = os.pipe()
     heard = {*_ENDS, signal.SIGCHLD, signal.SIGINT}
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, heard)
-    command = os.fork()
+    command = _fork(heard, signal.SIGTERM)
     if command == 0:
-        os.close(held)
         bound_calls()
-        signal_when_closed(lifeline, signal.SIGTERM)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return None
-    os.close(lifeline)
     while True:
         signalled = signal.sigwaitinfo(heard)
         if signalled.si_signo != signal.SIGCHLD:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-__all__ = ["TEXTS", "rules"]
+__all__ = ["TEXTS", "repeated"]
 
 
 def repeated(piece: str, before: str = "", after: str = "") -> Callable[[int], str]:

@@ -222,10 +222,11 @@ def _names(
     seen = set()
     subjects = {each.subject for each in program if isinstance(each, tree.Annotation)}
     values = {node.name for node in tree.walk(program) if isinstance(node, tree.PredicateName)}
-    values -= {*(each.name for each in calls(program)), *subjects}
+    called = [*calls(program)]
+    values -= {*(call.name for call in called), *subjects}
     given_aggregates = {
         call.name
-        for call in calls(program)
+        for call in called
         if any(isinstance(argument.value, tree.Aggregate) for argument in call.arguments)
     }
     for name in names_used(program):

@@ -361,7 +361,7 @@ def test_folders_are_counted_and_not_deep(tmp_path: Path) -> None:
     for number in range(MOST_FILES - 50):
         (own / f"d{number}").mkdir()
     deep = "/".join("a" * MOST_DEPTH)
-    saves = [f"./{deep}/a/mine.l", f"./{deep}/mine.l", *(f"./n{n}/mine.l" for n in range(50))]
+    saves = [f"./{deep}/a/mine.l", f"./{deep}/mine.l", *(f"./n{n}/mine.l" for n in range(25))]
     script = "".join(f"save {path}\n" for path in saves)
     told = in_lines(tmp_path, script + "quit\n", "02-open-space")
     assert (told.status, told.err) == (0, "")

@@ -218,9 +218,9 @@ class _Watcher:
         self._looks = False  # whether the thread is alive and awake
 
     def add(self, work: Work) -> None:
-        renew_bound(is_working=True)
         with self._lock:
             self._works.add(work)
+            renew_bound(is_working=True)
             if not self._looks:
                 self._looks = True
                 self._awake.set()
