@@ -26,6 +26,7 @@ async def test_branches_are_compared_where_they_part_but_not_by_hand(play: Play)
     changed = {(line[0], line[1:].strip()) for line in comparison.lines}
     assert {("-", "memory == 1"), ("+", 'memory == "new" does not hold')} <= changed
     assert (" ", "Sensor(robot_name:)") in changed
+    assert comparison.lines[0] != "@", "nothing is left out before the first line"
     moved = play(DRIVE)
     await moved.run_until(tick=3)
     moved.go_to(1)

@@ -23,6 +23,7 @@ _DECISION = ("desire", "memory", "notices")
 _MOST_NODES = 2_000
 _LONGEST_VALUE = 160  # characters
 _CONTEXT = 2  # equal lines around a difference
+_FROM_THE_TOP = ("@@ -1,", "@@ -1 ", "@@ -0,")  # nothing is left out before these lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,4 +90,7 @@ def _line(node: Node) -> str:
 
 def _differing_lines(here: list[str], there: list[str]) -> Iterator[str]:
     for line in islice(unified_diff(here, there, n=_CONTEXT, lineterm=""), 2, None):
-        yield "@" if line.startswith("@@") else line
+        if not line.startswith("@@"):
+            yield line
+        elif not line.startswith(_FROM_THE_TOP):
+            yield "@"
