@@ -301,6 +301,8 @@ def _unwrapped(files: list[File], stems: Mapping[str, str]) -> list[File]:
 def _students_of_gradescope(files: list[File]) -> dict[str, tuple[str, str]]:
     """Return names and ids by folder, from the metadata that Gradescope exports."""
     file = next((file for file in files if file.parts == (_METADATA,)), None)
+    if file and file.problem:
+        raise InputError(f"can't be read: {file.problem}", place=_METADATA)
     entries = _yaml(file.content) if file else {}
     found: dict[str, tuple[str, str]] = {}
     for folder, entry in entries.items() if isinstance(entries, dict) else ():

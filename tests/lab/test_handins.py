@@ -244,6 +244,7 @@ def test_what_can_not_be_read_is_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("metadata", "message"),
     [
+        ("#" * 1_000_001, "submission_metadata.yml can't be read: it is larger than 1 MB"),
         ("a: &a 1\nb: *a\n", "submission_metadata.yml, line 2: This YAML can't be read: an alias"),
         ("a: " + "[" * 30, "line 1: This YAML can't be read: nested too deeply"),
         ("a:\n  b: 'x\n", "line 3: This YAML can't be read: found unexpected end of stream"),
