@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import tempfile
 from contextlib import contextmanager
@@ -22,7 +21,12 @@ from benchmarks.measure import (
 from benchmarks.subjects import LARGEST, PROGRAMS, program_text, rows_for
 from logical_robots_tui import Mind, Program, caching, load_level
 from logical_robots_tui.game import load_program
-from logical_robots_tui.mind.compilation import find_compiled, keep_compiled, stop_compiling
+from logical_robots_tui.mind.compilation import (
+    CompileProgram,
+    find_result,
+    keep_result,
+    stop_compiling,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -88,9 +92,9 @@ def _cache_folder() -> Iterator[None]:
 
 def _find_kept(program: Program) -> float:
     """Return the milliseconds to load a program that an earlier process compiled."""
-    request = json.dumps({"text": program.text}).encode()
-    keep_compiled(request, program)
-    return 1000 * seconds_for(partial(find_compiled, request, Program))
+    task = CompileProgram(program.text)
+    keep_result(task, program)
+    return 1000 * seconds_for(partial(find_result, task, Program))
 
 
 def think_milliseconds(mind: Mind, rows: list[SensorRow], thinks: int) -> float:

@@ -76,7 +76,7 @@ class _Meter:
         self._count(App, "run_test", "apps opened")
         self._count(subprocess.Popen, "__init__", "Pythons started", _starts_python)
         self._count(World, "act", "ticks played")
-        self._count(_Compiler, "_ask", "programs compiled")
+        self._count(_Compiler, "_compute", "programs compiled")
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_finish(self) -> None:

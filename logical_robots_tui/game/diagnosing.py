@@ -25,7 +25,7 @@ from logical_robots_tui.game.findings import Observations, Stored, findings_of, 
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedError
 from logical_robots_tui.mind import Limits, Program, QueryError
-from logical_robots_tui.mind.compilation import find_compiled, keep_compiled
+from logical_robots_tui.mind.compilation import Task, find_result, keep_result
 from logical_robots_tui.processes.helper import Helper, begin
 
 if TYPE_CHECKING:
@@ -149,6 +149,12 @@ async def diagnose_history(
         await diagnosing.close()
 
 
+class _DiagnoseRun(Task, frozen=True):
+    parts = ("explain",)
+    run: str
+    ticks: int
+
+
 async def diagnose_run(
     run: Run,
     ticks: int,
@@ -162,17 +168,17 @@ async def diagnose_run(
     `ran` gets the ticks that were computed. A second process examines them meanwhile. The
     result is kept on disk, if it is the same each time.
     """
-    request = json.dumps({"diagnosis": run.key, "ticks": ticks}).encode()
-    known = await asyncio.to_thread(find_compiled, request, Diagnosis)
-    if known is not None:
-        return known
+    task = _DiagnoseRun(run.key, ticks)
+    kept = await asyncio.to_thread(find_result, task, Diagnosis)
+    if kept is not None:
+        return kept
     try:
         found = await _diagnose_run(run, ticks, ran, report, show)
     except DamagedError:
         await run.forget()
         found = await _diagnose_run(run, ticks, ran, report, show)
     if found.is_reliable and not found.given_up:
-        await asyncio.to_thread(keep_compiled, request, found)
+        await asyncio.to_thread(keep_result, task, found)
     return found
 
 

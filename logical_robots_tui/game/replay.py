@@ -29,7 +29,7 @@ from logical_robots_tui.game.history.packing import is_shallow, is_state
 from logical_robots_tui.mind import Decision
 from logical_robots_tui.mind.limits import weight_of_text
 from logical_robots_tui.paths import read_ordinary
-from logical_robots_tui.records import texts_of
+from logical_robots_tui.progress.old_texts import texts_of
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Level, LevelError, World, WorldState
 from logical_robots_tui.world.levels.native import read_native

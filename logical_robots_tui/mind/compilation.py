@@ -3,39 +3,34 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import logging
 import os
 import select
 import signal
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import Any, ClassVar, TypeAlias, TypeVar
+
+import msgspec
 
 from logical_robots_tui import schema
 from logical_robots_tui.caching import CacheFolder, cache_place, digest_of_code
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.processes.helper import Helper
-from logical_robots_tui.records import record
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
+from logical_robots_tui.processes.helper import COMPILE_PROCESS, Helper
 
 Report: TypeAlias = "Callable[[int, int], None]"
 """Called with the number of compiled predicates and of all."""
 
-T = TypeVar("T", bound="DataclassInstance")
+T = TypeVar("T")
 
 _log = logging.getLogger(__name__)
 
-_WORKER = "logical_robots_tui.explain.worker"
-_KEPT = 64
+_MOST_KEPT = 64  # results in memory
 _LOOK_SECONDS = 0.02
 _PATIENCE = 20  # seconds to wait for each processor second, on a busy computer
 _LARGEST_ANSWER = 32_000_000  # bytes
@@ -48,6 +43,56 @@ NO_MEMORY = 3
 
 _LACKS_MEMORY = {NO_MEMORY, -signal.SIGSEGV, -signal.SIGBUS, -signal.SIGABRT, -signal.SIGKILL}
 """Exit statuses: a stack that can't grow, a failed allocation, or the system's own choice."""
+
+
+class Task(msgspec.Struct, frozen=True, tag=True):
+    """What the compile process is to do; sent as JSON that names the class."""
+
+    parts: ClassVar[tuple[str, ...]] = ()
+    """Parts of the package on whose code the result depends, besides language and mind."""
+
+
+class CompileProgram(Task, frozen=True):
+    """Gives a `Program`."""
+
+    text: str
+
+
+class CompileQuestion(Task, frozen=True):
+    """Gives a `Question` about a program, for a memory table with these columns."""
+
+    text: str
+    query: str
+    columns: dict[str, list[str]]
+
+
+class SetConstants(Task, frozen=True):
+    """Gives the program's text with other values of its constants."""
+
+    text: str
+    constants: dict[str, str]
+
+
+class Progress(msgspec.Struct, tag=True):
+    """An answer before the last one: how many predicates are compiled, and of how many."""
+
+    compiled: int
+    total: int
+
+
+class Result(msgspec.Struct, tag=True):
+    content: msgspec.Raw
+
+
+class Refusal(msgspec.Struct, tag=True):
+    diagnostics: tuple[Diagnostic, ...]
+
+
+class Failure(msgspec.Struct, tag=True):
+    trace: str
+
+
+_read_answer = msgspec.json.Decoder(Progress | Result | Refusal | Failure).decode
 
 
 def check_text(text: str, limits: Limits | None) -> None:
@@ -76,25 +121,25 @@ class _Compiler:
         self._turn = threading.Lock()
         self._kept: OrderedDict[bytes, Any] = OrderedDict()
 
-    def answer(
+    def result(
         self,
-        request: Mapping[str, Any],
+        task: Task,
         kind: type[T],
         *,
         stop: threading.Event | None = None,
         limits: Limits | None = None,
         report: Report | None = None,
     ) -> T:
-        """Return the compile process's result for a request, cached if possible. Blocks.
+        """Return the compile process's result of a task, cached if possible. Blocks.
 
         Raises:
             ProgramError: The program has errors, is too large, or takes too long to compile.
             Stopped: `stop` was set.
         """
         limits = limits or Limits()
-        line = json.dumps(request).encode()
-        key = hashlib.sha256(line).digest()
         deadline = monotonic() + _PATIENCE * limits.compile_seconds
+        request = msgspec.json.encode(task)
+        key = hashlib.sha256(request).digest()
         while not self._turn.acquire(timeout=_LOOK_SECONDS):
             _check(stop)
         try:
@@ -102,12 +147,12 @@ class _Compiler:
                 self._kept.move_to_end(key)
             else:
                 _check(stop)
-                made = find_compiled(line, kind)
-                if made is None:
-                    made = self._ask(line, kind, limits, deadline, stop, report)
-                    keep_compiled(line, made)
-                self._kept[key] = made
-                while len(self._kept) > _KEPT:
+                result = find_result(task, kind)
+                if result is None:
+                    result = self._compute(request, kind, limits, deadline, stop, report)
+                    keep_result(task, result)
+                self._kept[key] = result
+                while len(self._kept) > _MOST_KEPT:
                     self._kept.popitem(last=False)
             kept: T = self._kept[key]
             return kept
@@ -119,33 +164,33 @@ class _Compiler:
         if process is not None:
             process.end()
 
-    def _ask(
+    def _compute(
         self,
-        line: bytes,
+        request: bytes,
         kind: type[T],
         limits: Limits,
         deadline: float,
         stop: threading.Event | None,
         report: Report | None,
     ) -> T:
-        """Compile a request; end the process if its answer is incomplete."""
+        """Return the result of a request; end the process if its answer is incomplete."""
         try:
-            found: dict[str, Any] = {}
-            for answer in self._exchange(line + b"\n", limits, deadline, stop):
-                found = json.loads(answer)
-                if "done" not in found:
-                    break
-                if report is not None:
-                    report(found["done"], found["all"])
-            if "trace" in found:
-                _log.error("The compiler failed on a program.\n%s", found["trace"])
-                raise _gave_up(is_unfinished=False)
-            if "diagnostics" in found:
-                raise ProgramError(tuple(record(Diagnostic, d) for d in found["diagnostics"]))
-            return record(kind, found[kind.__name__.lower()])
+            for line in self._exchange(request + b"\n", limits, deadline, stop):
+                match _read_answer(line):
+                    case Progress(compiled=compiled, total=total):
+                        if report is not None:
+                            report(compiled, total)
+                    case Result(content=content):
+                        return msgspec.json.decode(content, type=kind)
+                    case Refusal(diagnostics=diagnostics):
+                        raise ProgramError(diagnostics)
+                    case Failure(trace=trace):
+                        _log.error("The compiler failed on a program.\n%s", trace)
+                        raise _gave_up(is_unfinished=False)
+            raise OSError("the compile process sent no result")
         except ProgramError:
             raise
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, msgspec.DecodeError) as error:
             self.close()
             _log.warning("The compile process failed: %r", error)
             raise _gave_up() from None
@@ -192,7 +237,7 @@ class _Compiler:
             return self._process
         self.close()
         self._bounds = bounds
-        self._process = Helper(_WORKER, *bounds)
+        self._process = Helper(COMPILE_PROCESS, *bounds)
         return self._process
 
 
@@ -235,14 +280,14 @@ def _refusal(
 
 
 _compiler = _Compiler()
-compile_request, stop_compiling = _compiler.answer, _compiler.close
+compile_task, stop_compiling = _compiler.result, _compiler.close
 
 
 # -- on disk -------------------------------------------------------------------------------------
 
 
-def find_compiled(request: bytes, kind: type[T]) -> T | None:
-    entries, name = compiled_programs(), _name(request)
+def find_result(task: Task, kind: type[T]) -> T | None:
+    entries, name = compiled_programs(), _name(task)
     content = entries.read(name, _LARGEST_ENTRY)
     if content is None:
         return None
@@ -250,24 +295,23 @@ def find_compiled(request: bytes, kind: type[T]) -> T | None:
     try:
         if digest != _digest(body):
             raise ValueError("not an entry")
-        asked, made = json.loads(body)
-        if asked != request.decode():
-            raise ValueError("the entry of another request")
-        return record(kind, made)
-    except (ValueError, TypeError, RecursionError):
+        written_for, result = msgspec.json.decode(body, type=tuple[msgspec.Raw, kind])  # type: ignore[valid-type]  # a type by its value
+        if bytes(written_for) != msgspec.json.encode(task):
+            raise ValueError("the entry of another task")
+        return result
+    except (ValueError, msgspec.DecodeError, RecursionError):
         entries.drop(name)
         return None
 
 
-def keep_compiled(request: bytes, made: DataclassInstance) -> None:
+def keep_result(task: Task, result: object) -> None:
     entries = compiled_programs()
     if entries.place is None:
         return
-    entry: list[Any] = [request.decode(), asdict(made)]
-    body = json.dumps(entry, separators=(",", ":")).encode()
+    body = msgspec.json.encode((task, result))
     content = _digest(body) + b"\n" + body
     if len(content) <= min(_LARGEST_ENTRY, MAX_BYTES):
-        entries.keep(_name(request), [content])
+        entries.keep(_name(task), [content])
 
 
 def compiled_programs() -> CacheFolder:
@@ -275,8 +319,8 @@ def compiled_programs() -> CacheFolder:
     return CacheFolder(cache_place("compiled"), ".program", MAX_ENTRIES, MAX_BYTES)
 
 
-def _name(request: bytes) -> str:
-    return hashlib.sha256(_maker() + request).hexdigest()
+def _name(task: Task) -> str:
+    return hashlib.sha256(_digest_of_parts(task.parts) + msgspec.json.encode(task)).hexdigest()
 
 
 def _digest(body: bytes) -> bytes:
@@ -284,7 +328,7 @@ def _digest(body: bytes) -> bytes:
 
 
 @cache
-def _maker() -> bytes:
+def _digest_of_parts(parts: tuple[str, ...]) -> bytes:
     package = Path(schema.__file__).parent
-    places = [package / part for part in ("language", "mind", "explain", "schema.py")]
+    places = [package / part for part in ("language", "mind", *parts, "schema.py")]
     return digest_of_code(places, ("logica", "sqlglot"))

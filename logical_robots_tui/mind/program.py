@@ -104,13 +104,6 @@ class Tuned:
 
 
 @dataclass(frozen=True, slots=True)
-class Settled:
-    """A program's text with other values of its constants."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
 class Program:
     """A compiled program; create one with `Program.compile`.
 
@@ -178,16 +171,14 @@ class Program:
                 the team.
             Stopped: `stop` was set.
         """
-        from logical_robots_tui.mind.compilation import check_text, compile_request
+        from logical_robots_tui.mind.compilation import CompileProgram, check_text, compile_task
 
         teams: dict[str, Program] = {}
-        for team, each in ({"": text} if isinstance(text, str) else text).items():
+        for team, team_text in ({"": text} if isinstance(text, str) else text).items():
             try:
-                check_text(each, limits)
-                request = {"text": each}
-                teams[team] = compile_request(
-                    request, Program, stop=stop, limits=limits, report=report
-                )
+                check_text(team_text, limits)
+                task = CompileProgram(team_text)
+                teams[team] = compile_task(task, Program, stop=stop, limits=limits, report=report)
             except ProgramError as error:
                 error.team = team
                 raise
@@ -209,12 +200,10 @@ class Program:
         Raises:
             ProgramError: The program has errors, or a name is not that of a constant.
         """
-        from logical_robots_tui.mind.compilation import check_text, compile_request
+        from logical_robots_tui.mind.compilation import SetConstants, check_text, compile_task
 
         check_text(text, limits)
-        return compile_request(
-            {"text": text, "constants": dict(values)}, Settled, limits=limits
-        ).text
+        return compile_task(SetConstants(text, dict(values)), str, limits=limits)
 
     def question(
         self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None
@@ -230,15 +219,15 @@ class Program:
             ProgramError: The query has errors; the diagnostics refer to its lines and columns.
             Stopped: `stop` was set.
         """
-        from logical_robots_tui.mind.compilation import check_text, compile_request
+        from logical_robots_tui.mind.compilation import CompileQuestion, check_text, compile_task
 
         check_text(query, limits)
         columns = {
             table: sorted({n for t in self.tuned.values() for n in t.columns.get(table, ())})
             for table in ("Memory", "Item")
         }
-        request = {"text": self.text, "query": query, "columns": columns}
-        return compile_request(request, Question, stop=stop, limits=limits)
+        task = CompileQuestion(self.text, query, columns)
+        return compile_task(task, Question, stop=stop, limits=limits)
 
     def predicate(self, name: str) -> Predicate | None:
         """Return the predicate of that name, or None."""

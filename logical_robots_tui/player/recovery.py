@@ -14,6 +14,8 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol, TypeVar
 
+import msgspec
+
 from logical_robots_tui import game, mind
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game.pace import SPEEDS
@@ -21,7 +23,7 @@ from logical_robots_tui.paths import is_file
 from logical_robots_tui.player.drafts import Draft, Drafts, acquire, release
 from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.session_state import SessionListener, Ui
-from logical_robots_tui.records import record, texts_of
+from logical_robots_tui.progress.old_texts import texts_of
 from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.level import alike
@@ -156,8 +158,8 @@ class Place:
             ]
             if found.get("speed") not in SPEEDS:
                 del found["speed"]
-            place = record(cls, found)
-        except (KeyError, TypeError, ValueError) as error:
+            place = msgspec.convert(found, cls)
+        except (KeyError, TypeError, ValueError, msgspec.ValidationError) as error:
             raise ValueError("this is not a place in a game") from error
         begins = [begin if texts else 0 for begin, texts in place.programs]
         if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > place.tick:

@@ -33,10 +33,11 @@ def collect_later() -> None:
     gc.disable()
 
 
+COMPILE_PROCESS = "logical_robots_tui.compile_process"
 _MODULES = (
     "logical_robots_tui.game.measuring",
     "logical_robots_tui.game.diagnosing",
-    "logical_robots_tui.explain.worker",
+    COMPILE_PROCESS,
 )
 _FLAGS = ("-I", "-S", "-B", "-X", "utf8")
 _BEGIN = (

@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.records import texts_of
+from logical_robots_tui.progress.old_texts import texts_of
 
 State: TypeAlias = Literal["new", "started", "won"]
 

@@ -80,7 +80,7 @@ def test_only_the_games_own_helpers_are_taken_for_one() -> None:
             words.append([str(word) for word in self.args])
             self.end()
 
-    Noted("logical_robots_tui.explain.worker")
+    Noted("logical_robots_tui.compile_process")
     Noted(MODULE)
     own, odd = words
     assert is_helper(sys.executable, own)

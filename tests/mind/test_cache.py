@@ -1,15 +1,16 @@
 """Compiled programs on disk: found again, never trusted, never in the way."""
 
-import json
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from logical_robots_tui import caching
 from logical_robots_tui.mind import Diagnostic, Mind, Predicate, Program, ProgramError, compilation
+from logical_robots_tui.mind.compilation import CompileProgram
 from tests.mind.rows import ROBOT, decision_of, python
 
 PROGRAM = Program(
@@ -34,20 +35,16 @@ def entry(folder: Path) -> Path:
     return path
 
 
-def request(text: str) -> bytes:
-    return json.dumps({"text": text}).encode()
-
-
 def keep(program: Program) -> None:
-    compilation.keep_compiled(request(program.text), program)
+    compilation.keep_result(CompileProgram(program.text), program)
 
 
 def find(text: str) -> Program | None:
-    return compilation.find_compiled(request(text), Program)
+    return compilation.find_result(CompileProgram(text), Program)
 
 
 def written(made: object, text: str = PROGRAM.text) -> bytes:
-    return json.dumps([request(text).decode(), made]).encode()
+    return msgspec.json.encode([CompileProgram(text), made])
 
 
 def signed(body: bytes) -> bytes:
@@ -61,7 +58,7 @@ def test_what_is_kept_is_found_again_but_not_by_another_compiler(
     keep(PROGRAM)
     assert find(PROGRAM.text) == PROGRAM
     assert find(PROGRAM.text + " ") is None
-    monkeypatch.setattr(compilation, "_maker", lambda: b"of tomorrow")
+    monkeypatch.setattr(compilation, "_digest_of_parts", lambda _: b"of tomorrow")
     assert find(PROGRAM.text) is None
 
 
@@ -109,7 +106,6 @@ GARBAGE = [
     written({"text": PROGRAM.text, "predicates": 1, "statements": {}}),
     written({"text": PROGRAM.text, "predicates": [], "statements": {"R": 1}}),
     written({"text": PROGRAM.text, "predicates": [], "statements": {}, "memory": "none"}),
-    written({"text": PROGRAM.text, "predicates": [], "statements": {}, "more": 1}),
 ]
 
 
@@ -136,7 +132,9 @@ def test_the_oldest_go_when_there_are_many(folder: Path, monkeypatch: pytest.Mon
     programs = [replace(PROGRAM, text=f"program {number}") for number in range(5)]
     for number, program in enumerate(programs[:3]):
         keep(program)
-        os.utime(folder / f"{compilation._name(request(program.text))}.program", (number, number))
+        os.utime(
+            folder / f"{compilation._name(CompileProgram(program.text))}.program", (number, number)
+        )
     assert find(programs[0].text)  # used just now, so it is not the oldest any more
     keep(programs[3])
     keep(programs[4])
@@ -193,8 +191,9 @@ def test_many_processes_share_it(folder: Path) -> None:
         "compilation.MAX_ENTRIES = 4\n"
         "for n in range(200):\n"
         "    text = str(n % 8) * 1000\n"
-        "    compilation.keep_compiled(text.encode(), Program(text, (), {'Robot': text}))\n"
-        "    found = compilation.find_compiled(text.encode(), Program)\n"
+        "    task = compilation.CompileProgram(text)\n"
+        "    compilation.keep_result(task, Program(text, (), {'Robot': text}))\n"
+        "    found = compilation.find_result(task, Program)\n"
         "    assert found is None or found.statements['Robot'] == text\n"
     )
     with ThreadPoolExecutor(6) as pool:

@@ -1,6 +1,5 @@
 """The compile process: alone, bounded, stopped at once, gone with its parent."""
 
-import json
 import os
 import signal
 import subprocess
@@ -10,10 +9,12 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
+from logical_robots_tui.mind.compilation import CompileProgram
 from logical_robots_tui.mind.compiling import compiler, worker
 from logical_robots_tui.processes import helper
 from tests.mind.rows import ROBOT, python, slow
@@ -125,7 +126,7 @@ def test_there_is_one_compile_process_however_many_compile() -> None:
 def children(parent: int) -> list[int]:
     command = ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)]
     listed = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE).stdout
-    return [int(line.split()[0]) for line in listed.splitlines() if "explain.worker" in line]
+    return [int(line.split()[0]) for line in listed.splitlines() if "compile_process" in line]
 
 
 @ONLY_LINUX
@@ -200,7 +201,7 @@ def test_a_mistake_of_ours_while_compiling_is_told_plainly_and_logged(
         raise ZeroDivisionError("ours")
 
     monkeypatch.setattr(compiler, "compile_text", stumble)
-    answer = json.dumps(worker.answer({"text": "A(1);"}, {})).encode()
+    answer = msgspec.json.encode(worker.do(CompileProgram("A(1);"), {}))
     monkeypatch.setattr(compilation._Compiler, "_exchange", lambda *_: iter([answer]))
     with pytest.raises(ProgramError, match="gave up on this program"):
         Program.compile(ROBOT + "m = 4242;")
@@ -216,7 +217,7 @@ def test_a_compile_process_does_not_survive_a_program_for_which_there_is_no_memo
 
     monkeypatch.setattr(compiler, "compile_text", stumble)
     with pytest.raises(MemoryError):
-        worker.answer({"text": "A(1);"}, {})
+        worker.do(CompileProgram("A(1);"), {})
 
 
 def test_compiling_tells_how_far_it_is() -> None:
@@ -228,23 +229,25 @@ def test_compiling_tells_how_far_it_is() -> None:
 
 SCRIPT = """
 import sys
-from logical_robots_tui.explain.worker import JOBS
+from logical_robots_tui.compile_process import JOBS
+from logical_robots_tui.explain.diagnosis.sites import PrepareCheckup
+from logical_robots_tui.explain.why.probing import Decompose, ReadCall
+from logical_robots_tui.mind.compilation import CompileProgram, CompileQuestion, SetConstants
 from logical_robots_tui.mind.compiling import worker
 
 worker.warm_up()
-jobs = {**worker._JOBS, **JOBS}
 before = set(sys.modules)
 program, *wrong = sys.argv[1:]
 kinds = '{"Robot": {}}'
-for request in (
-    *({"text": text} for text in (program, *wrong)),
-    *({"text": program, "query": query, "columns": {}} for query in ("1 + 1", "Robot(", "x > ")),
-    {"text": program, "constants": {"Near": "2"}},
-    {"text": program, "checkup": []},
-    {"text": program, "predicate": "Robot", "within": "", "kinds": kinds},
-    {"called": 'Robot(memory: "a")'},
+for task in (
+    *(CompileProgram(text) for text in (program, *wrong)),
+    *(CompileQuestion(program, query, {}) for query in ("1 + 1", "Robot(", "x > ")),
+    SetConstants(program, {"Near": "2"}),
+    PrepareCheckup(program, ()),
+    Decompose(program, "Robot", "", kinds),
+    ReadCall('Robot(memory: "a")'),
 ):
-    worker.answer(request, jobs)
+    worker.do(task, JOBS)
 print(*sorted(set(sys.modules) - before))
 """
 

@@ -11,7 +11,7 @@ import pytest
 import logical_robots_tui
 from logical_robots_tui import World, load_level
 from logical_robots_tui.game.run import simulation_digest
-from logical_robots_tui.mind.compilation import _maker
+from logical_robots_tui.mind.compilation import _digest_of_parts
 from logical_robots_tui.schema import DESIRE, SENSOR, FieldType, ListOf, Type
 from logical_robots_tui.values import Desire
 from tests.waiting import PATIENCE
@@ -47,7 +47,7 @@ USES = """if True:
     from docs.reference import language, page
     from logical_robots_tui import Mind, Program, ProgramError, World, load_level
     from logical_robots_tui.game.run import simulation_digest
-    from logical_robots_tui.mind.compilation import _maker
+    from logical_robots_tui.mind.compilation import _digest_of_parts
     from logical_robots_tui.tui.program.completion import Place, words_for
 
     program = '''
@@ -74,7 +74,7 @@ USES = """if True:
     assert told in page()
     assert told in language()
 
-    assert sys.argv[1] != _maker().hex(), "what was compiled for other fields is used"
+    assert sys.argv[1] != _digest_of_parts(()).hex(), "what was compiled for other fields is used"
     assert sys.argv[2] != simulation_digest().hex(), "what was computed for other fields is used"
 """
 
@@ -94,7 +94,7 @@ def test_a_field_that_is_added_to_the_schema_arrives_everywhere(tmp_path: Path) 
     added = 'Field("y", Type.REAL, "how far down the robot is", "0 or more", "map units"),\n'
     schema.write_text(text.replace(last, f"{added}        {last}"), "utf-8")
     done = subprocess.run(
-        [sys.executable, "-c", USES, _maker().hex(), simulation_digest().hex()],
+        [sys.executable, "-c", USES, _digest_of_parts(()).hex(), simulation_digest().hex()],
         cwd=tmp_path,
         env={"PYTHONPATH": str(tmp_path), "LOGICAL_ROBOTS_CACHE_DIR": ""},
         capture_output=True,

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.game.replay import NO_PROGRAM, load_replay
 from logical_robots_tui.progress import Progress
-from logical_robots_tui.records import texts_of
+from logical_robots_tui.progress.old_texts import texts_of
 from tests.cli.running import Command
 from tests.game.playing import BACKWARDS, COUNTER
 

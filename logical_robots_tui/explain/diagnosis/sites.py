@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias
 
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError
-from logical_robots_tui.mind.compilation import compile_request
+from logical_robots_tui.mind.compilation import Task, compile_task
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import Program
 from logical_robots_tui.schema import INPUTS
@@ -174,18 +174,26 @@ class Checkup:
     same: tuple[tuple[Field, Field], ...] = ()
 
 
+class PrepareCheckup(Task, frozen=True):
+    """Gives the `Checkup` of a program, of whose predicates some are functions."""
+
+    parts = ("explain",)
+    text: str
+    functions: tuple[str, ...]
+
+
 def check_up(
     program: Program, *, stop: threading.Event | None = None, limits: Limits | None = None
 ) -> Checkup:
     """Prepare a program to be watched; cached. Blocks; raises QueryError or Stopped."""
-    functions = [p.name for p in program.predicates if p.is_function]
-    request = {"text": program.text, "checkup": functions}
+    functions = tuple(p.name for p in program.predicates if p.is_function)
     try:
-        found = compile_request(request, Checkup, stop=stop, limits=limits)
+        task = PrepareCheckup(program.text, functions)
+        checkup = compile_task(task, Checkup, stop=stop, limits=limits)
     except ProgramError as error:
         raise QueryError(f"The program can't be watched: {error}") from None
-    asked = replace(found.program, memory=program.memory, sensor=program.sensor)
-    return replace(found, program=asked)
+    watched = replace(checkup.program, memory=program.memory, sensor=program.sensor)
+    return replace(checkup, program=watched)
 
 
 Rows: TypeAlias = "Sequence[Mapping[str, Value]]"

@@ -8,9 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.explain.why.probing import Called
+from logical_robots_tui.explain.why.probing import Called, ReadCall
 from logical_robots_tui.language.diagnostics import QueryError
-from logical_robots_tui.mind.compilation import check_text, compile_request
+from logical_robots_tui.mind.compilation import check_text, compile_task
 from logical_robots_tui.schema import VALUE, ray_angle
 from logical_robots_tui.values import Value, read_value, spell
 
@@ -280,5 +280,5 @@ def read_call(text: str, within: str = "") -> Ask:
         ProgramError: It is something else.
     """
     check_text(text, None)
-    called = compile_request({"called": text}, Called)
-    return Ask(called.predicate, json.loads(called.given), within)
+    called = compile_task(ReadCall(text), Called)
+    return Ask(called.predicate, called.given, within)

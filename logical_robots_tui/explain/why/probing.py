@@ -9,9 +9,10 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError, closest
+from logical_robots_tui.mind.compilation import Task, compile_task
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import to_sql
@@ -256,13 +257,6 @@ class Probing:
         return [to_sql(given.get(column)) for column in self.given]
 
 
-@dataclass(frozen=True, slots=True)
-class Compiled:
-    """More queries of a decomposed predicate."""
-
-    queries: Mapping[str, str]
-
-
 class _Queries(Mapping[str, str]):
     """A predicate's queries; `compiled` returns those of a group of later ones."""
 
@@ -289,10 +283,33 @@ class _Queries(Mapping[str, str]):
 
 @dataclass(frozen=True, slots=True)
 class Called:
-    """A predicate with values as a player wrote it; `given` holds those, by column, as JSON."""
+    """A predicate with values by column, as a player wrote it."""
 
     predicate: str
-    given: str
+    given: dict[str, Any]
+
+
+class ReadCall(Task, frozen=True):
+    """Gives `Called`."""
+
+    parts = ("explain",)
+    text: str
+
+
+class Decompose(Task, frozen=True):
+    """Gives `Probing`."""
+
+    parts = ("explain",)
+    text: str
+    predicate: str
+    within: str
+    kinds: str
+
+
+class CompileClauses(Decompose, frozen=True):
+    """Gives more queries of a decomposed predicate, by name."""
+
+    queries: tuple[str, ...]
 
 
 def _without_rules(program: Program, predicate: str) -> str:
@@ -322,25 +339,21 @@ def decompose(
         QueryError: There is no such predicate, or it can't be computed.
         Stopped: `stop` was set.
     """
-    # The compile process, which loads this module, has no use for another one.
-    from logical_robots_tui.mind.compilation import compile_request
-
     known = program.predicate(predicate)
     if known is None or known.kind != "program":
         raise QueryError(_without_rules(program, predicate))
     if not (known.has_rows or known.is_function or within):
         raise QueryError(known.reason)
-    request = {"text": program.text, "predicate": predicate, "within": within}
-    request["kinds"] = program.kinds
+    parts = program.text, predicate, within, program.kinds
     try:
-        probing = compile_request(request, Probing, stop=stop(), limits=limits)
+        probing = compile_task(Decompose(*parts), Probing, stop=stop(), limits=limits)
     except ProgramError as error:
         raise QueryError(f"{predicate} can't be explained: {error}") from None
 
     def compiled(group: tuple[str, ...]) -> Mapping[str, str]:
-        more = {**request, "queries": group}
+        task = CompileClauses(*parts, group)
         try:
-            return compile_request(more, Compiled, stop=stop(), limits=limits).queries
+            return compile_task(task, dict[str, str], stop=stop(), limits=limits)
         except ProgramError:
             return {}  # each of them answers that it can't be asked
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias
+
+import msgspec
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.debugging.breakpoints import matching_rows
 from logical_robots_tui.game.frame import Frame, NoSuchTickError
 from logical_robots_tui.mind import QueryError, Stopped
-from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
@@ -63,7 +63,7 @@ async def find_matches(
 ) -> Matches:
     """Evaluate a question at every tick up to victory, by default for any robot; cached."""
     about = (run.key, question.text, question.sql, robot, ticks)
-    name = hashlib.sha256(json.dumps(about).encode()).hexdigest()
+    name = hashlib.sha256(msgspec.json.encode(about)).hexdigest()
     if (known := _find(name)) is not None:
         return known
 
@@ -119,11 +119,11 @@ def _find(name: str) -> Matches | None:
     try:
         if digest != _digest(name, body):
             raise ValueError("another answer, or not all of it")
-        found = record(Matches, json.loads(body))
+        found = msgspec.json.decode(body, type=Matches)
         ends = [end for stretch in found.stretches for end in stretch]
         if ends != sorted(ends) or not all(0 < end <= found.ticks for end in ends):
             raise ValueError("no stretches of these ticks")
-    except (ValueError, TypeError, RecursionError):
+    except (ValueError, msgspec.DecodeError):
         _folder().drop(name)
         return None
     return found
@@ -133,7 +133,7 @@ def _keep(name: str, found: Matches) -> None:
     folder = _folder()
     if folder.place is None:
         return
-    body = json.dumps(asdict(found)).encode()
+    body = msgspec.json.encode(found)
     if len(body) < _LARGEST:
         folder.keep(name, [_digest(name, body), b"\n", body])
 

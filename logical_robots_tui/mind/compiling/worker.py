@@ -1,4 +1,4 @@
-"""The compile process: reads a program per line, writes its compiled form per line.
+"""What the compile process does: reads a task per line, writes answers, each in a line.
 
 It ends when its standard input is closed, even while compiling. Before the first program it
 gives up the permissions to open or write files and to start processes.
@@ -7,7 +7,6 @@ gives up the permissions to open or write files and to start processes.
 from __future__ import annotations
 
 import gc
-import json
 import os
 import queue
 import resource
@@ -18,10 +17,13 @@ import threading
 import traceback
 from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import asdict, replace
-from functools import partial
+from dataclasses import replace
+from functools import partial, reduce
+from operator import or_
 from time import process_time
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, TypeAlias
+
+import msgspec
 
 from logical_robots_tui.language.definitions import with_constants
 from logical_robots_tui.language.diagnostics import (
@@ -32,10 +34,20 @@ from logical_robots_tui.language.diagnostics import (
 )
 from logical_robots_tui.language.pitfalls import CALLED_AGGREGATE
 from logical_robots_tui.mind.asking import in_plain_words
-from logical_robots_tui.mind.compilation import NO_MEMORY
+from logical_robots_tui.mind.compilation import (
+    NO_MEMORY,
+    CompileProgram,
+    CompileQuestion,
+    Failure,
+    Progress,
+    Refusal,
+    Result,
+    SetConstants,
+    Task,
+)
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
-from logical_robots_tui.mind.program import Program, Tuned
+from logical_robots_tui.mind.program import Program, Question, Tuned
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
@@ -54,29 +66,29 @@ _SAMPLE = "Robot(robot_name: x, desire: Snesor(x));"
 """A program whose mistake loads what messages need; all else is loaded with this module."""
 
 
-Job = Callable[[dict[str, Any]], dict[str, object]]
-"""Answers a request."""
+Job: TypeAlias = "Callable[[Any], object]"
+"""Returns the result of a task; raises ProgramError."""
 
 
-def serve(jobs: Mapping[str, Job]) -> None:
-    """Serve requests until standard input ends.
+def serve(jobs: Mapping[type[Task], Job]) -> None:
+    """Do tasks until standard input ends.
 
-    The process's arguments are bytes of address space, and the processor seconds for one program.
+    The process's arguments are bytes of address space, and the processor seconds for one task.
 
     Args:
-        jobs: Answers to further requests, by the field that tells them apart.
+        jobs: What does them, by their types; compiling programs is known.
     """
-    jobs = {**_JOBS, **jobs}
-    arguments = begin(processor_seconds=None)  # each program has its own bound
+    arguments = begin(processor_seconds=None)  # each task has its own bound
     address_space, seconds = int(arguments[0]), float(arguments[1])
     collect_seldom()
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    answers = os.fdopen(os.dup(1), "wb")
     # The package prints; its output must not reach the screen or the answers.
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
-    requests: queue.Queue[str] = queue.Queue()
-    threading.Thread(target=_read, args=(sys.stdin, requests), daemon=True).start()
+    tasks: queue.Queue[bytes] = queue.Queue()
+    threading.Thread(target=_read, args=(sys.stdin.buffer, tasks), daemon=True).start()
+    read_task = msgspec.json.Decoder(reduce(or_, [CompileProgram, *jobs])).decode
     warm_up()
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     limit(resource.RLIMIT_AS, address_space)
@@ -84,97 +96,104 @@ def serve(jobs: Mapping[str, Job]) -> None:
     if hasattr(resource, "RLIMIT_NPROC"):
         limit(resource.RLIMIT_NPROC, 0)
     while True:
-        request = json.loads(requests.get())
+        task = read_task(tasks.get())
         signal.setitimer(signal.ITIMER_PROF, max(seconds, _LEAST_SECONDS))  # ends the process
         try:
-            found = answer(request, jobs, partial(_report, answers))
+            answer = do(task, jobs, partial(_report, answers))
             signal.setitimer(signal.ITIMER_PROF, 0)
-            _say(answers, found)
+            _write(answers, answer)
         except MemoryError:  # what is left may not be enough to answer
             os._exit(NO_MEMORY)
 
 
-def _say(answers: IO[str], what: dict[str, object]) -> None:
-    answers.write(json.dumps(what) + "\n")
+def _write(answers: IO[bytes], answer: Progress | Result | Refusal | Failure) -> None:
+    answers.write(msgspec.json.encode(answer) + b"\n")
     answers.flush()
 
 
-def _report(answers: IO[str], done: int, of_all: int) -> None:
-    _say(answers, {"done": done, "all": of_all})
+def _report(answers: IO[bytes], compiled: int, total: int) -> None:
+    _write(answers, Progress(compiled, total))
 
 
 def warm_up() -> None:
     """Load everything that compiling may need while files can still be opened."""
     sys.modules["numpy"] = None  # type: ignore[assignment]  # the package would load it for speed
-    answer({"text": _SAMPLE}, {})
+    msgspec.json.encode(do(CompileProgram(_SAMPLE), {}))
     gc.freeze()
 
 
-def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
+def _read(lines: IO[bytes], tasks: queue.Queue[bytes]) -> None:
     for line in lines:
-        requests.put(line)
+        tasks.put(line)
     os._exit(0)
 
 
-def answer(
-    request: dict[str, Any], jobs: Mapping[str, Job], report: Report | None = None
-) -> dict[str, object]:
-    """Return the answer to a request: what was asked for, diagnostics, or the trace of a bug."""
+def do(
+    task: Task, jobs: Mapping[type[Task], Job], report: Report | None = None
+) -> Result | Refusal | Failure:
+    """Return the result of a task, the diagnostics of its program, or the trace of a bug."""
     try:
-        job = next((job for field, job in jobs.items() if field in request), None)
-        if job is not None:
-            return job(request)
-        program, trees = compiler.compile_text(request["text"], report)
-        _try_out(program)
-        order = sorted(program.statements, key=lambda name: name not in program.needed)
-        statements = {
-            MAIN: program.statements[MAIN],
-            **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
-            **{name: program.statements[name] for name in order},
-        }
-        tuned = keep_preparable(tune_all(statements, trees))
-        return {"program": asdict(replace(program, tuned=tuned))}
+        job = jobs[type(task)] if type(task) in jobs else partial(_compile, report=report)
+        return Result(msgspec.Raw(_encode(job(task))))
     except ProgramError as error:
-        shown = [asdict(each) for each in error.diagnostics[: MOST_DIAGNOSTICS + 1]]
-        for each in shown:
-            for part in ("message", "hint", "excerpt"):
-                each[part] = printable(each[part][:_LONGEST_MESSAGE])
-        return {"diagnostics": shown}
+        return Refusal(tuple(map(_shortened, error.diagnostics[: MOST_DIAGNOSTICS + 1])))
     except MemoryError:
         raise
     except SystemError:  # without memory, CPython may lose the exception that says so
         raise MemoryError from None
     except RecursionError:
         nested = "The program is nested too deeply"
-        deep = Diagnostic(1, 1, nested, "Split it into named parts.")
-        return {"diagnostics": [asdict(deep)]}
+        return Refusal((Diagnostic(1, 1, nested, "Split it into named parts."),))
     except Exception:  # the package may raise anything, and the process must survive
-        return {"trace": traceback.format_exc()}
+        return Failure(traceback.format_exc())
 
 
-def _ask(request: dict[str, Any]) -> dict[str, object]:
-    """Compile a question about a program.
+def _plain_text(value: object) -> str:
+    if not isinstance(value, str):
+        raise NotImplementedError(type(value))
+    return str(value)
 
-    Raises:
-        ProgramError: It has errors, or SQLite can't prepare it in reasonable time.
-    """
-    question = compile_question(request["text"], request["query"])
+
+_encode = msgspec.json.Encoder(enc_hook=_plain_text).encode
+
+
+def _shortened(diagnostic: Diagnostic) -> Diagnostic:
+    message, hint, excerpt = (
+        printable(text[:_LONGEST_MESSAGE])
+        for text in (diagnostic.message, diagnostic.hint, diagnostic.excerpt)
+    )
+    return replace(diagnostic, message=message, hint=hint, excerpt=excerpt)
+
+
+def _compile(task: CompileProgram, report: Report | None) -> Program:
+    program, trees = compiler.compile_text(task.text, report)
+    _try_out(program)
+    order = sorted(program.statements, key=lambda name: name not in program.needed)
+    statements = {
+        MAIN: program.statements[MAIN],
+        **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
+        **{name: program.statements[name] for name in order},
+    }
+    return replace(program, tuned=keep_preparable(tune_all(statements, trees)))
+
+
+def _compile_question(task: CompileQuestion) -> Question:
+    """Raises ProgramError if it has errors, or SQLite can't prepare it in reasonable time."""
+    question = compile_question(task.text, task.query)
     with closing(Database()) as database:
         if trouble := _trouble(database, question.sql):
             message = f"The query can't be computed: {trouble}"
             hint = "Check it, and the predicates that it uses."
             raise ProgramError((Diagnostic(1, 1, message, hint),))
     # For a table with the columns that there are already.
-    tuned = tune(question.sql, MemoryColumns.closed(request["columns"]), for_all=True)
-    found = {} if tuned is None else keep_preparable({"": tuned})
-    return {"question": asdict(replace(question, tuned=found.get("")))}
+    tuned = tune(question.sql, MemoryColumns.closed(task.columns), for_all=True)
+    preparable = {} if tuned is None else keep_preparable({"": tuned})
+    return replace(question, tuned=preparable.get(""))
 
 
-_JOBS: Mapping[str, Job] = {
-    "constants": lambda asked: {
-        "settled": {"text": with_constants(asked["text"], asked["constants"])}
-    },
-    "query": _ask,
+JOBS: Mapping[type[Task], Job] = {
+    SetConstants: lambda task: with_constants(task.text, task.constants),
+    CompileQuestion: _compile_question,
 }
 
 

@@ -1,15 +1,7 @@
-"""The compile process of the game: compiles programs, decomposes them, and reads questions."""
+"""Reading a call as a player writes it to ask why. In the compile process."""
 
 from __future__ import annotations
 
-import json
-from contextlib import closing
-from dataclasses import asdict, replace
-from functools import partial
-from typing import Any
-
-from logical_robots_tui.explain.decomposition import decompose
-from logical_robots_tui.explain.diagnosis.checkup import check_up
 from logical_robots_tui.explain.why.probing import Called
 from logical_robots_tui.language import error_messages
 from logical_robots_tui.language.adapter import parse_expression, parse_proposition
@@ -30,35 +22,8 @@ from logical_robots_tui.language.tree import (
     Variable,
     equation_sides,
 )
-from logical_robots_tui.mind.compiling.worker import is_prepared_soon, keep_preparable, serve
-from logical_robots_tui.mind.sqlite.database import Database
-from logical_robots_tui.mind.tuning import tune_all
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.values import Value
-
-
-def main() -> None:
-    serve(JOBS)
-
-
-def _decompose(request: dict[str, Any]) -> dict[str, object]:
-    """Decompose a predicate's rules, or return more of its queries."""
-    found = decompose(*(request[field] for field in ("text", "predicate", "within", "kinds")))
-    with closing(Database()) as database:
-        queries = found.queries(database, request.get("queries", ()))
-    if "queries" in request:
-        return {"compiled": {"queries": queries}}
-    return {"probing": asdict(replace(found.probing, queries=queries))}
-
-
-def _check_up(request: dict[str, Any]) -> dict[str, object]:
-    functions = frozenset(request["checkup"])
-    with closing(Database()) as database:
-        found = check_up(request["text"], functions, partial(is_prepared_soon, database))
-    for_all = {probe.name for probe in found.probes if probe.closeness != "closer"}
-    tuned = keep_preparable(tune_all(found.program.statements, for_all=for_all))
-    return {"checkup": asdict(replace(found, program=replace(found.program, tuned=tuned)))}
-
 
 _HINT = 'Ask for a predicate with values, such as Next(robot_name: "Crow") or Speed(200).'
 
@@ -78,7 +43,7 @@ def read_call(text: str) -> Called:
     given = _fields(() if isinstance(called, PredicateName) else called.arguments, source)
     if result is not None:
         given[VALUE] = _value(result, source)
-    return Called(str(called.name), json.dumps(given))
+    return Called(str(called.name), given)
 
 
 def _sides(source: Prepared) -> tuple[Expression | Atom, Expression | None]:
@@ -137,10 +102,3 @@ def _refusal(
     start, stop = (node.span if node is not None else None) or (0, len(source.original))
     found = diagnostic_at(source.original, start, stop - start, message, hint)
     return ProgramError((found,))
-
-
-def _read(request: dict[str, Any]) -> dict[str, object]:
-    return {"called": asdict(read_call(request["called"]))}
-
-
-JOBS = {"predicate": _decompose, "checkup": _check_up, "called": _read}
