@@ -21,6 +21,7 @@ from typing import Any
 from logical_robots_tui.processes.lifeline import (
     AWAY,
     BEATS,
+    MOST_IN_A_CALL,
     bound_calls,
     is_watched_in,
     signal_when_closed,
@@ -51,7 +52,10 @@ _PLAIN_SCREEN = (
 _PLAIN_KEYS = "\x1b[<u"  # which a shell may have, too, so only after a screen was opened
 _FAULTS = {"SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT", "SIGTRAP", "SIGSYS"}
 _KEPT = "Unsaved text is kept. Start the game again to go on."
-_ENDLESS_CALL = "The program computed for 15 s in a single call, past all limits, and was ended."
+_ENDLESS_CALL = (
+    f"The program computed for {MOST_IN_A_CALL:g} s in a single call, past all limits, "
+    "and was ended."
+)
 
 _THINKING = frozenset(
     ["run", "trace", "query", "when", "why", "origin", "diagnose", "learn", "replay"]

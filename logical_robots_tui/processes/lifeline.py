@@ -52,7 +52,7 @@ def keep_beating(loop: AbstractEventLoop) -> None:
         loop.call_later(_BEAT_SECONDS, keep_beating, loop)
 
 
-_MOST_IN_A_CALL = 15.0  # processor seconds
+MOST_IN_A_CALL = 15.0  # processor seconds
 
 _is_bounded = False
 
@@ -69,7 +69,7 @@ def bound_calls() -> None:
 def renew_bound(*, is_working: bool) -> None:
     """Begin the time for a call anew, or end it while there is no work."""
     if _is_bounded:
-        signal.setitimer(signal.ITIMER_PROF, _MOST_IN_A_CALL if is_working else 0)
+        signal.setitimer(signal.ITIMER_PROF, MOST_IN_A_CALL if is_working else 0)
 
 
 @contextmanager

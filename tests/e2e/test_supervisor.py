@@ -313,7 +313,7 @@ COMPUTES_IN_C = """if True:
     from logical_robots_tui.mind.sqlite import texts
     from logical_robots_tui.processes import lifeline
 
-    lifeline._MOST_IN_A_CALL = 0.5
+    lifeline.MOST_IN_A_CALL = 0.5
     texts.upper = lambda text: all(itertools.repeat(True))
     sys.exit(supervisor.main())
 """
