@@ -14,6 +14,7 @@ from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.language.diagnostics import Names, unknown_names
 from logical_robots_tui.mind import Diagnostic, ProgramError
+from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.paths import (
     ARENAS,
     decoded,
@@ -125,7 +126,7 @@ def load_program(
 ) -> Source:
     """Read a program by path, or by name from the player's own and the shipped ones.
 
-    With `pipes` it may block. Raises InputError unless it is a visible text of at most 1 MB.
+    With `pipes` it may block. Raises InputError unless it is a visible text that is not too long.
     """
     path = Path(path_or_name)
     try:
@@ -233,6 +234,9 @@ def _text_of(path: Path, *, pipes: bool = False) -> str:
         place += f", line {line}"
         hint = "Check that it is a program, and save it as UTF-8."
         raise InputError("is not UTF-8 text", place=place, hint=hint) from error
+    if len(text) > (most := Limits().program_characters):
+        message = f"has {len(text):,} characters, more than the {most:,} that a program may have"
+        raise InputError(message, place=place, hint="A program is a short text.")
     if "\0" in text:
         raise InputError("is a binary file, not a program", place=place)
     return text

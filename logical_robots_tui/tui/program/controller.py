@@ -17,6 +17,7 @@ from textual.widgets.text_area import Selection
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
@@ -63,17 +64,22 @@ class ProgramController:
 
     def keep_copy(self, text: str) -> None:
         """Also write copied text to a file, because terminals don't confirm a copy."""
-        try:
-            self._copies.parent.mkdir(parents=True, exist_ok=True)
-            write_atomically(self._copies, text)
-        except OSError as error:
-            self._ui.warn(f"The copied text can't be saved: {error.strerror}.")
+        if not self._write_copy(text):
             return
         if not self._is_copy_told:
             sent = "Sent to your terminal's clipboard, and into"
             head = sent if self._permissions().clipboard else "Kept in"
             self._ui.tell(f"{head} {self._copies}.")
         self._is_copy_told = True
+
+    def _write_copy(self, text: str) -> bool:
+        try:
+            self._copies.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(self._copies, text)
+        except OSError as error:
+            self._ui.warn(f"The copied text can't be saved: {error.strerror}.")
+            return False
+        return True
 
     async def find(self) -> None:
         editor = self._pane.editor
@@ -143,7 +149,10 @@ class ProgramController:
         except (OSError, ValueError, subprocess.CalledProcessError) as error:
             self._ui.warn(f"The editor failed: {error}. The text is unchanged.")
         else:
-            if text != self._pane.text:
+            if len(text) > (most := Limits().program_characters):
+                kept = f" It is kept in {self._copies}." if self._write_copy(text) else ""
+                self._ui.warn(f"A program may have {most:,} characters, not {len(text):,}.{kept}")
+            elif text != self._pane.text:
                 self._pane.put(text)
                 self._session.apply(text)
 

@@ -168,6 +168,9 @@ async def test_what_is_copied_is_in_a_file(data_dir: Path, monkeypatch: pytest.M
         edited = STILL.replace("memory: 1", "memory: 2")
         await game.until(lambda: game.session.state.applied == game.editor.text == edited)
         assert not game.session.running
+        monkeypatch.setenv("VISUAL", """sh -c 'yes | head -c 200001 > $0'""")
+        await game.press("E", sees="A program may have 200,000 characters, not 200,001.")
+        assert (game.editor.text, len(copied.read_text("utf-8"))) == (edited, 200_001)
 
 
 async def test_long_lines_are_wrapped_unless_the_player_wants_them_cut(data_dir: Path) -> None:
