@@ -55,8 +55,10 @@ NAMES = tuple(word.name for word in (*_BUILT_IN, *_GIVEN, *_FIELDS))
 """Words without a definition in the program: functions, inputs, fields."""
 
 _LOOKED_BACK = 2_000  # characters before the cursor that are looked at for what it is in
+_AROUND = 10_000  # characters before and after the cursor that are read to complete a word
 
-_HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]*\)?)|:=)", re.MULTILINE)
+_HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]{0,500}\)?)|:=)", re.MULTILINE)
+_STATEMENT = re.compile(r"^(?=[A-Z@])", re.MULTILINE)
 _BEFORE = re.compile(r"(?:(?P<owner>[A-Za-z_]\w*)\.)?(?P<begun>\w*)$")
 _VARIABLE = re.compile(r"(?<![\w.])[a-z_]\w*\b(?!\s*:(?!-)\s*[^\s,)}])(?!\s*\()")
 _FIELD = re.compile(r"\.([a-z_]\w*)|\b([a-z_]\w*)\s*:(?!-)")
@@ -90,13 +92,18 @@ def words_for(text: str, place: Place) -> list[Word]:
     """Return words for a place: variables and fields, predicates, functions; or none."""
     lines = text.splitlines(keepends=True)[: place.line]
     at = min(sum(map(len, lines)) + place.column, len(text))
+    own = definitions(text)
+    begin = max(0, at - _AROUND)
+    if begin and (statement := _STATEMENT.search(text, begin, at)):
+        begin = statement.start()
+    text, at = text[begin : at + _AROUND], at - begin
     source = prepare(text)
     match = _word_before(text[:at].rpartition("\n")[2])
     owner, typed = match["owner"], match["begun"]
     first = at - len(typed)
     if text[first:at] != source.skeleton[first:at] or _is_blanked(text, source.skeleton, first - 1):
         return []
-    groups = _fields(source.skeleton, owner, typed) if owner else _names(source, first, at)
+    groups = _fields(source.skeleton, owner, typed) if owner else _names(source, first, at, own)
     ordered = [
         word for group in groups for word in sorted(group, key=lambda word: word.name.lower())
     ]
@@ -117,13 +124,14 @@ def _is_blanked(text: str, skeleton: str, at: int) -> bool:
     return at >= 0 and text[at] != "\n" and text[at] != skeleton[at]
 
 
-def _names(source: Prepared, first: int, at: int) -> list[list[Word]]:
+def _names(
+    source: Prepared, first: int, at: int, own: Mapping[str, tuple[Place, str]]
+) -> list[list[Word]]:
     start = max((end + 1 for end in source.ends if end < first), default=0)
     stop = min((end for end in source.ends if end >= at), default=len(source.skeleton))
     rule = f"{source.skeleton[start:first]} {source.skeleton[at:stop]}"
     variables = {*_VARIABLE.findall(rule)}.difference(KEYWORDS)
     held = [word for word in _FIELDS if word.shape.rpartition(".")[0] in variables]
-    own = definitions(source.text)
     return [
         [Word(name, name, "a variable of this rule") for name in variables],
         [Word(word.shape, word.shape, word.told) for word in held] if first < at else [],

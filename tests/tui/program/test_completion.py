@@ -38,6 +38,12 @@ def test_words_that_fit_are_offered_and_after_a_dot_fields() -> None:
     assert names("", "P() :- Sensor(robot_name:, sensor:), sensor.radar == ra")[0] == "sensor.radar"
 
 
+def test_in_a_long_program_predicates_of_all_of_it_are_offered() -> None:
+    text = f'Far(x) :- x = """a""";\n{"A(1);  # (" * 20_000}\n'
+    assert names(text, "B(near) :- Fa")[0] == "Far"
+    assert names(text, "B(near) :- nea")[0] == "near"
+
+
 def test_comments_and_quotes_offer_nothing_and_are_not_offered() -> None:
     text = '# memory.secret, both sides alike: x\nRobot(memory: {here: "memory.quoted"});'
     assert names(text, "memory.") == names("Robot(memory: {here: 1});", "memory.")
@@ -71,7 +77,7 @@ def test_the_call_is_the_innermost_that_is_open() -> None:
 
 
 @pytest.mark.parametrize(
-    ("piece", "end"), [("(", ""), ("A", ""), ("A", "!("), ("x [ ", ""), (" ", "{")]
+    ("piece", "end"), [("(", ""), ("A", ""), ("A", "!("), ("x [ ", ""), (" ", "{"), ("A(\n", "")]
 )
 def test_a_long_line_is_read_in_time(piece: str, end: str, pytestconfig: pytest.Config) -> None:
     is_long = pytestconfig.option.all
