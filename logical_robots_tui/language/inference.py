@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import islice
 from typing import Literal, TypeAlias
 
 from logical_robots_tui.language import tree, types
@@ -21,6 +22,7 @@ from logical_robots_tui.schema import MAIN, OBJECTS, VALUE
 
 _ROUNDS = 6  # how far a kind is traced from predicate to predicate
 _MOST_STEPS = 100_000  # nested aggregates are visited repeatedly
+_MOST_COMPARED = 20  # different types of a column
 _LIST = "A list is needed here, such as sensor.radar, [1, 2] or Range(10)."
 _NEGATED = "Put the condition after ! in parentheses: !(a == b)."
 _CHOOSING = frozenset({"ArgMin", "ArgMax"})
@@ -402,7 +404,8 @@ class Inference:
     ) -> None:
         if (rule.name, column.field) == (MAIN, "memory"):
             return  # what a robot remembers can be of another type at any time
-        other = next((each for each in earlier if clash(each, kind)), None)
+        compared = islice(earlier, _MOST_COMPARED)
+        other = next((other for other in compared if clash(other, kind)), None)
         if other is not None and column.expression is not None:
             place = column.field + 1 if isinstance(column.field, int) else column.field
             name = "The value" if place == VALUE else f"Column {place}"

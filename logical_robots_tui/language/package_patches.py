@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -112,8 +113,15 @@ def _traverse_plain(text: str) -> Iterator[tuple[int, str | None, str]]:
 
 
 def split(text: parse.HeritageAwareString, separator: str) -> list[parse.HeritageAwareString]:
-    """Split at separators outside brackets, as `SplitRaw` does; raise ParsingException."""
+    """Split at separators outside brackets, as `SplitRaw` does.
+
+    Raises:
+        ParsingException: A bracket matches nothing.
+        RecursionError: An expression has too many operators in a row.
+    """
     plain = str(text)
+    if separator not in plain and _is_balanced(plain):
+        return [text]
     parts = []
     begin = 0
     places = _traverse(plain)
@@ -132,7 +140,24 @@ def split(text: parse.HeritageAwareString, separator: str) -> list[parse.Heritag
                 end = next(places)[0] + 1
             begin = end
     parts.append(text[begin:])
+    most = _MOST_OPERANDS * (1 + (separator == "="))  # == has two
+    if len(parts) > most and separator in _OPERATORS:
+        raise RecursionError
     return parts
+
+
+_OPERATORS = {
+    *("||", "&&", "->", "==", "<=", ">=", "<", ">", "!=", "=", " in ", " is not ", " is "),
+    *("++?", "++", "+", "-", "*", "/", "%", "^", "!", ".", "=>"),
+}
+_MOST_OPERANDS = 340
+"""Operands in a row. The package parses each one level deeper, at least three frames of Python's
+thousand, and takes minutes to get there with many."""
+
+
+@lru_cache(maxsize=8)  # of one text the package looks for each operator
+def _is_balanced(text: str) -> bool:
+    return all(status == "OK" for _, _, status in _traverse(text))
 
 
 _infix = parse.ParseInfix

@@ -33,6 +33,7 @@ DEEP = "(-" * 2_000 + "1" + ")" * 2_000
         (ROBOT + "\nm = x, `(select 1 as x)`(x:);", 2, 8, "can't use SQL"),
         ("A(1);\n\0", 2, 1, "not text"),
         (f"{ROBOT}m = -{DEEP};", 1, M + 125, "nested too deeply"),
+        (f"{ROBOT}m = {'1 + ' * 10_000}1;", 1, 1, "nested too deeply"),
         (
             '# a ( comment\n/* { */ A("# no comment; } (");\n' + ROBOT + "m = Wings(1);",
             3,
