@@ -53,7 +53,10 @@ def spell(value: Value, room: int = 1_000_000, *, is_rounded: bool = False) -> s
 
 def read_value(text: str) -> Value:
     """Return the value that `spell` writes so, or JSON; raise ValueError."""
-    value: Value = json.loads(_TEXT_OR_FIELD.sub(_as_json, text))
+    try:
+        value: Value = json.loads(_TEXT_OR_FIELD.sub(_as_json, text))
+    except (SyntaxError, RecursionError) as error:  # a wrong escape, or brackets nested too deeply
+        raise ValueError(str(error)) from None
     return value
 
 

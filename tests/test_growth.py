@@ -130,7 +130,7 @@ def of_replay(part: str) -> Read:
 
 
 def of_value(text: str, _folder: Path) -> None:
-    with suppress(ValueError, RecursionError):
+    with suppress(ValueError):
         read_value(text)
 
 

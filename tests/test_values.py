@@ -40,3 +40,12 @@ def test_records_and_lists_look_as_in_a_program(value: Value, written: str) -> N
 
 def test_json_is_read_as_well() -> None:
     assert read_value('{"a": [1, {"b": null}]}') == {"a": [1, {"b": None}]}
+
+
+@pytest.mark.parametrize(
+    "text", ["'\\x1'", "'\n'", '"\\u12"', "[" * 100_000, "9" * 5_000, "'\ud800'"]
+)
+def test_what_is_not_a_value_is_refused(text: str) -> None:
+    words = "escape|codec|Unterminated|unterminated|recursion|digits"
+    with pytest.raises(ValueError, match=words):
+        read_value(text)

@@ -310,7 +310,7 @@ def ask_of(call: Call, way: Way) -> Ask:
 
 def is_written(value: Value, text: str) -> bool:
     """Return whether a text is nothing but a value as it is written."""
-    with suppress(ValueError, RecursionError):
+    with suppress(ValueError):
         return read_value(text) == value
     return False
 

@@ -259,7 +259,7 @@ def unlike_types(one: Value, other: Value) -> str:
     if isinstance(one, str) == isinstance(other, str):
         return ""
     text, value = (one, other) if isinstance(one, str) else (other, one)
-    with suppress(ValueError, RecursionError):
+    with suppress(ValueError):
         if read_value(str(text)) == value:
             return f"string {spell(text)} is not {_kind(value)}{spell(value)}"
     return ""
