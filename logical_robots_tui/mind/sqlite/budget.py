@@ -274,6 +274,9 @@ MAX_TEXT = 2_000_000
 _SHORT = 2 * MAX_ITEMS  # a shorter text can't hold more than MAX_ITEMS items
 
 
+_TOO_DEEP = "records and lists nested too deeply"
+
+
 class TooLargeError(OverflowError):
     """A value is larger than a function accepts or returns; SQLite reports it as too big."""
 
@@ -314,7 +317,10 @@ def charge(
             for argument in arguments:
                 if argument.__class__ is str and len(argument) > _SHORT:
                     check_long(argument)
-        result = function(*arguments)
+        try:
+            result = function(*arguments)
+        except RecursionError:
+            raise TooLargeError(_TOO_DEEP) from None
         if result.__class__ is str:
             work.steps -= len(result)
         return result
@@ -351,13 +357,19 @@ class ChargedAggregate:
         if self._aggregate.compares:
             steps += self._held // _BYTES_OF_A_STEP
         self._work.charge(steps)
-        grown = self._aggregate.step(*arguments)
+        try:
+            grown = self._aggregate.step(*arguments)
+        except RecursionError:
+            raise TooLargeError(_TOO_DEEP) from None
         self._held += grown
         self._work.hold(grown)
 
     def finalize(self) -> Any:
         self._work.charge(STEPS_OF_A_CALL + self._held // _BYTES_OF_A_STEP)
-        result = self._aggregate.finalize()
+        try:
+            result = self._aggregate.finalize()
+        except RecursionError:
+            raise TooLargeError(_TOO_DEEP) from None
         self._work.hold(-self._held)
         return result
 

@@ -27,6 +27,7 @@ VALUES = {
     "pairs": json.dumps([{"arg": str(n), "value": n} for n in range(ITEMS // 3)]),
     "record": json.dumps({str(number): number for number in range(ITEMS)}),
     "deep": "[" * 900 + "]" * 900,
+    "very deep": "[" * 5_000 + "]" * 5_000,
     "quotes": '"' * (MAX_TEXT // 2 - 100),
     "digits": "1" * (MAX_TEXT - 100),
     "wild": "%_a" * 300,
@@ -84,6 +85,30 @@ def called(name: str, database: Database) -> Iterator[tuple[tuple[str, ...], int
         except TooMuchError:
             pass
         yield arguments, length
+
+
+TOO_LARGE = [
+    *(("ones", call) for call in ("try_cast(x, '[\"Num\"]')", "try_cast_like(x, '[1]')")),
+    *(("ones", call) for call in ("to_text(x)", 'try_cast(x, \'{"a": "Num"}\')')),
+    *(("very deep", call) for call in ("record_as_json(x)", "value_as_json(x)", "sort_list(x)")),
+    *(
+        ("very deep", call)
+        for call in ("compare_values(x, x)", "list_has(x, 1)", "concatenate(x, x)")
+    ),
+    *(
+        ("very deep", call)
+        for call in ("least_nested(x)", "list_of_distinct(x)", "concat_lists(x)")
+    ),
+]
+
+
+@pytest.mark.parametrize(("value", "call"), TOO_LARGE)
+def test_what_has_too_many_items_or_levels_is_too_large(
+    value: str, call: str, database: Database
+) -> None:
+    values = f"(SELECT sensor AS x FROM Sensor WHERE robot_name = '{value}')"
+    with pytest.raises(TooMuchError, match="a value became too large"):
+        database.ask(f"SELECT {call} FROM {values}", most=1)
 
 
 LIKE = [
