@@ -1,50 +1,42 @@
-"""Reading a file that is twice as large takes about twice as long, whatever is in it."""
+"""Reading a text that is twice as large takes about twice as long, whatever is in it."""
 
 import hashlib
 import json
 import lzma
 import sqlite3
 from collections.abc import Callable
-from contextlib import closing, suppress
+from contextlib import closing
 from itertools import product
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 import msgspec
 import pytest
 
 from logical_robots_tui.cli.progress import read_claims
-from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.game.replay import load_replay
 from logical_robots_tui.lab.folder import Folder, Ledger
 from logical_robots_tui.lab.handins import entries_of, stems_of
 from logical_robots_tui.lab.submissions import plan_grading, read_assignment
 from logical_robots_tui.lab.sweeping import read_experiment
+from logical_robots_tui.language import package_patches
+from logical_robots_tui.language.source_text import prepare, size_of
+from logical_robots_tui.mind.compiling.compiler import compile_text
+from logical_robots_tui.mind.sqlite import casting
 from logical_robots_tui.player.settings import read_settings, write_setting
 from logical_robots_tui.toml_files import TomlFile
 from logical_robots_tui.tui.commands.keymap import KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
+from logical_robots_tui.tui.program import completion
+from logical_robots_tui.tui.program.completion import Place, words_for
+from logical_robots_tui.tui.program.editor import rename
 from logical_robots_tui.values import read_value
 from logical_robots_tui.world import World
 from logical_robots_tui.world.levels.load import read_level, read_web
 from logical_robots_tui.world.levels.native import read_native
-from tests.growth import few_of
-from tests.hostile_files import FAMILIES
+from tests.growth import few_of, growth_of
+from tests.hostile_text import FILES, PROGRAMS, SIGNS
 from tests.lab.test_handins import tarred, zipped
-
-SMALLEST, LARGEST, FACTOR = 2_000, 900_000, 4
-MOST_GROWTH = 2.5**2
-"""Of the time for a text of four times the size; if it grew with the square, it would be 16."""
-
-SLOWEST = 0.02
-"""Seconds for the smallest text, at most a few times."""
-
-ENOUGH = 0.05
-"""Seconds of a processor after which larger texts are not tried."""
-
-NOISE = 0.01
-ATTEMPTS = 5
 
 KEYS = KeyMap(COMMANDS)
 DRAWN = "title = \"x\"\ncell = 10\nwalls = '''\n......\n......\n'''\n"
@@ -129,11 +121,6 @@ def of_replay(part: str) -> Read:
     return read
 
 
-def of_value(text: str, _folder: Path) -> None:
-    with suppress(ValueError):
-        read_value(text)
-
-
 def of_ledger(text: str, folder: Path) -> None:
     file = folder / "ledger.db"
     file.unlink(missing_ok=True)
@@ -178,7 +165,7 @@ READERS: dict[str, Read] = {
     "a manifest": lambda text, folder: Folder(
         written(folder, "manifest.json", text).parent
     ).manifest(),
-    "a value": of_value,
+    "a value": lambda text, _: read_value(text),
     "progress": lambda text, folder: list(read_claims(written(folder, "progress.json", text))),
     "a program in progress": lambda text, folder: list(
         read_claims(
@@ -193,24 +180,37 @@ READERS: dict[str, Read] = {
 }
 
 
-def seconds(read: Read, text: str, folder: Path, least: float = 9.0) -> float:
-    """Seconds of a processor that reading takes, at least; a reason not to read is one as well."""
-    began = process_time()
-    with suppress(LogicalRobotsError):
-        read(text, folder)
-    return min(least, process_time() - began)
+def compiled(text: str, _folder: Path) -> None:
+    package_patches.install()
+    compile_text(text)
 
 
-@pytest.mark.parametrize(("reader", "family"), few_of(product(READERS, FAMILIES)))
+def cast(text: str, _folder: Path) -> None:
+    casting.try_cast_like(f"{text} ", [{"a": 1.0}])
+    casting.try_cast_like(f"{text} ", {"a": [1.0]})
+
+
+def completed(text: str, _folder: Path) -> None:
+    words_for(text, Place(0, len(text)))
+    completion.call_before(text)
+    completion.word_before(text)
+    completion.word_around(text, len(text))
+    completion.help_on(text, "Foo")
+
+
+TEXT_READERS: dict[str, Read] = {
+    "a program": compiled,
+    "a text prepared": lambda text, _: prepare(text),
+    "a size": lambda text, _: size_of(text),
+    "a text cast": cast,
+    "a text shown": lambda text, _: casting.to_text(text),
+    "a text completed": completed,
+    "a name changed": lambda text, _: rename(text, "A", "B"),
+}
+CASES = [*product(READERS, SIGNS | FILES), *product(TEXT_READERS, SIGNS | PROGRAMS)]
+
+
+@pytest.mark.parametrize(("reader", "family"), few_of(CASES))
 def test_time_grows_with_the_size(reader: str, family: str, tmp_path: Path) -> None:
-    read, size, times = READERS[reader], SMALLEST, [SLOWEST]
-    while size <= LARGEST and (len(times) < 3 or times[-1] < ENOUGH):
-        text = FAMILIES[family](size)
-        times.append(min(seconds(read, text, tmp_path) for _ in range(2)))
-        if times[-1] > MOST_GROWTH * times[-2] + NOISE:
-            smaller = FAMILIES[family](size // FACTOR)
-            for _ in range(ATTEMPTS):
-                times[-2] = max(times[-2], seconds(read, smaller, tmp_path))
-                times[-1] = seconds(read, text, tmp_path, times[-1])
-        assert times[-1] <= MOST_GROWTH * times[-2] + NOISE, f"{size:,}: {times}"
-        size *= FACTOR
+    read, text = (READERS | TEXT_READERS)[reader], (SIGNS | PROGRAMS | FILES)[family]
+    assert growth_of(lambda text: read(text, tmp_path), text) == ""

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.mind import Diagnostic, Program, ProgramError, compilation
 from tests.mind.rows import PAPER, ROBOT, remembered
@@ -50,6 +51,20 @@ def test_a_mistake_is_told_with_its_place_and_without_terminal_codes(
     assert words in f"{first.message} {first.hint}"
     assert (first.line, first.column) == (line, column)
     assert "\x1b" not in str(first)
+
+
+@pytest.mark.parametrize(
+    ("text", "more"),
+    [(");" * 1_000, 900), ("".join(f"A(x) :- Foo{n}(x);\n" for n in range(117)), 18)],
+)
+def test_the_first_hundred_problems_are_shown_and_the_number_of_the_others(
+    text: str, more: int
+) -> None:
+    with pytest.raises(ProgramError) as caught:
+        Program.compile(text)
+    *shown, last = caught.value.diagnostics
+    assert len(shown) == MOST_DIAGNOSTICS
+    assert last.message == f"{more} more problems not shown"
 
 
 def test_a_program_of_a_megabyte_is_refused_before_anything_reads_it(

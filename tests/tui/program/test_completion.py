@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.tui.program import completion
 from logical_robots_tui.tui.program.completion import Place, Word, definitions, help_on, words_for
-from tests.mind.hostile.bounds import bounded_work
 from tests.tui.conftest import PAPER
 from tests.tui.program.conftest import writing
 from tests.virtual_time import later
@@ -74,19 +73,6 @@ def test_the_call_is_the_innermost_that_is_open() -> None:
         ("A(b: [c, {d: ", "A"),
     ]:
         assert completion.call_before(before) == name
-
-
-@pytest.mark.parametrize(
-    ("piece", "end"), [("(", ""), ("A", ""), ("A", "!("), ("x [ ", ""), (" ", "{"), ("A(\n", "")]
-)
-def test_a_long_line_is_read_in_time(piece: str, end: str, pytestconfig: pytest.Config) -> None:
-    is_long = pytestconfig.option.all
-    text = piece * ((150_000 if is_long else 30_000) // len(piece)) + end
-    with bounded_work(10.0 if is_long else 2.0):
-        completion.call_before(text)
-        completion.word_before(text)
-        words_for(text, Place(0, len(text)))
-        completion.word_around(text, len(text))
 
 
 @given(st.text(), st.integers(0, 20))
