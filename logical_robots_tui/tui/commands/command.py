@@ -97,7 +97,7 @@ def _has(text: str, word: str) -> bool:
     return re.search(rf"(?<!\w){re.escape(word)}", text) is not None
 
 
-class Group(Generic[Target]):
+class CommandGroup(Generic[Target]):
     """The commands under one heading of the help, in order; each acts on a `Target`."""
 
     def __init__(self, title: str, scope: Scope = "screen") -> None:

@@ -121,17 +121,17 @@ def trails(screen: MainScreen) -> None:
 def drawing(screen: MainScreen) -> None:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 
-    ways = list(Drawing)
+    drawings = list(Drawing)
     view = screen.labyrinth.view
-    view.drawing = ways[(ways.index(view.drawing) + 1) % len(ways)]
+    view.drawing = drawings[(drawings.index(view.drawing) + 1) % len(drawings)]
     screen.tell(f"Drawn in {view.drawing.value}.")
 
 
 def help_(screen: MainScreen) -> None:
     from logical_robots_tui.tui.commands.help import Help
 
-    shown: Subject = "editing" if screen.editing.is_on else "map"
-    subjects: tuple[Subject, ...] = (shown, "editor", "inspector")
+    map_subject: Subject = "editing" if screen.editing.is_on else "map"
+    subjects: tuple[Subject, ...] = (map_subject, "editor", "inspector")
     about = subjects[screen.arrangement.panes.index(screen.arrangement.active)]
     if screen.focused is screen.timeline:
         about = "timeline"
@@ -139,10 +139,10 @@ def help_(screen: MainScreen) -> None:
 
 
 def palette(screen: MainScreen) -> None:
-    from logical_robots_tui.tui.commands.help import CommandProvider, EditingProvider, Palette
+    from logical_robots_tui.tui.commands.help import CommandProvider, EditingProvider, PaletteScreen
 
     provider = EditingProvider if screen.editing.is_on else CommandProvider
-    screen.app.push_screen(Palette([provider], placeholder="Find a command…"))
+    screen.app.push_screen(PaletteScreen([provider], placeholder="Find a command…"))
 
 
 def save_picture(screen: MainScreen) -> None:

@@ -113,27 +113,30 @@ class Help(Dialog[None]):
     def _lines(self, width: int) -> list[Content]:
         palette = palette_of(self.app.current_theme)
         signs = [
-            (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
+            (sign, hex_colour(rgb), meaning)
+            for sign, rgb, meaning in legend(self._drawing, palette)
         ]
         sections: dict[str, list[Content]] = {}
         for entry in commands():
             sections.setdefault(entry.group, []).append(_entry(entry, width))
         sections["On the map"] = _signs(signs)
         sections["In the timeline"] = _signs([*SIGNS.values(), DIVERGENCE, *TRACKS])
-        sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
-        sentence, first = _ABOUT[self._about]
-        wanted = self.query_one(Input).value.casefold().split()
+        sections["In the inspector"] = _signs(
+            [(s, INK.key, meaning) for s, meaning in _INSPECTOR_SIGNS]
+        )
+        sentence, headings = _ABOUT[self._about]
+        words = self.query_one(Input).value.casefold().split()
         content = [Content.styled(line, INK.text) for line in wrap(sentence, max(width, 1))]
-        if wanted:
+        if words:
             content = []
-        for heading in dict.fromkeys((*first, *sections)):
-            found = [
+        for heading in dict.fromkeys((*headings, *sections)):
+            matches = [
                 entry
                 for entry in sections[heading]
-                if all(word in " ".join(entry.plain.casefold().split()) for word in wanted)
+                if all(word in " ".join(entry.plain.casefold().split()) for word in words)
             ]
-            if found:
-                content += [Content.styled(f"\n{heading}", f"bold {INK.title}"), *found]
+            if matches:
+                content += [Content.styled(f"\n{heading}", f"bold {INK.title}"), *matches]
         if not content:
             content = [Content.styled("No matches.", INK.dim)]
         return [line for part in content for line in part.split("\n", allow_blank=True)]
@@ -141,7 +144,8 @@ class Help(Dialog[None]):
 
 def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
     return [
-        Content.assemble("  ", (sign, style), "  ", (said, INK.text)) for sign, style, said in signs
+        Content.assemble("  ", (sign, style), "  ", (meaning, INK.text))
+        for sign, style, meaning in signs
     ]
 
 
@@ -153,10 +157,12 @@ def _entry(entry: Command, width: int) -> Content:
     head = head.append(" " * max(indent - head.cell_length, 1))
     first = head.append(Content.styled(entry.title, INK.text))
     indent += _TITLE_WIDTH if width > _BESIDE_FROM else 2
-    told = [Content.styled(line, INK.dim) for line in wrap(entry.help, max(width, 40) - indent)]
-    if told and width > _BESIDE_FROM:
-        first = first.append(" " * (indent - first.cell_length)).append(told.pop(0))
-    return Content("\n").join([first, *(Content(" " * indent).append(line) for line in told)])
+    help_lines = [
+        Content.styled(line, INK.dim) for line in wrap(entry.help, max(width, 40) - indent)
+    ]
+    if help_lines and width > _BESIDE_FROM:
+        first = first.append(" " * (indent - first.cell_length)).append(help_lines.pop(0))
+    return Content("\n").join([first, *(Content(" " * indent).append(line) for line in help_lines)])
 
 
 def _keys(entry: Command) -> Content:
@@ -164,7 +170,7 @@ def _keys(entry: Command) -> Content:
     return separator.join(Content.styled(key_name(key), INK.key) for key in entry.keys)
 
 
-class Palette(CommandPalette, ClosedOnce[None]):
+class PaletteScreen(CommandPalette, ClosedOnce[None]):
     def on_click(self, event: events.Click) -> None:
         """Hide from Textual a click that is now outside of the screen, which has shrunk."""
         try:

@@ -17,46 +17,46 @@ class KeyMap:
     """All commands, with their keys or those that a player gave them, by the command's id."""
 
     def __init__(self, commands: Iterable[Command], keys: Keys = MappingProxyType({})) -> None:
-        found = {
+        entries = {
             entry.id: entry._replace(keys=keys.get(entry.id, entry.keys)) for entry in commands
         }
         # Without a key of its own the palette is still in the bar, to be clicked.
-        palette = found["palette"]
+        palette = entries["palette"]
         instead = key_name(palette.keys[0]) if palette.keys else palette.bar
-        self.by_id = {entry.id: entry._replace(without_key=instead) for entry in found.values()}
+        self.by_id = {entry.id: entry._replace(without_key=instead) for entry in entries.values()}
 
     @property
     def changeable(self) -> dict[str, Command]:
         """The commands whose keys a player can change, by id."""
         return {name: entry for name, entry in self.by_id.items() if entry.scope != "text"}
 
-    def read(self, found: Mapping[str, object], complain: Complain) -> Keys:
+    def read(self, table: Mapping[str, object], complain: Complain) -> Keys:
         """Return the keys in the table of a file; one may have one command of each scope."""
-        known = self.changeable
+        entries = self.changeable
         owners = {
             (entry.scope, key): entry.id
-            for entry in known.values()
-            if entry.id not in found
+            for entry in entries.values()
+            if entry.id not in table
             for key in entry.keys
         }
-        chosen: dict[str, tuple[str, ...]] = {}
-        for name, value in found.items():
-            if name not in known:
-                hint = did_you_mean(name, known) or "logical-robots config lists all."
+        keys_by_id: dict[str, tuple[str, ...]] = {}
+        for name, value in table.items():
+            if name not in entries:
+                hint = did_you_mean(name, entries) or "logical-robots config lists all."
                 complain(name, f'keys: there is no command "{name}". {hint}')
                 continue
             keys = []
             for text in value if isinstance(value, list) else [value]:
                 try:
-                    keys.append(_take(text, known[name], owners))
+                    keys.append(_take(text, entries[name], owners))
                 except ValueError as error:
                     complain(name, f"keys.{name}: {error}")
             if keys or value == []:
-                chosen[name] = tuple(keys)
-        for name in found.keys() & known.keys() - chosen.keys():
-            entry = known[name]
-            chosen[name] = tuple(key for key in entry.keys if (entry.scope, key) not in owners)
-        return chosen
+                keys_by_id[name] = tuple(keys)
+        for name in table.keys() & entries.keys() - keys_by_id.keys():
+            entry = entries[name]
+            keys_by_id[name] = tuple(key for key in entry.keys if (entry.scope, key) not in owners)
+        return keys_by_id
 
     def as_toml(self) -> Iterator[str]:
         """Yield the lines of a file's table of keys."""
@@ -94,8 +94,8 @@ def key_bindings(*entries: Command, does: str = "") -> BindingsMap:
 
 def with_keys(text: str) -> str:
     """Insert the player's keys for commands in braces, such as ``{run} runs``."""
-    known = KEY_MAP.get().by_id
-    return text.format_map({name: entry.key_name for name, entry in known.items()})
+    entries = KEY_MAP.get().by_id
+    return text.format_map({name: entry.key_name for name, entry in entries.items()})
 
 
 _OTHERS = {
@@ -129,10 +129,10 @@ _ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")
 def _take(text: object, entry: Command, owners: dict[tuple[Scope, str], str]) -> str:
     is_free = entry.scope == "level" and isinstance(text, str) and text in _ONLY_EDITING
     key = str(text) if is_free else key_from(text)
-    other = owners.setdefault((entry.scope, key), entry.id)
-    if other != entry.id:
+    owner = owners.setdefault((entry.scope, key), entry.id)
+    if owner != entry.id:
         raise ValueError(
-            f"{key_name(key)} is the key of {other}. Give that another key, or none: {other} = []"
+            f"{key_name(key)} is the key of {owner}. Give that another key, or none: {owner} = []"
         )
     return key
 
@@ -144,19 +144,19 @@ def key_from(text: object) -> str:
     """
     if not isinstance(text, str) or not text:
         raise ValueError(f"{text!r} is not a key; write it as a string")
-    wanted = _name_of(text)
-    reason = _OTHERS.get(wanted, _MOVES if wanted in _MOVING else "")
-    if not reason and "+" in wanted and not wanted.startswith("ctrl+"):
+    name = _name_of(text)
+    reason = _OTHERS.get(name, _MOVES if name in _MOVING else "")
+    if not reason and "+" in name and not name.startswith("ctrl+"):
         reason = "many terminals can't tell it from the key without Shift or Alt"
-    if not reason and wanted.startswith("ctrl+") and not _is_control(wanted):
+    if not reason and name.startswith("ctrl+") and not _is_control(name):
         reason = "many terminals can't tell it from the key without Ctrl"
     if reason:
-        raise ValueError(f"{key_name(wanted)} can't be used: {reason}")
-    is_function = wanted[:1] == "f" and wanted[1:].isdecimal() and 1 <= int(wanted[1:]) <= 12
-    if _is_control(wanted) or is_function or wanted in ("space", "escape"):
-        return wanted
+        raise ValueError(f"{key_name(name)} can't be used: {reason}")
+    is_function = name[:1] == "f" and name[1:].isdecimal() and 1 <= int(name[1:]) <= 12
+    if _is_control(name) or is_function or name in ("space", "escape"):
+        return name
     if len(text) == 1 and text.isascii() and text.isprintable():
-        return wanted
+        return name
     raise ValueError(f'There is no key "{text}"; write n, ?, F5, ^R or space')
 
 

@@ -20,9 +20,9 @@ async def graph(screen: MainScreen) -> None:
     if program is None:
         screen.tell(NO_PROGRAM)
         return
-    known = program.predicate(screen.inspector.inspected)
-    chosen = await screen.ui.ask(Graph(program, known.name if known else "Robot"))
-    predicate = program.predicate(chosen) if chosen is not None else None
+    inspected = program.predicate(screen.inspector.inspected)
+    name = await screen.ui.ask(Graph(program, inspected.name if inspected else "Robot"))
+    predicate = program.predicate(name) if name is not None else None
     if predicate is not None and predicate.kind == "prelude":
         screen.tell(f"{predicate.reason} It is in the prelude.")
     elif predicate is not None:
@@ -39,11 +39,11 @@ async def sql(screen: MainScreen) -> None:
     inspector, frame = screen.inspector, screen.session.frame
     try:
         inquiry, program = inspector.questions.about()
-        found = await inquiry.query_plans(program, frame)
+        plans = await inquiry.query_plans(program, frame)
     except Superseded:
-        found = []
-    if found:
-        text = query_plan_text(found, inspector.inspected)
+        plans = []
+    if plans:
+        text = query_plan_text(plans, inspector.inspected)
         screen.app.push_screen(Reader(f"How it is computed · tick {frame.tick}", text))
     else:
         screen.tell(NO_PROGRAM)
@@ -99,11 +99,11 @@ def save_rows(screen: MainScreen, table: ValueTable) -> None:
 
 
 def break_here(screen: MainScreen) -> None:
-    found = screen.search.breakpoint_here() or screen.inspector.active.breakpoint_here()
-    if found is None:
+    trigger = screen.search.breakpoint_here() or screen.inspector.active.breakpoint_here()
+    if trigger is None:
         screen.tell("Choose a predicate with rows, or type a query first.")
     else:
-        screen.timeline_controller.add_breakpoint(found)
+        screen.timeline_controller.add_breakpoint(trigger)
 
 
 def _table(screen: MainScreen) -> ValueTable | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.commands import general, rows
-from logical_robots_tui.tui.commands.command import Group
+from logical_robots_tui.tui.commands.command import CommandGroup
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 
-running: Group[MainScreen] = Group("Running")
+running: CommandGroup[MainScreen] = CommandGroup("Running")
 running.add("run", "Run or pause", "space f5", general.run,
     "Run the robots or pause them; also stops a calculation that is still running.",
     bar="Run", place="anywhere", also="start play pause stop go")
@@ -31,7 +31,7 @@ running.add("slower", "Slower", "minus", lambda s: s.session.slower(),
 running.add("faster", "Faster", "plus equals_sign", lambda s: s.session.faster(),
     "Choose the next higher speed; the highest is unlimited.", bar="Speed", spare=3, also="speed")
 
-time: Group[MainScreen] = Group("Time")
+time: CommandGroup[MainScreen] = CommandGroup("Time")
 time.add("step_ten", "Ten steps", "N", lambda s: general.step(s, 10), "Go forward ten ticks.")
 time.add("back_ten", "Ten steps back", "P", lambda s: s.session.back(10), "Go back ten ticks.")
 time.add("first", "First tick", "left_parenthesis", lambda s: s.timeline_controller.first(),
@@ -70,7 +70,7 @@ time.add("open_replay", "Open a replay…", "", lambda s: s.replays.choose(),
 time.add("timeline", "Timeline", "T", lambda s: s.set_focus(s.timeline),
     "Focus the timeline; arrows, page up and down, home and end move along it.")
 
-programs: Group[MainScreen] = Group("Program and level")
+programs: CommandGroup[MainScreen] = CommandGroup("Program and level")
 programs.add("apply", "Apply the program", "ctrl+r f4", lambda s: s.session.apply(s.program.text),
     "Compile the text in the editor; the robots use it from the next tick on.",
     bar="Apply", place="anywhere", also="compile use")
@@ -117,7 +117,7 @@ programs.add("reset", "Reset to the starter", "x", lambda s: s.player.learning.r
     "Restore the level's starter program; yours is kept as an earlier version.", worker="dialog",
     also="restart starter")
 
-learning: Group[MainScreen] = Group("Learning")
+learning: CommandGroup[MainScreen] = CommandGroup("Learning")
 learning.add("briefing", "Briefing", "b", general.briefing, "Show or hide the task of the level.",
     also="task goal")
 learning.add("hint", "Hints", "h", lambda s: s.learning.hints(),
@@ -138,14 +138,14 @@ learning.add("solution", "Reference programs", "W", lambda s: s.learning.solutio
 learning.add("stop_measuring", "Stop the robustness test", "", general.stop_measuring,
     "Stop trying the program from varied starts.")
 
-making: Group[MainScreen] = Group("Making levels")
+making: CommandGroup[MainScreen] = CommandGroup("Making levels")
 making.add("edit_level", "Edit the level", "M", lambda s: s.editing.toggle(),
     "Edit the labyrinth, even while the robots run; the same key ends it.", also="map walls")
 making.add("new_level", "New level…", "H", lambda s: s.editing.make_level(),
     "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog",
     also="create map")
 
-editing: Group[LevelController] = Group("In the level editor", "level")
+editing: CommandGroup[LevelController] = CommandGroup("In the level editor", "level")
 editing.add("hand", "Hand", "h", lambda e: e.take("hand"),
     "Select and drag objects; turn and resize them by their ◆.")
 editing.add("brush", "Brush", "b", lambda e: e.take("brush"), "Paint walls.")
@@ -209,7 +209,7 @@ editing.add("discard_changes", "Discard changes", "X", lambda e: e.discard(),
 editing.add("stop_editing", "Leave the level editor", "escape", lambda e: e.stop(),
     "Cancel the stroke under way, or return to playing.", bar="Leave")
 
-view: Group[MainScreen] = Group("View")
+view: CommandGroup[MainScreen] = CommandGroup("View")
 view.add("map", "Map", "1", lambda s: s.go_to(s.labyrinth), "Go to the map.")
 view.add("editor", "Editor", "2 e", general.program,
     "Go to the text of the program.", bar="Edit", spare=2)
@@ -270,7 +270,7 @@ view.add("race_replay", "Race a replay…", "", lambda s: s.ghost.choose(),
 view.add("drawing", "Drawing style", "d", general.drawing,
     "Draw the map in quadrants, half blocks, sextants, or plain characters.")
 
-inspecting: Group[MainScreen] = Group("Rows and values")
+inspecting: CommandGroup[MainScreen] = CommandGroup("Rows and values")
 inspecting.add("pin", "Pin or unpin", "at", lambda s: s.inspector.pin(),
     "Pin the value under the cursor, a predicate, a query, or a robot's memory, to watch it.")
 inspecting.add("open_value", "Open the value", "X", lambda s: s.inspector.open_value(),
@@ -303,30 +303,30 @@ inspecting.add("save_rows", "Save rows", "S", rows.save_rows, "Save the rows as 
 inspecting.add("break_here", "Break here", "asterisk", rows.break_here,
     "Set a breakpoint: this predicate or column changes, or the query holds.")
 
-others: Group[MainScreen] = Group("General")
-others.add("help", "Help", "question_mark f1", general.help_,
+various: CommandGroup[MainScreen] = CommandGroup("General")
+various.add("help", "Help", "question_mark f1", general.help_,
     "Show all keys and what the symbols on the map mean.", bar="Help")
-others.add("palette", "Commands", "ctrl+p", general.palette,
+various.add("palette", "Commands", "ctrl+p", general.palette,
     "Find any command by typing a part of its name.", bar="Commands", place="anywhere", spare=4)
-others.add("theme", "Theme…", "", lambda s: s.run_action("app.themes"),
+various.add("theme", "Theme…", "", lambda s: s.run_action("app.themes"),
     "Choose the colours of the screen, dark or light; the choice is kept.",
     worker="dialog",
     also="colours colors dark light")
-others.add("settings", "Settings…", "", lambda s: s.run_action("app.settings"),
+various.add("settings", "Settings…", "", lambda s: s.run_action("app.settings"),
     "Change the settings and see at once what they do; they are kept in your file.",
     worker="dialog",
     also="config options preferences")
-others.add("screenshot", "Screenshot", "", general.save_picture,
+various.add("screenshot", "Screenshot", "", general.save_picture,
     "Save the screen as SVG and as text, in the data folder.", also="picture export svg")
-others.add("tour", "Guided tour", "", lambda s: s.tour.begin(),
+various.add("tour", "Guided tour", "", lambda s: s.tour.begin(),
     "Explain the parts of the screen, one by one.", also="tutorial introduction")
-others.add("redraw", "Redraw", "ctrl+l", general.redraw, "Paint the whole screen again.",
+various.add("redraw", "Redraw", "ctrl+l", general.redraw, "Paint the whole screen again.",
     also="refresh repaint")
-others.add("quit", "Quit", "q", lambda s: s.quit(),
+various.add("quit", "Quit", "q", lambda s: s.quit(),
     "Leave the game. Unsaved text is kept and offered the next time.", bar="Quit", spare=1,
     also="exit close")
 
-writing: Group[MainScreen] = Group("In the program", "text")
+writing: CommandGroup[MainScreen] = CommandGroup("In the program", "text")
 writing.add("complete", "Complete the word", "ctrl+space", general.complete,
     "Offer predicates, functions and fields that fit.", bar="Complete", place="editor", spare=6)
 writing.add("copy", "Copy", "ctrl+c", general.copy, "Copy the selection.")
@@ -367,6 +367,6 @@ writing.add("text_end", "End of the program", "ctrl+end",
 writing.add("delete_word", "Delete the word", "ctrl+w",
     lambda s: general.editor(s).action_delete_word_left(), "Delete the word on the left.")
 
-_GROUPS = (running, time, programs, learning, making, editing, view, inspecting, others, writing)
+_GROUPS = (running, time, programs, learning, making, editing, view, inspecting, various, writing)
 
 COMMANDS = tuple(entry for group in _GROUPS for entry in group.commands)

@@ -15,7 +15,7 @@ from textual.widgets import OptionList, TextArea
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.commands.command import Command, key_name
-from logical_robots_tui.tui.commands.help import Palette
+from logical_robots_tui.tui.commands.help import PaletteScreen
 from logical_robots_tui.tui.commands.keymap import key_bindings
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.inspector.line_views import LinesView
@@ -121,7 +121,7 @@ async def test_the_palette_colours_keys_and_finds_commands(data_dir: Path, size:
         end = run.index(both[0]) + len(both[0])
         assert step.index(both[1]) + len(both[1]) == end > 0.8 * size[0]
         palette = game.app.screen
-        assert isinstance(palette, Palette)
+        assert isinstance(palette, PaletteScreen)
         prompts = [option.prompt for option in palette.query_one(OptionList).options]
         prompt = prompts[0]
         assert isinstance(prompt, Content)
@@ -136,7 +136,7 @@ async def test_the_palette_colours_keys_and_finds_commands(data_dir: Path, size:
         await game.press(*"half", "enter")
         await game.until(lambda: game.main.labyrinth.view.drawing is Drawing.HALVES)
         assert game.main.is_active
-        await game.press("ctrl+p", on=Palette)
+        await game.press("ctrl+p", on=PaletteScreen)
         palette = game.app.screen
         # A click where the window has been is none on the palette.
         palette.post_message(Click(palette, 500, 200, 0, 0, 1, False, False, False, 500, 200))

@@ -8,7 +8,7 @@ from textual import events
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import Source, load_program
-from logical_robots_tui.tui.commands.help import Palette
+from logical_robots_tui.tui.commands.help import PaletteScreen
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
@@ -77,7 +77,7 @@ async def test_a_long_line_is_seen_at_its_end_and_late_clicks_do_nothing(data_di
         await game.press("escape")
 
         # A double click beside the palette, which closes it once.
-        await game.press("ctrl+p", on=Palette)
+        await game.press("ctrl+p", on=PaletteScreen)
         for kind in 2 * (events.MouseDown, events.MouseUp):
             game.app.post_message(kind(None, 1, 1, 0, 0, 1, False, False, False, 1, 1))
         await game.until(lambda: game.app.screen is game.main)
