@@ -101,10 +101,10 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self._event_loop = asyncio.get_running_loop()
         lifeline.keep_beating(self._event_loop)
         self.register_theme(NIGHT)
-        wanted = self._settings.theme or self._chosen_theme
-        if not wanted and self.console.color_system == "standard" and not self.no_color:
-            wanted = "ansi-dark"  # of dark colours among 16 there would be only black
-        self.theme = wanted if wanted in self.available_themes else NIGHT.name
+        theme_name = self._settings.theme or self._chosen_theme
+        if not theme_name and self.console.color_system == "standard" and not self.no_color:
+            theme_name = "ansi-dark"  # of dark colours among 16 there would be only black
+        self.theme = theme_name if theme_name in self.available_themes else NIGHT.name
 
     def refresh_css(self, animate: bool = True) -> None:
         """Recompute all styles; before the first screen, only load the theme's colours."""
@@ -155,8 +155,11 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     def change_setting(self, name: str, value: Any) -> None:
         """Follow a changed setting at once, and keep it in the player's file."""
         self._settings = self._settings._replace(**{name: value})
-        chosen = {"theme": self._chosen_theme or NIGHT.name, "drawing": self._suited_drawing.value}
-        self._follow(name, chosen.get(name) if value is None else value)
+        defaults = {
+            "theme": self._chosen_theme or NIGHT.name,
+            "drawing": self._suited_drawing.value,
+        }
+        self._follow(name, defaults.get(name) if value is None else value)
         if self.main.permissions.programs:
             self.main.spawn(partial(self._write, name), "settings", exclusive=False)
 
@@ -279,12 +282,12 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self.main.ui.show(ThemeList(sorted(self.available_themes), self.theme), self.choose_theme)
 
     def action_interrupt(self) -> None:
-        now = self.clock.now()
-        if now - self._interrupted_at < _TWICE:
+        time = self.clock.now()
+        if time - self._interrupted_at < _TWICE:
             self.main.quit()
-        self._interrupted_at = now
-        said = with_keys("Press ^C again to quit, or {quit} outside the editor.")
-        self.notify(said, markup=False, timeout=_TWICE)
+        self._interrupted_at = time
+        message = with_keys("Press ^C again to quit, or {quit} outside the editor.")
+        self.notify(message, markup=False, timeout=_TWICE)
 
 
 def play(opening: Opening, recorder: ProgressRecorder) -> int:

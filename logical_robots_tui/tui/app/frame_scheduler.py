@@ -72,13 +72,13 @@ class FrameRate:
     @contextmanager
     def drawing(self) -> Iterator[None]:
         """Measure the cost of drawing a frame."""
-        self._drawn_at, began = self._clock.now(), self._clock.computed()
+        self._drawn_at, start = self._clock.now(), self._clock.computed()
         yield
-        computed = self._clock.computed() - began
+        computed = self._clock.computed() - start
         waited = self.rested - computed
-        if self._last and (now := self._clock.processor_times()):
-            computed, waited = now[0] - self._last[0], now[1] - self._last[1]
-            self._last = now
+        if self._last and (times := self._clock.processor_times()):
+            computed, waited = times[0] - self._last[0], times[1] - self._last[1]
+            self._last = times
         if computed > 0:
             strain = min(max(waited / computed, 0.0), _MOST)
             self._strain += _SMOOTH * (strain - self._strain)

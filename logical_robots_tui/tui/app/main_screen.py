@@ -167,8 +167,15 @@ class MainScreen(Screen[None], SessionListener):
             following=library.following,
             run=self.action_command,
         )
-        heard = [self.editing, recorder, self.announcer, self.timeline_controller, self.ghost, self]
-        session.listeners += heard
+        listeners = [
+            self.editing,
+            recorder,
+            self.announcer,
+            self.timeline_controller,
+            self.ghost,
+            self,
+        ]
+        session.listeners += listeners
 
     def _look_of_pictures(self) -> tuple[Drawing, Palette] | None:
         """How miniatures are drawn, where there is room for one beside a table."""
@@ -257,9 +264,9 @@ class MainScreen(Screen[None], SessionListener):
 
     def _draw(self) -> None:
         session = self.session
-        now = (session.level, session.frame, session.running)
-        if not self.arrangement.is_tiny and self._drawn != now:
-            self._drawn = now
+        state = (session.level, session.frame, session.running)
+        if not self.arrangement.is_tiny and self._drawn != state:
+            self._drawn = state
             self.labyrinth.show(self.editing.level, session.frame, hurried=session.running)
         source, team = session.source, session.source.team
         name = f"{team}: {source.name}" if team else source.name
@@ -280,10 +287,10 @@ class MainScreen(Screen[None], SessionListener):
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = self.is_typing
-        own = [(key_of(key), does) for key, does in getattr(self.focused, "bar_keys", ())]
+        focus_keys = [(key_of(key), does) for key, does in getattr(self.focused, "bar_keys", ())]
         busy = self.session.busy
         edits = self.editing.is_on and self.labyrinth.has_focus
-        self._bar.show(typing=typing, running=busy, editing=edits, own=own)
+        self._bar.show(typing=typing, running=busy, editing=edits, focus_keys=focus_keys)
         tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)
         self._tabs.show(tabs, self.arrangement.active.command_id)
 
@@ -294,13 +301,13 @@ class MainScreen(Screen[None], SessionListener):
     # -- layout --------------------------------------------------------------------------------
 
     def on_resize(self, event: events.Resize) -> None:
-        before = self.arrangement.layout
+        previous_layout = self.arrangement.layout
         self._fit(event.size)
-        if self.arrangement.layout is before:
+        if self.arrangement.layout is previous_layout:
             return
         if self.arrangement.is_tiny:
             self._focus_before = self.focused
-        elif before is Layout.TINY and self._focus_before is not None:
+        elif previous_layout is Layout.TINY and self._focus_before is not None:
             self.set_focus(self._focus_before)
             self._focus_before = None
         self.call_after_refresh(self.tour.place)

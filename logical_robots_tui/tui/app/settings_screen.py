@@ -48,44 +48,44 @@ class SettingsScreen(Dialog[None]):
         self._list = Listing(id="rows")
 
     def content_widgets(self) -> ComposeResult:
-        self._list.add_options([Option(self._told(row), id=row.name) for row in self._rows])
+        self._list.add_options([Option(self._prompt(row), id=row.name) for row in self._rows])
         yield self._list
 
     def on_mount(self) -> None:
         self._list.focus()
         self._list.highlighted = 0
 
-    def _told(self, row: Setting) -> Content:
+    def _prompt(self, row: Setting) -> Content:
         value = getattr(self._settings(), row.name)
-        shown = str(_WORDS[value] if value is None or isinstance(value, bool) else value)
+        word = str(_WORDS[value] if value is None or isinstance(value, bool) else value)
         ink = INK.dim if value == row.default else INK.key
         name = row.name.replace("_", " ")
         return Content.assemble(
-            (f"{name:<{_NAME}}", INK.text), (f"◂ {shown} ▸", ink), "\n  ", (row.sentence, INK.dim)
+            (f"{name:<{_NAME}}", INK.text), (f"◂ {word} ▸", ink), "\n  ", (row.sentence, INK.dim)
         )
 
-    def action_change(self, by: int) -> None:
+    def action_change(self, step: int) -> None:
         if self._list.highlighted is None:
             return
         row = self._rows[self._list.highlighted]
-        value = next_value(row, getattr(self._settings(), row.name), by)
+        value = next_value(row, getattr(self._settings(), row.name), step)
         self._change(row.name, value)
-        self._list.replace_option_prompt(row.name, self._told(row))
+        self._list.replace_option_prompt(row.name, self._prompt(row))
 
     @on(OptionList.OptionSelected, "#rows")
     def _selected(self) -> None:
         self.action_change(1)
 
 
-def next_value(row: Setting, value: Any, by: int) -> Any:
-    """Return the value after one, or before it; the choices go round."""
+def next_value(row: Setting, value: Any, step: int) -> Any:
+    """Return the setting's value `step` places further; choices wrap around."""
     kind = row.kind
     if kind.base is bool:
         return not value
     if kind.base is int:
-        return min(max(value + by, int(kind.bounds.least)), int(kind.bounds.most))
+        return min(max(value + step, int(kind.bounds.least)), int(kind.bounds.most))
     choices = [*[None] * (row.default is None), *kind.choices]
-    return choices[(choices.index(value) + by) % len(choices)]
+    return choices[(choices.index(value) + step) % len(choices)]
 
 
 class ThemeList(Dialog[str]):
@@ -100,14 +100,14 @@ class ThemeList(Dialog[str]):
     heading = "Theme"
     keys = "↑↓ try   enter keep   esc back"
 
-    def __init__(self, names: Sequence[str], now: str) -> None:
+    def __init__(self, names: Sequence[str], current: str) -> None:
         super().__init__()
-        self._names, self._now = names, now
-        told = [
-            Content.assemble(("▸ " if name == now else "  ", INK.key), (name, INK.text))
+        self._names, self._current = names, current
+        lines = [
+            Content.assemble(("▸ " if name == current else "  ", INK.key), (name, INK.text))
             for name in names
         ]
-        options = [Option(line, id=name) for line, name in zip(told, names, strict=True)]
+        options = [Option(line, id=name) for line, name in zip(lines, names, strict=True)]
         self._list = Listing(*options, id="themes")
 
     def content_widgets(self) -> ComposeResult:
@@ -115,7 +115,9 @@ class ThemeList(Dialog[str]):
 
     def on_mount(self) -> None:
         self._list.focus()
-        self._list.highlighted = self._names.index(self._now) if self._now in self._names else 0
+        self._list.highlighted = (
+            self._names.index(self._current) if self._current in self._names else 0
+        )
 
     @on(OptionList.OptionHighlighted, "#themes")
     def _tried(self, event: OptionList.OptionHighlighted) -> None:
@@ -127,5 +129,5 @@ class ThemeList(Dialog[str]):
         self.dismiss(event.option_id)
 
     def action_leave(self) -> None:
-        self.app.theme = self._now
+        self.app.theme = self._current
         super().action_leave()

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.recovery import Offering
     from logical_robots_tui.tui.layout.dialogs import Question
 
-Found = TypeVar("Found")
+Outcome = TypeVar("Outcome")
 Result = TypeVar("Result")
 
 
@@ -100,22 +100,22 @@ class ScreenOffers:
     def __init__(self, ui: ScreenUi, is_free: Callable[[], bool]) -> None:
         self._ui, self._is_free = ui, is_free
         self._resumed = asyncio.Event()
-        self._asked: Question | None = None
+        self._question: Question | None = None
 
     async def make(self, *offerings: Offering) -> None:
-        for each in offerings:
-            await each.offer(self)
+        for offering in offerings:
+            await offering.offer(self)
 
     def resumed(self) -> None:
         self._resumed.set()
 
-    async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
-        """Return what `find` finds while nothing covers the game."""
+    async def at_hand(self, load: Callable[[], Awaitable[Outcome]]) -> Outcome:
+        """Return the outcome of `load`, once nothing covers the game before and after it."""
         while True:
             await self.free()
-            found = await find()
+            outcome = await load()
             if self._is_free():
-                return found
+                return outcome
 
     async def ask(
         self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
@@ -128,13 +128,13 @@ class ScreenOffers:
 
     async def put(self, question: Question) -> str | None:
         """Return the name of the answer, or None; keys before there are answers are ignored."""
-        self._asked = question
+        self._question = question
         return await self._ui.ask(question)
 
     def ignores(self, event: events.Key | events.Paste) -> bool:
         """Return whether a key arrived before the player could see the question."""
-        asked = self._asked
-        return asked is not None and asked.is_active and event.time < asked.answered_from
+        question = self._question
+        return question is not None and question.is_active and event.time < question.answered_from
 
     async def free(self) -> None:
         """Wait until nothing covers the game."""

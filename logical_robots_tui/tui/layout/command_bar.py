@@ -73,7 +73,7 @@ class CommandBar(Labels):
         self._typing = False
         self._game_runs = False
         self._edits = False
-        self._own: Sequence[tuple[str, str]] = ()
+        self._focus_keys: Sequence[tuple[str, str]] = ()
 
     def show(
         self,
@@ -81,12 +81,12 @@ class CommandBar(Labels):
         typing: bool,
         running: bool,
         editing: bool = False,
-        own: Sequence[tuple[str, str]] = (),
+        focus_keys: Sequence[tuple[str, str]] = (),
     ) -> None:
         """Show a situation's commands, after the focused widget's `own` keys."""
-        now = typing, running, editing, own
-        if now != (self._typing, self._game_runs, self._edits, self._own):
-            self._typing, self._game_runs, self._edits, self._own = now
+        situation = typing, running, editing, focus_keys
+        if situation != (self._typing, self._game_runs, self._edits, self._focus_keys):
+            self._typing, self._game_runs, self._edits, self._focus_keys = situation
             self.refresh()
 
     def render(self) -> Content:
@@ -99,14 +99,14 @@ class CommandBar(Labels):
             shown = [*kept[:1], *editing, *kept[1:]]
         if self._typing:
             shown.sort(key=lambda entry: entry.id != "apply")
-        if self._own:
+        if self._focus_keys:
             shown = [entry for entry in shown if entry.place == "anywhere"]
         labels = {entry.id: self._label(entry) for entry in shown}
         room = self.size.width - 1
         own: list[tuple[Content, str]] = []
-        if self._own:  # as many as leave room for the first command
+        if self._focus_keys:  # as many as leave room for the first command
             least = labels[shown[0].id].cell_length if shown else 0
-            for label in (_label(key, does) for key, does in self._own):
+            for label in (_label(key, does) for key, does in self._focus_keys):
                 if room - label.cell_length - _GAP < least:
                     break
                 own.append((label, ""))
