@@ -30,7 +30,7 @@ def assume_colours(environ: MutableMapping[str, str]) -> None:
     if _is_in_screen(environ):
         environ.pop("COLORTERM", None)
     elif "COLORTERM" not in environ and (
-        name.endswith("-direct") or any(known in name for known in _TRUECOLOR)
+        name.endswith("-direct") or any(fragment in name for fragment in _TRUECOLOR)
     ):
         environ["COLORTERM"] = "truecolor"
 
@@ -89,8 +89,8 @@ def _sign(character: str) -> str:
     if base.isascii():
         return base
     name = unicodedata.name(character, "")
-    other = "?" if character.isalpha() else "*"
-    return next((sign for word, sign in _SIGNS if word in name), other)
+    default = "?" if character.isalpha() else "*"
+    return next((sign for word, sign in _SIGNS if word in name), default)
 
 
 def may_use_mouse(environ: Mapping[str, str]) -> bool:

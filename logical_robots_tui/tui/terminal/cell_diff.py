@@ -21,7 +21,7 @@ _ATTRIBUTES = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "5
 """Codes of Rich's attributes, by bit."""
 
 
-class Look(NamedTuple):
+class CellStyle(NamedTuple):
     """The style of a cell as codes for ``CSI … m``; "" is the terminal's default."""
 
     attributes: str
@@ -29,13 +29,13 @@ class Look(NamedTuple):
     paper: str
 
 
-_PLAIN = Look("", "", "")
+_PLAIN = CellStyle("", "", "")
 
-Cell: TypeAlias = tuple[str, Look]
+Cell: TypeAlias = tuple[str, CellStyle]
 """A character, or "" for the second half of a wide one, and its style."""
 
 
-class Difference:
+class CellDiff:
     """What a terminal shows, what it should show, and the output that leads there.
 
     `colours` is None for no colours; `looks` are styles by packed style of `Cells`.
@@ -43,10 +43,10 @@ class Difference:
 
     def __init__(self, columns: int, rows: int, colours: ColorSystem | None) -> None:
         self.columns, self.rows = columns, rows
-        self.looks = _Looks(colours)
+        self.looks = _CellStyles(colours)
         self._colours = colours
-        self._shown: list[list[Cell | None]] = [[None] * columns for _ in range(rows)]
-        self._wanted: list[list[Cell | None]] = [[None] * columns for _ in range(rows)]
+        self._current: list[list[Cell | None]] = [[None] * columns for _ in range(rows)]
+        self._target: list[list[Cell | None]] = [[None] * columns for _ in range(rows)]
         self._behind: dict[int, tuple[int, int]] = {}
         self._turn = 0
 
@@ -64,18 +64,18 @@ class Difference:
         cells = cells[: self.columns - column]
         if not cells:
             return
-        wanted, stop = self._wanted[row], column + len(cells)
+        target, stop = self._target[row], column + len(cells)
         # Overwriting half of a wide character also clears its other half.
-        if column and _is_second_half(wanted[column]):
-            wanted[column - 1] = None
-        if stop < self.columns and _is_second_half(wanted[stop]):
-            wanted[stop] = None
-        wanted[column:stop] = cells
+        if column and _is_second_half(target[column]):
+            target[column - 1] = None
+        if stop < self.columns and _is_second_half(target[stop]):
+            target[stop] = None
+        target[column:stop] = cells
         self._mark(row, column, stop)
 
     def forget(self) -> None:
         """Forget what the terminal shows, so that everything is sent again."""
-        self._shown = [[None] * self.columns for _ in range(self.rows)]
+        self._current = [[None] * self.columns for _ in range(self.rows)]
         self._behind = dict.fromkeys(range(self.rows), (0, self.columns))
 
     def sequence(self, limit: float = inf, last: Region | None = None) -> str:
@@ -88,18 +88,18 @@ class Difference:
         self._behind.clear()
         sent: list[str] = []
         pen, size = _PLAIN, 0
-        at: tuple[int, int] | None = None
+        cursor: tuple[int, int] | None = None
         for number, (row, first, stop) in enumerate(spans):
             if size >= limit:
                 self._turn = row
-                for rest in spans[number:]:
-                    self._mark(*rest)
+                for span in spans[number:]:
+                    self._mark(*span)
                 break
             for start, end in self._runs(row, first, stop):
-                run = [_move(at, row, start)]
+                run = [_move(cursor, row, start)]
                 pen = self._write(run, pen, row, start, end)
                 # After the last column the cursor's place is undefined.
-                at = (row, end) if end < self.columns else None
+                cursor = (row, end) if end < self.columns else None
                 sent += run
                 size += len("".join(run).encode())
         if pen != _PLAIN:
@@ -107,8 +107,8 @@ class Difference:
         return "".join(sent)
 
     def _mark(self, row: int, first: int, stop: int) -> None:
-        before = self._behind.get(row, (first, stop))
-        self._behind[row] = min(first, before[0]), max(stop, before[1])
+        span = self._behind.get(row, (first, stop))
+        self._behind[row] = min(first, span[0]), max(stop, span[1])
 
     def _spans(self, last: Region | None) -> list[tuple[int, int, int]]:
         soon: list[tuple[int, int, int]] = []
@@ -126,17 +126,17 @@ class Difference:
         return soon + late
 
     def _runs(self, row: int, first: int, stop: int) -> Iterator[tuple[int, int]]:
-        wanted, shown = self._wanted[row], self._shown[row]
+        target, current = self._target[row], self._current[row]
         differing = [
             place
             for place, (new, old) in enumerate(
-                zip(wanted[first:stop], shown[first:stop], strict=True), first
+                zip(target[first:stop], current[first:stop], strict=True), first
             )
             if new is not None and new != old
         ]
         start = end = -1
         for place in differing:
-            if start >= 0 and (place - end > _CLOSE or None in wanted[end:place]):
+            if start >= 0 and (place - end > _CLOSE or None in target[end:place]):
                 yield self._whole(row, start, end)
                 start = -1
             start, end = (place if start < 0 else start), place
@@ -144,52 +144,52 @@ class Difference:
             yield self._whole(row, start, end)
 
     def _whole(self, row: int, first: int, last: int) -> tuple[int, int]:
-        wanted, shown, stop = self._wanted[row], self._shown[row], last + 1
+        target, current, stop = self._target[row], self._current[row], last + 1
 
         def cut(place: int) -> bool:
-            return _is_second_half(wanted[place]) or _is_second_half(shown[place])
+            return _is_second_half(target[place]) or _is_second_half(current[place])
 
-        while first > 0 and cut(first) and wanted[first - 1] is not None:
+        while first > 0 and cut(first) and target[first - 1] is not None:
             first -= 1
-        while stop < self.columns and cut(stop) and wanted[stop] is not None:
+        while stop < self.columns and cut(stop) and target[stop] is not None:
             stop += 1
         return first, stop
 
-    def _write(self, run: list[str], pen: Look, row: int, start: int, stop: int) -> Look:
-        shown = self._shown[row]
-        if start and _is_second_half(shown[start]):
-            shown[start - 1] = None
-        if stop < self.columns and _is_second_half(shown[stop]):
-            shown[stop] = None
-        shown[start:stop] = cells = self._wanted[row][start:stop]
+    def _write(self, run: list[str], pen: CellStyle, row: int, start: int, stop: int) -> CellStyle:
+        current = self._current[row]
+        if start and _is_second_half(current[start]):
+            current[start - 1] = None
+        if stop < self.columns and _is_second_half(current[stop]):
+            current[stop] = None
+        current[start:stop] = cells = self._target[row][start:stop]
         for cell in cells:
             assert cell is not None
             text, look = cell
             if look is not pen and text:
                 # A blank looks the same in any foreground colour.
                 if text == " " and not look.attributes:
-                    look = Look("", pen.ink if not pen.attributes else "", look.paper)
+                    look = CellStyle("", pen.ink if not pen.attributes else "", look.paper)
                 run.append(_change(pen, look))
                 pen = look
             run.append(text)
         return pen
 
 
-class _Looks(dict[int, Look]):
+class _CellStyles(dict[int, CellStyle]):
     """The style of each packed style, computed on demand."""
 
     def __init__(self, colours: ColorSystem | None) -> None:
         super().__init__()
         self._colours = colours
 
-    def __missing__(self, packed: int) -> Look:
+    def __missing__(self, packed: int) -> CellStyle:
         if len(self) > 20_000:
             self.clear()
         attributes, ink, paper = "1" if packed & BOLD else "", "", ""
         if self._colours is not None:
             ink = _codes_of(colour_of(packed >> 24 & PAPER), self._colours, is_ink=True)
             paper = _codes_of(colour_of(packed & PAPER), self._colours, is_ink=False)
-        self[packed] = look = _same(Look(attributes, ink, paper))
+        self[packed] = look = _same(CellStyle(attributes, ink, paper))
         return look
 
 
@@ -230,7 +230,7 @@ _width = lru_cache(maxsize=4096)(cell_len)
 
 
 @lru_cache(maxsize=20_000)
-def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
+def look_of(style: Style | None, colours: ColorSystem | None) -> CellStyle:
     if style is None:
         return _PLAIN
     bits = style._attributes & style._set_attributes
@@ -241,17 +241,17 @@ def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
             ink = _codes_of(style.color, colours, is_ink=True)
         if style.bgcolor is not None and not style.bgcolor.is_default:
             paper = _codes_of(style.bgcolor, colours, is_ink=False)
-    return _same(Look(codes, ink, paper))
+    return _same(CellStyle(codes, ink, paper))
 
 
 @lru_cache(maxsize=40_000)
-def _same(look: Look) -> Look:
+def _same(look: CellStyle) -> CellStyle:
     """Return one object for equal styles, which makes comparisons faster."""
     return look
 
 
 @lru_cache(maxsize=40_000)
-def _change(pen: Look, look: Look) -> str:
+def _change(pen: CellStyle, look: CellStyle) -> str:
     if pen == look:
         return ""
     adds_only = pen.attributes == "" and (look.ink or not pen.ink) and (look.paper or not pen.paper)
@@ -262,10 +262,10 @@ def _change(pen: Look, look: Look) -> str:
     return f"\x1b[{';'.join(codes)}m"
 
 
-def _move(at: tuple[int, int] | None, row: int, column: int) -> str:
-    if at is None or at[0] != row or at[1] > column:
+def _move(cursor: tuple[int, int] | None, row: int, column: int) -> str:
+    if cursor is None or cursor[0] != row or cursor[1] > column:
         return f"\x1b[{row + 1};{column + 1}H"
-    steps = column - at[1]
+    steps = column - cursor[1]
     return "" if not steps else "\x1b[C" if steps == 1 else f"\x1b[{steps}C"
 
 
@@ -285,18 +285,18 @@ def reduce_colour(color: Color, colours: ColorSystem) -> Color:
     if color.type != ColorType.TRUECOLOR or colours != ColorSystem.EIGHT_BIT:
         return color.downgrade(colours)
     assert color.triplet is not None
-    wanted = color.triplet
-    cube = [min(range(6), key=lambda n: abs(_LEVELS[n] - value)) for value in wanted]
+    triplet = color.triplet
+    cube = [min(range(6), key=lambda n: abs(_LEVELS[n] - value)) for value in triplet]
     # A dominant channel must not vanish: it gets the first level of the cube.
-    strongest = max(wanted)
-    if 40 <= strongest < 75 and strongest - min(wanted) >= 22:
+    strongest = max(triplet)
+    if 40 <= strongest < 75 and strongest - min(triplet) >= 22:
         cube = [
-            1 if value == strongest else level for value, level in zip(wanted, cube, strict=True)
+            1 if value == strongest else level for value, level in zip(triplet, cube, strict=True)
         ]
-    grey = min(range(24), key=lambda n: sum((_GREYS[n] - value) ** 2 for value in wanted))
-    colourful = sum((_LEVELS[n] - value) ** 2 for n, value in zip(cube, wanted, strict=True))
-    plain = sum((_GREYS[grey] - value) ** 2 for value in wanted)
-    is_hue = strongest - min(wanted) >= 22 and colourful <= _FOR_A_HUE * plain
+    grey = min(range(24), key=lambda n: sum((_GREYS[n] - value) ** 2 for value in triplet))
+    colourful = sum((_LEVELS[n] - value) ** 2 for n, value in zip(cube, triplet, strict=True))
+    plain = sum((_GREYS[grey] - value) ** 2 for value in triplet)
+    is_hue = strongest - min(triplet) >= 22 and colourful <= _FOR_A_HUE * plain
     if plain < colourful and not is_hue:
         return Color.from_ansi(232 + grey)
     red, green, blue = cube

@@ -28,8 +28,8 @@ class BugReport(Exception):  # noqa: N818 - it is called what it is
     """An unexpected exception; shown as one line instead of a traceback."""
 
     def __rich__(self) -> Text:
-        said = "has run out of memory" if is_out_of_memory(self.__cause__) else "has stopped"
-        return Text(f"The game {said}. Unsaved text is kept and offered the next time.")
+        ending = "has run out of memory" if is_out_of_memory(self.__cause__) else "has stopped"
+        return Text(f"The game {ending}. Unsaved text is kept and offered the next time.")
 
 
 class CrashSafeApp(App[None]):
@@ -74,7 +74,7 @@ def end_on_hangup(
         save_unsaved()
         leave()
 
-    before: dict[int, Any] = {
+    previous_handlers: dict[int, Any] = {
         number: signal.signal(number, handler)
         for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGXCPU)
     }
@@ -87,11 +87,11 @@ def end_on_hangup(
             daemon=True,
         ).start()
 
-    def put_back() -> None:
-        for number, previous in before.items():
+    def restore() -> None:
+        for number, previous in previous_handlers.items():
             signal.signal(number, previous)
 
-    return put_back
+    return restore
 
 
 def _end_with_terminal(descriptor: int, save_unsaved: Callable[[], None]) -> None:

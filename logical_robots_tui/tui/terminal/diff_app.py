@@ -26,7 +26,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import PAPER, Cells
-from logical_robots_tui.tui.terminal.cell_diff import Cell, Difference
+from logical_robots_tui.tui.terminal.cell_diff import Cell, CellDiff
 from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
 from logical_robots_tui.tui.terminal.driver import ListeningDriver
 
@@ -62,7 +62,7 @@ class Line:
 
     def __init__(self) -> None:
         self._room = _FIRST
-        self._asked: deque[tuple[float, int]] = deque()
+        self._queries: deque[tuple[float, int]] = deque()
         self._least: float | None = None
         self._window = 1
         self._is_measuring = self._is_measured = False
@@ -70,34 +70,34 @@ class Line:
     @property
     def is_to_be_measured(self) -> bool:
         """Whether to measure the latency now, with a query that follows no output."""
-        return self._least is not None and not self._is_measured and not self._asked
+        return self._least is not None and not self._is_measured and not self._queries
 
     @property
     def is_free(self) -> bool:
-        return self._least is None or len(self._asked) < self._window
+        return self._least is None or len(self._queries) < self._window
 
     @property
     def room(self) -> float:
         """The number of bytes to send at once."""
         return inf if self._least is None else self._room
 
-    def sent(self, size: int, now: float) -> None:
+    def sent(self, size: int, time: float) -> None:
         """Note that `size` bytes and a query were sent; 0 bytes for a measurement."""
-        self._is_measuring = not size and not self._asked
-        self._asked.append((now, size))
+        self._is_measuring = not size and not self._queries
+        self._queries.append((time, size))
 
-    def answered(self, now: float) -> None:
-        if not self._asked:
+    def answered(self, time: float) -> None:
+        if not self._queries:
             return
-        asked, size = self._asked.popleft()
-        taken = max(now - asked, 0.001)
-        self._is_measured = self._is_measured or (self._is_measuring and not self._asked)
-        if self._least is None or taken < self._least:
-            self._least = taken
+        sent_at, size = self._queries.popleft()
+        duration = max(time - sent_at, 0.001)
+        self._is_measured = self._is_measured or (self._is_measuring and not self._queries)
+        if self._least is None or duration < self._least:
+            self._least = duration
         elif size <= _LITTLE and self._window == 1:
             # The latency has increased.
-            self._least += (taken - self._least) / 10
-        waited = taken - self._least
+            self._least += (duration - self._least) / 10
+        waited = duration - self._least
         if waited > _QUEUE:
             self._window = 1
             self._room = max(_LEAST, int(self._room * _QUEUE / waited))
@@ -107,10 +107,10 @@ class Line:
         if 2 * size > self._room:
             self._room = min(_MOST, 2 * self._room)
 
-    def forget(self, now: float) -> None:
+    def forget(self, time: float) -> None:
         """Give up on overdue answers, and forget the measured latency."""
-        while self._asked and now - self._asked[0][0] > _PATIENCE:
-            self._asked.popleft()
+        while self._queries and time - self._queries[0][0] > _PATIENCE:
+            self._queries.popleft()
             self._least = None
             self._window = 1
             self._is_measured = False
@@ -122,7 +122,7 @@ class DiffApp(CrashSafeApp):
     While output is in flight the content changes; the next output leads to the latest.
     """
 
-    _sent: Difference | None = None
+    _sent: CellDiff | None = None
     _cursor_sent: tuple[int, int] | None = None
     _is_waiting = False
     _is_sending = False
@@ -157,7 +157,7 @@ class DiffApp(CrashSafeApp):
             driver.ask(ASK)
             self._line.sent(0, self.clock.now())
 
-    def terminal(self) -> Difference | None:
+    def terminal(self) -> CellDiff | None:
         """The terminal's state, whose changes are sent soon; None if a full repaint is due."""
         if (
             self._sent is None
@@ -195,7 +195,7 @@ class DiffApp(CrashSafeApp):
         columns, rows = self.size
         if self._sent is None or (self._sent.columns, self._sent.rows) != (columns, rows):
             colours = COLOR_SYSTEMS.get(self.console.color_system or "")
-            self._sent = Difference(columns, rows, colours)
+            self._sent = CellDiff(columns, rows, colours)
             self._cursor_sent = None
         self._sent.take(_pieces(renderable))
         self._send()
@@ -263,7 +263,7 @@ def _pieces(update: LayoutUpdate | ChopsUpdate) -> Iterator[tuple[int, int, Sequ
 class PaintTarget:
     """A widget's place on the terminal, with borders, in cells, and what covers it."""
 
-    def __init__(self, terminal: Difference, region: Region, over: Sequence[Region]) -> None:
+    def __init__(self, terminal: CellDiff, region: Region, over: Sequence[Region]) -> None:
         self._terminal = terminal
         self._region = region
         self._over = over
@@ -315,12 +315,12 @@ def paint_target_of(widget: Widget) -> PaintTarget | None:
         return None
     if widget.screen._layout_required or (terminal := app.terminal()) is None:
         return None
-    over: list[Region] = []
-    for other, (region, clip) in widget.screen._compositor.visible_widgets.items():
-        if other is widget:
-            over = [found for each in over if (found := each.intersection(region))]
-            return PaintTarget(terminal, region, over) if clip.contains_region(region) else None
-        over.append(region.intersection(clip))
+    covers: list[Region] = []
+    for node, (region, clip) in widget.screen._compositor.visible_widgets.items():
+        if node is widget:
+            covers = [overlap for cover in covers if (overlap := cover.intersection(region))]
+            return PaintTarget(terminal, region, covers) if clip.contains_region(region) else None
+        covers.append(region.intersection(clip))
     return None
 
 

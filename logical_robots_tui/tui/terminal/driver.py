@@ -65,32 +65,32 @@ class InputFilter:
         self._is_in_string = False
         self._last = 0.0
 
-    def take(self, data: bytes, now: float) -> tuple[list[str | Pasted], int]:
+    def take(self, chunk: bytes, time: float) -> tuple[list[str | Pasted], int]:
         """Return what was typed and pasted, in order, and the number of answers.
 
         Incomplete sequences are kept for the next call; `now` is in seconds.
         """
-        is_forsaken = now - self._last > _FORSAKEN and len(data) <= _ONE_KEY
-        self._last = now
-        text = self._whole(self._decode(data))
+        is_forsaken = time - self._last > _FORSAKEN and len(chunk) <= _ONE_KEY
+        self._last = time
+        text = self._whole(self._decode(chunk))
         text, answers = _ANSWER.subn("", text)
-        found: list[str | Pasted] = []
+        pieces: list[str | Pasted] = []
         if self._paste is not None and is_forsaken and text and _PASTE_END not in text:
-            found.append(self._finished())
+            pieces.append(self._finished())
         self._is_in_string = self._is_in_string and not is_forsaken
-        found += self._split(text)
-        return found, answers
+        pieces += self._split(text)
+        return pieces, answers
 
     def _whole(self, text: str) -> str:
         """Return the text without overlong or incomplete sequences."""
         text, self._begun = self._begun + text, ""
         if self._is_skipping:
-            rest = _REST.match(text)
-            end = rest.end() if rest else 0
+            remainder = _REST.match(text)
+            end = remainder.end() if remainder else 0
             self._is_skipping = end == len(text) and not "@" <= text[-1:] <= "~"
             text = text[end:]
-        if found := [*_TOO_LONG.finditer(text)]:
-            self._is_skipping = found[-1].end() == len(text) and not "@" <= text[-1:] <= "~"
+        if sequences := [*_TOO_LONG.finditer(text)]:
+            self._is_skipping = sequences[-1].end() == len(text) and not "@" <= text[-1:] <= "~"
             text = _TOO_LONG.sub("", text)
         if begun := _BEGUN.search(text):
             text, self._begun = text[: begun.start()], begun[0]
@@ -161,11 +161,11 @@ class TolerantParser(XTermParser):
 
     def _sequence_to_key_events(self, sequence: str, alt: bool = False) -> Iterable[events.Key]:
         try:
-            found = [*super()._sequence_to_key_events(sequence, alt)]
+            keys = [*super()._sequence_to_key_events(sequence, alt)]
         except (ValueError, OverflowError):
             return [_ignore(sequence)]
-        if found or not _SEQUENCE.match(sequence) or sequence in _beginnings():
-            return found
+        if keys or not _SEQUENCE.match(sequence) or sequence in _beginnings():
+            return keys
         mouse = re.match(r"\x1b\[(<?[-\d;]+[mM]|M)", sequence)
         is_report = re.match(r"\x1b\[\?\d+;\d+\$y", sequence)
         return [] if mouse or is_report else [_ignore(sequence)]
@@ -224,7 +224,7 @@ class ListeningDriver(LinuxDriver):
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self._asked: deque[float] = deque()  # when
+        self._queries: deque[float] = deque()  # when
         self._slowest = 0.0  # seconds until an answer
         self._under_way = 0
         self._all_answered = threading.Condition()
@@ -239,11 +239,11 @@ class ListeningDriver(LinuxDriver):
 
     def ask(self, text: str) -> None:
         """Write text that ends in a query to the terminal."""
-        now = monotonic()
+        time = monotonic()
         with self._all_answered:
-            while self._asked and now - self._asked[0] > _MOST_PATIENCE:
-                self._asked.popleft()  # its answer is lost
-            self._asked.append(now)
+            while self._queries and time - self._queries[0] > _MOST_PATIENCE:
+                self._queries.popleft()  # its answer is lost
+            self._queries.append(time)
         self.write(text)
 
     def write(self, data: str) -> None:
@@ -257,8 +257,8 @@ class ListeningDriver(LinuxDriver):
         """Stop reading after any pending answers, so that the next program doesn't get them."""
         with self._all_answered:
             patience = min(max(_LAST_ANSWER, 2 * self._slowest), _MOST_PATIENCE)
-            self._all_answered.wait_for(lambda: not self._asked, patience)
-            self._asked.clear()
+            self._all_answered.wait_for(lambda: not self._queries, patience)
+            self._queries.clear()
         super().disable_input()
 
     def _sigcont_application(self, *_: object) -> None:
@@ -318,12 +318,12 @@ class ListeningDriver(LinuxDriver):
             pieces: list[str | Pasted] = []
             if terminal.poll(1000 * _LOOK_UP_EVERY):
                 try:
-                    data = os.read(self.fileno, _CHUNK)
+                    chunk = os.read(self.fileno, _CHUNK)
                 except OSError:  # the terminal is gone
                     break
-                if not data:
+                if not chunk:
                     break
-                pieces, answers = incoming.take(data, monotonic())
+                pieces, answers = incoming.take(chunk, monotonic())
                 if answers or self._heard_at is not None:
                     self._heard_at = monotonic()
                 self._hear(answers)
@@ -360,11 +360,11 @@ class ListeningDriver(LinuxDriver):
     def _hear(self, answers: int) -> None:
         """Post answers, at most as many as there were queries."""
         with self._all_answered:
-            heard = min(answers, len(self._asked))
-            for _ in range(heard):
-                self._slowest = max(self._slowest, monotonic() - self._asked.popleft())
+            count = min(answers, len(self._queries))
+            for _ in range(count):
+                self._slowest = max(self._slowest, monotonic() - self._queries.popleft())
             self._all_answered.notify_all()
-        for _ in range(heard):
+        for _ in range(count):
             self.process_message(events.CursorPosition(0, 0))
 
 
@@ -381,4 +381,4 @@ class BacklogApp(Protocol):
 
 
 def _bound(size: Size) -> Size:
-    return Size(*(max(1, min(most, side)) for most, side in zip(LARGEST, size, strict=True)))
+    return Size(*(max(1, min(limit, side)) for limit, side in zip(LARGEST, size, strict=True)))

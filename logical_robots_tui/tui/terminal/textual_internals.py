@@ -84,13 +84,13 @@ def _hang(line: str, width: int) -> int:
 _wrap_offsets = _wrapped_document.compute_wrap_offsets  # type: ignore[attr-defined] # imported
 
 
-def _hanging_offsets(text: str, width: int, *about: Any, **more: Any) -> list[int]:
-    offsets = _wrap_offsets(text, width, *about, **more)
+def _hanging_offsets(text: str, width: int, *arguments: Any, **options: Any) -> list[int]:
+    offsets = _wrap_offsets(text, width, *arguments, **options)
     if not offsets or not (indent := _hang(text, width)):
         return offsets
-    first, tab_size = offsets[0], about[0] if about else more["tab_size"]
-    rest = _wrap_offsets(text[first:], width - indent, tab_size)
-    return [first, *(first + offset for offset in rest)]
+    first, tab_size = offsets[0], arguments[0] if arguments else options["tab_size"]
+    later_offsets = _wrap_offsets(text[first:], width - indent, tab_size)
+    return [first, *(first + offset for offset in later_offsets)]
 
 
 def hang_wrapped_lines() -> None:
@@ -131,14 +131,14 @@ class KeyQueue:
         if self._answering:
             self._waiting.append(event)
             return True
-        before = self._typed_into
-        if before is None or self._is_text(event) or not self._has_priority(event):
+        focused = self._typed_into
+        if focused is None or self._is_text(event) or not self._has_priority(event):
             return False
         # It would come before the text that was typed for the focused widget.
         self._typed_into = None
         self._waiting.appendleft(event)
         self._hold()
-        before.call_later(self._later, self._end, self._number)
+        focused.call_later(self._later, self._end, self._number)
         return True
 
     def begin(self, event: events.Key | events.Paste) -> None:
@@ -170,22 +170,24 @@ class KeyQueue:
         self._number += 1
         asyncio.get_running_loop().call_later(_LONGEST, self._later, self._end, self._number)
 
-    def _later(self, *what: Any) -> None:
-        self._app.call_later(*what)
+    def _later(self, *call: Any) -> None:
+        self._app.call_later(*call)
 
-    def _follow(self, node: MessagePump | None, then: Callable[[], object]) -> None:
+    def _follow(self, node: MessagePump | None, action: Callable[[], object]) -> None:
         """Do something in the app when messages have bubbled from a node up to it."""
         if node is None or node is self._app:
-            self._later(then)
-        elif not node.call_later(self._follow, node._parent, then):
-            self._follow(node._parent, then)
+            self._later(action)
+        elif not node.call_later(self._follow, node._parent, action):
+            self._follow(node._parent, action)
 
     async def _arrive(self, screen: Screen[Any], number: int) -> None:
         """Wait until a dialog opened by the key has the focus."""
         for _ in range(_ROUNDS):
             await asyncio.sleep(0)
-        now = self._app.screen
-        if now is screen or not now.call_after_refresh(self._later, self._end, number):
+        top_screen = self._app.screen
+        if top_screen is screen or not top_screen.call_after_refresh(
+            self._later, self._end, number
+        ):
             await self._end(number)
 
     async def _end(self, number: int) -> None:

@@ -16,7 +16,7 @@ from rich.style import Style
 from textual.geometry import Region
 from textual.strip import Strip
 
-from logical_robots_tui.tui.terminal.cell_diff import Difference, reduce_colour
+from logical_robots_tui.tui.terminal.cell_diff import CellDiff, reduce_colour
 from tests.terminal import looks
 
 COLUMNS, ROWS = 12, 4
@@ -40,11 +40,11 @@ _pieces = st.lists(
 Pieces: TypeAlias = list[tuple[int, int, list[Segment]]]
 
 
-def difference_of(colours: ColorSystem | None = ColorSystem.TRUECOLOR) -> Difference:
-    return Difference(COLUMNS, ROWS, colours)
+def difference_of(colours: ColorSystem | None = ColorSystem.TRUECOLOR) -> CellDiff:
+    return CellDiff(COLUMNS, ROWS, colours)
 
 
-def send(difference: Difference, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> str:
+def send(difference: CellDiff, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> str:
     """Show pieces of lines; returns what is written for that."""
     difference.take(pieces)
     return difference.sequence()
@@ -94,7 +94,7 @@ def test_characters_of_two_cells_are_replaced_whole(texts: list[str]) -> None:
 
 
 def test_a_character_that_lost_a_half_is_sent_again() -> None:
-    difference = Difference(4, 1, None)
+    difference = CellDiff(4, 1, None)
     send(difference, [(0, 0, [Segment("機機")])])
     send(difference, [(0, 1, [Segment("ab")])])
     assert send(difference, [(0, 0, [Segment("機機")])]) == "\x1b[1;1H機機"
@@ -128,7 +128,7 @@ def test_what_has_no_room_is_sent_later(updates: list[Pieces], last: Region, lim
 
 
 def test_a_text_is_sent_before_the_picture_whose_rows_take_turns() -> None:
-    difference = Difference(4, 3, None)
+    difference = CellDiff(4, 3, None)
     send(difference, [(row, 0, [Segment("    ")]) for row in range(3)])
     picture = Region(0, 0, 2, 3)
     sent = []
@@ -141,12 +141,12 @@ def test_a_text_is_sent_before_the_picture_whose_rows_take_turns() -> None:
 
 
 def test_one_changed_cell_costs_a_move_and_a_colour() -> None:
-    difference = Difference(40, 2, ColorSystem.TRUECOLOR)
+    difference = CellDiff(40, 2, ColorSystem.TRUECOLOR)
     style = Style(color="#ff0000", bgcolor="#000000")
     send(difference, [(1, 0, [Segment("a" * 40, style)])])
     sent = send(difference, [(1, 0, [Segment("a" * 20 + "b" + "a" * 19, style)])])
     assert sent == "\x1b[2;21H\x1b[38;2;255;0;0;48;2;0;0;0mb\x1b[m"
-    sent = send(Difference(10, 1, None), [(0, 0, [Segment("ab", Style(color="red", bold=True))])])
+    sent = send(CellDiff(10, 1, None), [(0, 0, [Segment("ab", Style(color="red", bold=True))])])
     assert sent == "\x1b[1;1H\x1b[1mab\x1b[m", "without colours none are sent"
 
 

@@ -7,7 +7,7 @@ from rich.color import ColorSystem
 from textual.geometry import Region
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, CONTINUED, Cells, text_id
-from logical_robots_tui.tui.terminal.cell_diff import Difference
+from logical_robots_tui.tui.terminal.cell_diff import CellDiff
 from logical_robots_tui.tui.terminal.diff_app import PaintTarget
 from tests.terminal import looks
 
@@ -39,7 +39,7 @@ def pictures(draw: st.DrawFn) -> Cells:
     return cells
 
 
-def sent_in_strips(difference: Difference, cells: Cells) -> str:
+def sent_in_strips(difference: CellDiff, cells: Cells) -> str:
     difference.take((SPOT.y + row, SPOT.x, list(cells.strip(row))) for row in range(SPOT.height))
     return difference.sequence()
 
@@ -61,7 +61,7 @@ def test_a_spot_shows_its_cells_but_where_something_lies_over_it(
     over = [found for cover in covers if (found := cover.intersection(SPOT))]
     covered = {(x, y) for region in over for y in region.line_range for x in region.column_range}
     straight, by_strips = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
-    ours, theirs = (Difference(COLUMNS, ROWS, colours) for _ in range(2))
+    ours, theirs = (CellDiff(COLUMNS, ROWS, colours) for _ in range(2))
     spot = PaintTarget(ours, SPOT, over)
     for cells, changes in ((before, WHOLE), (now, now.changes(before))):
         spot.put(cells, changes)
@@ -87,7 +87,7 @@ def is_half_covered(cells: Cells, x: int, y: int, covered: set[tuple[int, int]])
 @given(pictures(), st.integers(1, COLUMNS), st.integers(1, ROWS))
 def test_of_a_spot_is_shown_what_there_is_room_for(cells: Cells, columns: int, rows: int) -> None:
     straight, by_strips = pyte.Screen(columns, rows), pyte.Screen(columns, rows)
-    ours, theirs = (Difference(columns, rows, None) for _ in range(2))
+    ours, theirs = (CellDiff(columns, rows, None) for _ in range(2))
     PaintTarget(ours, SPOT, []).put(cells, WHOLE)
     pyte.Stream(straight).feed(ours.sequence())
     pyte.Stream(by_strips).feed(sent_in_strips(theirs, cells))

@@ -34,7 +34,7 @@ async def test_answers_decide_what_is_sent(data_dir: Path, monkeypatch: pytest.M
         game.app.post_message(events.CursorPosition(0, 0))
         await game.until(lambda: len(asked) == 2)
         # What the line is measured by is not answered, and nothing else happens.
-        await game.until(lambda: not game.app._line._asked)
+        await game.until(lambda: not game.app._line._queries)
 
         # A restricted game asks a terminal that falls silent, draws no more, and then ends.
         before = signal.signal(signal.SIGHUP, lambda number, _: ended.append(number))
