@@ -105,62 +105,62 @@ def colours_in(theme: Theme) -> dict[str, str]:
     """
     if theme.ansi:
         return dict(_ANSI)
-    given = theme.to_color_system().generate()
-    papers = [Color.parse(given[name]) for name in ("background", "surface", "panel")]
-    text, surface = Color.parse(given["foreground"]), papers[1]
+    theme_colours = theme.to_color_system().generate()
+    papers = [Color.parse(theme_colours[name]) for name in ("background", "surface", "panel")]
+    text, surface = Color.parse(theme_colours["foreground"]), papers[1]
 
     def tinted(colour: str, share: float) -> str:
         return surface.blend(Color.parse(colour), share, alpha=1).hex6
 
-    here = tinted(given["primary"], 0.3)
+    highlight = tinted(theme_colours["primary"], 0.3)
 
-    def legible(colour: str, wanted: float = _READABLE) -> str:
-        found = _legible(Color.parse(colour), papers, wanted, dark=theme.dark)
-        on_here = min(wanted, _HIGHLIGHTED)
-        return _legible(found, [Color.parse(here)], on_here, dark=theme.dark).hex6
+    def legible(colour: str, ratio: float = _READABLE) -> str:
+        ink = _legible(Color.parse(colour), papers, ratio, dark=theme.dark)
+        on_highlight = min(ratio, _HIGHLIGHTED)
+        return _legible(ink, [Color.parse(highlight)], on_highlight, dark=theme.dark).hex6
 
-    found = {f"ink-{name}": legible(hue) for name, hue in _HUES.items()}
+    colours = {f"ink-{name}": legible(hue) for name, hue in _HUES.items()}
     grey = surface.blend(text, 0.5, alpha=1).hex6
-    found |= {
+    colours |= {
         "ink-text": legible(text.hex6),
         "ink-dim": legible(grey, _QUIET),
         "ink-comment": legible(grey, _QUIET),
         "ink-faint": legible(tinted(text.hex6, 0.2), _FAINT),
         "ink-nothing": legible(tinted(text.hex6, 0.15), _SHADE),
-        "ink-title": legible(given["primary"]),
-        "ink-key": legible(given["accent"]),
-        "ink-good": legible(given["success"]),
-        "ink-warn": legible(given["warning"]),
-        "ink-bad": legible(given["error"]),
+        "ink-title": legible(theme_colours["primary"]),
+        "ink-key": legible(theme_colours["accent"]),
+        "ink-good": legible(theme_colours["success"]),
+        "ink-warn": legible(theme_colours["warning"]),
+        "ink-bad": legible(theme_colours["error"]),
         "frame": tinted(text.hex6, 0.25),
-        "frame-here": legible(theme.variables.get("border", given["border"]), _HIGHLIGHTED),
+        "frame-here": legible(theme.variables.get("border", theme_colours["border"]), _HIGHLIGHTED),
         "bar": tinted(text.hex6, 0.2),
         "bar-held": tinted(text.hex6, 0.45),
         "row": tinted(text.hex6, 0.06),
-        "here": here,
-        "here-ink": _legible(text, [Color.parse(here)], _READABLE, dark=theme.dark).hex6,
-        "tab-here": tinted(given["primary"], 0.2),
-        "selection": tinted(given["primary"], 0.3),
+        "here": highlight,
+        "here-ink": _legible(text, [Color.parse(highlight)], _READABLE, dark=theme.dark).hex6,
+        "tab-here": tinted(theme_colours["primary"], 0.2),
+        "selection": tinted(theme_colours["primary"], 0.3),
         "bracket": tinted(text.hex6, 0.25),
-        "mistake-ink": given["surface"],
-        "mistake-strip": tinted(given["error"], 0.1),
-        "odd-strip": tinted(given["warning"], 0.1),
+        "mistake-ink": theme_colours["surface"],
+        "mistake-strip": tinted(theme_colours["error"], 0.1),
+        "odd-strip": tinted(theme_colours["warning"], 0.1),
     }
     if theme.name == NIGHT.name:
-        found |= _NIGHT | {f"ink-{name}": hue for name, hue in _HUES.items()}
-    return found | {"ink-entry": found["ink-title"]}
+        colours |= _NIGHT | {f"ink-{name}": hue for name, hue in _HUES.items()}
+    return colours | {"ink-entry": colours["ink-title"]}
 
 
-def contrast(one: Color, other: Color) -> float:
+def contrast(first: Color, second: Color) -> float:
     """Return the contrast of two colours, by WCAG 2, from 1 to 21."""
-    brighter, darker = sorted((_luminance(one), _luminance(other)), reverse=True)
+    brighter, darker = sorted((_luminance(first), _luminance(second)), reverse=True)
     return (brighter + 0.05) / (darker + 0.05)
 
 
-def _legible(colour: Color, papers: list[Color], wanted: float, *, dark: bool) -> Color:
+def _legible(colour: Color, papers: list[Color], ratio: float, *, dark: bool) -> Color:
     """Return a colour of the same hue with enough contrast to all backgrounds, if possible."""
     hue, lightness, saturation = colour.hsl.h, colour.hsl.l, colour.hsl.s
-    while min(contrast(colour, paper) for paper in papers) < wanted and 0 < lightness < 1:
+    while min(contrast(colour, paper) for paper in papers) < ratio and 0 < lightness < 1:
         lightness = min(lightness + 0.02, 1.0) if dark else max(lightness - 0.02, 0.0)
         colour = Color.from_hsl(hue, saturation, lightness)
     return colour
@@ -252,8 +252,8 @@ def rich_style(text: str) -> RichStyle:
     For widgets that paint segments; Content resolves such names itself.
     """
     if not has_active_app():
-        given = NIGHT.to_color_system().generate()
-        return Style.parse(text, given | colours_in(NIGHT)).rich_style
+        theme_colours = NIGHT.to_color_system().generate()
+        return Style.parse(text, theme_colours | colours_in(NIGHT)).rich_style
     return Style.parse(text).rich_style
 
 
@@ -275,10 +275,10 @@ _PALETTES: dict[str, Palette] = {}
 
 
 def _tint(palette: Palette, theme: Theme) -> Palette:
-    given = theme.to_color_system().generate()
-    tone = parse(given["background"])
+    theme_colours = theme.to_color_system().generate()
+    tone = parse(theme_colours["background"])
     return palette._replace(
-        void=parse(given["surface"]),
+        void=parse(theme_colours["surface"]),
         floor=mix(palette.floor, tone, _TONE),
         grid=mix(palette.grid, tone, _TONE),
         plate=mix(palette.plate, tone, _TONE),
