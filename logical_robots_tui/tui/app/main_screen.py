@@ -39,9 +39,9 @@ from logical_robots_tui.tui.layout.arrangement import (
     LEAST_HEIGHT,
     LEAST_WIDTH,
     Arrangement,
-    Layout,
     Needs,
     Pane,
+    ScreenLayout,
 )
 from logical_robots_tui.tui.layout.command_bar import (
     CommandBar,
@@ -307,7 +307,7 @@ class MainScreen(Screen[None], SessionListener):
             return
         if self.arrangement.is_tiny:
             self._focus_before = self.focused
-        elif previous_layout is Layout.TINY and self._focus_before is not None:
+        elif previous_layout is ScreenLayout.TINY and self._focus_before is not None:
             self.set_focus(self._focus_before)
             self._focus_before = None
         self.call_after_refresh(self.tour.place)

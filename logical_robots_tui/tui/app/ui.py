@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from textual.worker import Worker
 
     from logical_robots_tui.player.recovery import Offering
-    from logical_robots_tui.tui.layout.dialogs import Question
+    from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 
 Outcome = TypeVar("Outcome")
 Result = TypeVar("Result")
@@ -82,9 +82,9 @@ class ScreenUi(Dialogs):
     async def choose(
         self, title: str, question: str, answers: Sequence[tuple[str, str]]
     ) -> str | None:
-        from logical_robots_tui.tui.layout.dialogs import Question
+        from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 
-        return await self.ask(Question(title, question, answers))
+        return await self.ask(QuestionDialog(title, question, answers))
 
 
 NOTICING = 0.7
@@ -100,7 +100,7 @@ class ScreenOffers:
     def __init__(self, ui: ScreenUi, is_free: Callable[[], bool]) -> None:
         self._ui, self._is_free = ui, is_free
         self._resumed = asyncio.Event()
-        self._question: Question | None = None
+        self._question: QuestionDialog | None = None
 
     async def make(self, *offerings: Offering) -> None:
         for offering in offerings:
@@ -121,12 +121,14 @@ class ScreenOffers:
         self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
     ) -> str | None:
         """Return the name of the answer, or None; the answer ``show`` shows `text`."""
-        from logical_robots_tui.tui.layout.dialogs import Question
+        from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 
         await self.free()
-        return await self.put(Question(title, question, answers, text=text, noticing=NOTICING))
+        return await self.put(
+            QuestionDialog(title, question, answers, text=text, noticing=NOTICING)
+        )
 
-    async def put(self, question: Question) -> str | None:
+    async def put(self, question: QuestionDialog) -> str | None:
         """Return the name of the answer, or None; keys before there are answers are ignored."""
         self._question = question
         return await self._ui.ask(question)

@@ -16,7 +16,7 @@ from textual.widget import Widget
 from textual.widgets import Button, Static
 
 from logical_robots_tui.tui.commands.keymap import command
-from logical_robots_tui.tui.layout.dialogs import Question
+from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world.level import SecondGoal
@@ -168,7 +168,7 @@ _DENSITY = 0.14
 _ROOMY = 30  # lines of the terminal from which confetti falls above and below as well
 
 
-class Results(Question):
+class Results(QuestionDialog):
     """What was won and how well, and what to do next: each answer is a command, with its key.
 
     Args:
@@ -254,7 +254,7 @@ class Results(Question):
     def on_key(self, event: events.Key) -> None:
         """Answer by the key of a command, which the player may have changed.
 
-        Textual calls the method of `Question` as well, which moves between the answers.
+        Textual calls the method of `QuestionDialog` as well, which moves between the answers.
         """
         for name, _ in self._answers:
             if event.key in command(name).keys:

@@ -87,9 +87,9 @@ class Pane(Container):
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         if self._held is not None:
-            side, before = self._held
+            side, previous_offset = self._held
             self._held = (side, event.screen_offset)
-            self.post_message(self.Pulled(self, side, event.screen_offset - before))
+            self.post_message(self.Pulled(self, side, event.screen_offset - previous_offset))
 
     def on_mouse_up(self) -> None:
         if self._held is not None:
@@ -116,7 +116,7 @@ _LEAST_TABLE, HIGHEST_TABLE = 8, 26
 _BESIDE_TEXT, _BELOW_TEXT = 9, 3  # line numbers, cursor, bar and border; help and border
 
 
-class Layout(Enum):
+class ScreenLayout(Enum):
     """Layouts; the values are CSS classes of the screen."""
 
     WIDE = "-wide"
@@ -130,7 +130,7 @@ class Layout(Enum):
 
     @property
     def is_roomy(self) -> bool:
-        return self in (Layout.WIDE, Layout.TALL)
+        return self in (ScreenLayout.WIDE, ScreenLayout.TALL)
 
 
 class Needs(NamedTuple):
@@ -182,40 +182,40 @@ class Grid(NamedTuple):
     shares: Shares
 
 
-def layout_for(width: int, height: int) -> Layout:
+def layout_for(width: int, height: int) -> ScreenLayout:
     if width < LEAST_WIDTH or height < LEAST_HEIGHT:
-        return Layout.TINY
+        return ScreenLayout.TINY
     if width >= _WIDE_FROM[0] and height >= _WIDE_FROM[1]:
-        return Layout.WIDE
-    return Layout.TALL if height >= _TALL_FROM else Layout.NARROW
+        return ScreenLayout.WIDE
+    return ScreenLayout.TALL if height >= _TALL_FROM else ScreenLayout.NARROW
 
 
-def grid_for(layout: Layout, width: int, height: int, shares: Shares, needs: Needs) -> Grid:
+def grid_for(layout: ScreenLayout, width: int, height: int, shares: Shares, needs: Needs) -> Grid:
     """Return the sizes of panes; cells that the map has no use for go to the others."""
     room = height - 3  # status, timeline and command bar
-    wanted = max(needs.rows + 2, _LEAST_TABLE)
-    inspector = min(wanted, max(round(0.3 * height), _LEAST_TABLE), HIGHEST_TABLE)
-    if layout is not Layout.WIDE:
+    table_rows = max(needs.rows + 2, _LEAST_TABLE)
+    inspector = min(table_rows, max(round(0.3 * height), _LEAST_TABLE), HIGHEST_TABLE)
+    if layout is not ScreenLayout.WIDE:
         map_rows = needs.map_rows(width)
         used = max(map_rows + needs.program_rows(width), 2 * _LOWEST)
-        inspector = max(inspector, min(wanted, room - used))
+        inspector = max(inspector, min(table_rows, room - used))
         higher = _within(inspector + shares.rows, _LOWEST, room - 2 * _LOWEST)
         left = room - higher
         program = max(left // 2, left - map_rows)
         return Grid(program, higher, Shares(shares.columns, higher - inspector))
     usual = min(round(width * 4 / 9), _WIDEST_TEXT)
-    least = _within(needs.code + _BESIDE_TEXT, min(_LEAST_TEXT, usual), usual)
+    least_columns = _within(needs.code + _BESIDE_TEXT, min(_LEAST_TEXT, usual), usual)
     beside = width - CELL_ASPECT * needs.aspect * (room - inspector - 2) - 2  # what the map leaves
-    program = int(min(max(beside, least), _WIDEST_TEXT, width - _NARROWEST))
+    program = int(min(max(beside, least_columns), _WIDEST_TEXT, width - _NARROWEST))
     used = max(needs.map_rows(width - program), needs.program_rows(program), _LOWEST)
-    inspector = max(inspector, min(wanted, room - used))
+    inspector = max(inspector, min(table_rows, room - used))
     wider = _within(program + shares.columns, _NARROWEST, width - _NARROWEST)
     higher = _within(inspector + shares.rows, _LOWEST, room - _LOWEST)
     return Grid(wider, higher, Shares(wider - program, higher - inspector))
 
 
-def _within(number: int, least: int, most: int) -> int:
-    return min(max(number, least), max(most, least))
+def _within(number: int, low: int, high: int) -> int:
+    return min(max(number, low), max(high, low))
 
 
 class Arrangement:
@@ -226,7 +226,7 @@ class Arrangement:
         """All panes, including hidden ones."""
         self.active: Pane = panes[0]
         """The active pane; it is never hidden."""
-        self.layout = Layout.WIDE
+        self.layout = ScreenLayout.WIDE
         """The layout for the terminal's size."""
         self.is_one_large = False
         """Whether the active pane fills the screen."""
@@ -237,10 +237,10 @@ class Arrangement:
 
     @property
     def is_tiny(self) -> bool:
-        return self.layout is Layout.TINY
+        return self.layout is ScreenLayout.TINY
 
     def covers(self, pane: Pane) -> bool:
-        return self.layout is Layout.NARROW and self.active is not pane
+        return self.layout is ScreenLayout.NARROW and self.active is not pane
 
     def fit(self, size: Size) -> None:
         self._size = size
@@ -249,11 +249,11 @@ class Arrangement:
 
     def suit(self, needs: Needs) -> None:
         """Take sizes that suit a level and its program, but for those that the player chose."""
-        kept = self._needs
+        previous_needs = self._needs
         if self._shares.rows:
-            needs = needs._replace(rows=kept.rows)
+            needs = needs._replace(rows=previous_needs.rows)
         if self._shares.columns:
-            needs = kept._replace(rows=needs.rows)
+            needs = previous_needs._replace(rows=needs.rows)
         self._needs = needs
         self.show()
 
@@ -314,7 +314,7 @@ class Arrangement:
         `columns` count to the right, `rows` down.
         """
         labyrinth, program, inspector = self.panes
-        beside = self.layout is Layout.WIDE
+        beside = self.layout is ScreenLayout.WIDE
         if beside and (pane, side) in ((labyrinth, "right"), (program, "left")):
             self.change(-columns, 0)
         above = (labyrinth, program) if beside else (program,)
@@ -323,7 +323,7 @@ class Arrangement:
 
     def _lay_out(self, grid: Grid) -> None:
         labyrinth, program, inspector = self.panes
-        beside = self.layout is Layout.WIDE and labyrinth.display and program.display
+        beside = self.layout is ScreenLayout.WIDE and labyrinth.display and program.display
         rows = ["1fr"] if labyrinth.display or program.display else []
         if labyrinth.display and program.display and not beside:
             rows.append(str(grid.program))

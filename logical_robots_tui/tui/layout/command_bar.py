@@ -91,28 +91,28 @@ class CommandBar(Labels):
 
     def render(self) -> Content:
         unwanted = "outside" if self._typing else "editor"
-        offered = [entry for entry in commands() if entry.bar]
-        shown = [e for e in offered if e.scope != "level" and e.place != unwanted]
+        bar_entries = [entry for entry in commands() if entry.bar]
+        entries = [e for e in bar_entries if e.scope != "level" and e.place != unwanted]
         if self._edits and not self._typing:
-            kept = [entry for entry in shown if entry.id in _WHILE_EDITING]
-            editing = [entry for entry in offered if entry.scope == "level"]
-            shown = [*kept[:1], *editing, *kept[1:]]
+            general = [entry for entry in entries if entry.id in _WHILE_EDITING]
+            editing = [entry for entry in bar_entries if entry.scope == "level"]
+            entries = [*general[:1], *editing, *general[1:]]
         if self._typing:
-            shown.sort(key=lambda entry: entry.id != "apply")
+            entries.sort(key=lambda entry: entry.id != "apply")
         if self._focus_keys:
-            shown = [entry for entry in shown if entry.place == "anywhere"]
-        labels = {entry.id: self._label(entry) for entry in shown}
+            entries = [entry for entry in entries if entry.place == "anywhere"]
+        labels = {entry.id: self._label(entry) for entry in entries}
         room = self.size.width - 1
-        own: list[tuple[Content, str]] = []
+        focus_labels: list[tuple[Content, str]] = []
         if self._focus_keys:  # as many as leave room for the first command
-            least = labels[shown[0].id].cell_length if shown else 0
+            first_width = labels[entries[0].id].cell_length if entries else 0
             for label in (_label(key, does) for key, does in self._focus_keys):
-                if room - label.cell_length - _GAP < least:
+                if room - label.cell_length - _GAP < first_width:
                     break
-                own.append((label, ""))
+                focus_labels.append((label, ""))
                 room -= label.cell_length + _GAP
         groups: list[list[Command]] = []
-        for entry in shown:
+        for entry in entries:
             if groups and groups[-1][-1].id in _WITH_NEXT:
                 groups[-1].append(entry)
             else:
@@ -125,7 +125,7 @@ class CommandBar(Labels):
                 fitting.update(entry.id for entry in group)
                 room -= need
         fit = [(label, name) for name, label in labels.items() if name in fitting]
-        return self.line([*own, *fit], gap=_GAP)
+        return self.line([*focus_labels, *fit], gap=_GAP)
 
     def _label(self, entry: Command) -> Content:
         title = "Pause" if entry.id == "run" and self._game_runs else entry.bar
@@ -161,14 +161,14 @@ class PaneTabs(Labels):
         room = self.size.width - sum(len(key) + 4 for key in keys)
         widths = [len(text) for _, text in self._tabs]
         # The longest titles are cut, so that no tab is missing.
-        most = max(widths, default=0)
-        while most > 1 and sum(min(width, most) for width in widths) > room:
-            most -= 1
+        limit = max(widths, default=0)
+        while limit > 1 and sum(min(width, limit) for width in widths) > room:
+            limit -= 1
         labels = []
         for key_name, (command_id, text) in zip(keys, self._tabs, strict=True):
             is_active = command_id == self._active
             style = f"bold {INK.title} on $tab-here" if is_active else INK.dim
             key = INK.key if not is_active else f"bold {INK.key} on $tab-here"
-            label = Content.assemble((f" {key_name} ", key), (f"{clip(text, most)} ", style))
+            label = Content.assemble((f" {key_name} ", key), (f"{clip(text, limit)} ", style))
             labels.append((label, command_id))
         return self.line(labels, gap=1)

@@ -143,7 +143,7 @@ class LinePrompt(Prompt[str]):
         self.dismiss(text)
 
 
-class Question(Dialog[str]):
+class QuestionDialog(Dialog[str]):
     """Asks a question, and returns the name of the answer.
 
     A label's first letter is its key; the answer ``show`` shows the text. Answers appear after
@@ -151,15 +151,15 @@ class Question(Dialog[str]):
     """
 
     DEFAULT_CSS = """
-    Question > #box { max-width: 76; padding: 1 2; }
-    Question #text { height: auto; max-height: 14; margin-top: 1; display: none;
+    QuestionDialog > #box { max-width: 76; padding: 1 2; }
+    QuestionDialog #text { height: auto; max-height: 14; margin-top: 1; display: none;
         background: $panel; padding: 0 1; }
-    Question #answers { height: 1; margin-top: 1; }
-    Question Button {
+    QuestionDialog #answers { height: 1; margin-top: 1; }
+    QuestionDialog Button {
         height: 1; min-width: 8; border: none; margin-right: 1; padding: 0 1;
         background: $panel; color: $foreground; text-style: none;
     }
-    Question Button:focus { background: $here; text-style: bold; border: none; }
+    QuestionDialog Button:focus { background: $here; text-style: bold; border: none; }
     """
 
     keys = ""
@@ -240,14 +240,14 @@ class Listing(OptionList):
             super().action_page_down()  # type: ignore[no-untyped-call] # this, too
 
 
-class Search(NamedTuple):
-    """A search; `instead` replaces all matches, None only searches."""
+class TextSearch(NamedTuple):
+    """A search; `replacement` is for all matches, None only searches."""
 
-    wanted: str
-    instead: str | None
+    text: str
+    replacement: str | None
 
 
-class Find(Dialog[Search]):
+class Find(Dialog[TextSearch]):
     """Asks for a text to find; enter in the second line replaces it everywhere."""
 
     DEFAULT_CSS = """
@@ -257,16 +257,16 @@ class Find(Dialog[Search]):
     heading = "Find in the program"
     keys = "enter find, below: replace all   esc close"
 
-    def __init__(self, wanted: str) -> None:
+    def __init__(self, text: str) -> None:
         super().__init__()
-        self._wanted = wanted
+        self._text = text
 
     def content_widgets(self) -> ComposeResult:
-        yield Input(self._wanted, placeholder="find", id="wanted")
+        yield Input(self._text, placeholder="find", id="wanted")
         yield Input(placeholder="replace by", id="instead")
 
     @on(Input.Submitted)
     def _submitted(self, event: Input.Submitted) -> None:
-        wanted = self.query_one("#wanted", Input).value
+        text = self.query_one("#wanted", Input).value
         replaces = event.input.id == "instead"
-        self.dismiss(Search(wanted, event.value if replaces else None) if wanted else None)
+        self.dismiss(TextSearch(text, event.value if replaces else None) if text else None)

@@ -123,17 +123,17 @@ def fit(status: Status, width: int) -> Content:
     ]
     title = Content.styled(clip(one_line(status.title), 40), INK.text)
     by_importance.insert(2 if width >= _NAMED_FROM else -1, (1, title))
-    gap, left = 3, width - 2
-    chosen: list[tuple[int, Content]] = []
+    gap, room = 3, width - 2
+    parts: list[tuple[int, Content]] = []
     for place, part in by_importance:
-        if place == 5 and part.cell_length + thought.cell_length > left - 2 * gap:
+        if place == 5 and part.cell_length + thought.cell_length > room - 2 * gap:
             part = _standing(status.standing).append(_goals(status.goals, long=False))
-        need = part.cell_length + (gap if chosen else 0)
-        if part.cell_length and need <= left:
-            chosen.append((place, part))
-            left -= need
-    chosen.sort(key=lambda pair: pair[0])
-    return Content(" ").append(Content(" " * gap).join(part for _, part in chosen))
+        need = part.cell_length + (gap if parts else 0)
+        if part.cell_length and need <= room:
+            parts.append((place, part))
+            room -= need
+    parts.sort(key=lambda pair: pair[0])
+    return Content(" ").append(Content(" " * gap).join(part for _, part in parts))
 
 
 def _thinking(seconds: float) -> str:
@@ -143,21 +143,21 @@ def _thinking(seconds: float) -> str:
     return f"◌ thinking… {seconds:.1f} s, {key} stops it"
 
 
-def _standing(found: Sequence[tuple[str, float]]) -> Content:
-    best = max((points for _team, points in found), default=0.0)
+def _standing(scores: Sequence[tuple[str, float]]) -> Content:
+    best = max((points for _team, points in scores), default=0.0)
     teams = [
         Content.assemble(
             (f"{clip(one_line(team), 12)} ", INK.dim),
             (f"{round(points, 1):,.10g}", INK.good if points == best else INK.text),
         )
-        for team, points in found
+        for team, points in scores
     ]
     return Content("  ").join([*teams, Content("")]) if teams else Content("")
 
 
-def _goals(found: Sequence[Goal], *, long: bool) -> Content:
+def _goals(all_goals: Sequence[Goal], *, long: bool) -> Content:
     parts: list[Content] = []
-    for goal in found:
+    for goal in all_goals:
         words: list[Content] = []
         colour = INK.good if goal.reached else INK.text if goal.active else INK.dim
         name = clip(one_line(goal.area_name), 20) or "goal"
@@ -178,7 +178,7 @@ def _goals(found: Sequence[Goal], *, long: bool) -> Content:
 def _speed(status: Status) -> str:
     if status.speed is None:
         return f"flat out {status.achieved:.0f}/s" if status.achieved else "flat out"
-    wanted = f"{status.speed:g}/s"
+    target = f"{status.speed:g}/s"
     if status.achieved is None or status.achieved > 0.9 * status.speed:
-        return wanted
-    return f"{status.achieved:.0f} of {wanted}"
+        return target
+    return f"{status.achieved:.0f} of {target}"

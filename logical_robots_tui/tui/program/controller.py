@@ -88,15 +88,15 @@ class ProgramController:
         wish = await self._ui.ask(Find(begin))
         if wish is None:
             return
-        self._wanted = wish.wanted
-        if wish.instead is None:
+        self._wanted = wish.text
+        if wish.replacement is None:
             self.find_next()
             return
-        count = self._pane.text.count(wish.wanted)
+        count = self._pane.text.count(wish.text)
         if count:
-            self._pane.put(self._pane.text.replace(wish.wanted, wish.instead))
+            self._pane.put(self._pane.text.replace(wish.text, wish.replacement))
             self._ui.tell(f"Replaced in {count_of(count, 'place')}.")
-        elif find_after(self._pane.text, wish.wanted, (0, 0)) is not None:
+        elif find_after(self._pane.text, wish.text, (0, 0)) is not None:
             self._ui.tell("Nothing was replaced: it only occurs with different case.")
         else:
             self._ui.tell(self._nowhere())

@@ -6,7 +6,7 @@ from pathlib import Path
 from textual import events
 from textual.widgets import Button, Input
 
-from logical_robots_tui.tui.layout.dialogs import LinePrompt, Question
+from logical_robots_tui.tui.layout.dialogs import LinePrompt, QuestionDialog
 from tests.tui.conftest import Opened, key_event, opened
 
 
@@ -26,7 +26,7 @@ async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
             await game.until(lambda: game.app.screen is game.main)
         await game.until(lambda: game.tick == 3)
 
-        dialogs = (Question("Title", "Really?", [("yes", "Yes")]), LinePrompt("Title"))
+        dialogs = (QuestionDialog("Title", "Really?", [("yes", "Yes")]), LinePrompt("Title"))
         for tick, dialog in enumerate(dialogs, start=4):  # for what an answer leads to
             game.app.push_screen(dialog)
             await game.until(lambda: isinstance(game.app.focused, Button | Input))

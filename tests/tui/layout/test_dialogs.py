@@ -9,7 +9,7 @@ from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.commands.help import PaletteScreen
-from logical_robots_tui.tui.layout.dialogs import Question
+from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from tests.tui.conftest import PAPER, opened
@@ -34,8 +34,8 @@ async def test_saves_and_choices_come_late(data_dir: Path, monkeypatch: pytest.M
         await game.fill("other")
         saving = game.app.screen
         await game.press("enter", until=lambda: hold.has_begun)
-        game.app.push_screen(Question("Above", "All of it?", [("yes", "Yes")]))
-        await game.until(lambda: isinstance(game.app.screen, Question))
+        game.app.push_screen(QuestionDialog("Above", "All of it?", [("yes", "Yes")]))
+        await game.until(lambda: isinstance(game.app.screen, QuestionDialog))
         hold.release()
         save = next(worker for worker in game.app.workers if worker.group == "save")
         await save.wait()

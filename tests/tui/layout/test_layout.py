@@ -10,7 +10,7 @@ from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout import arrangement
-from logical_robots_tui.tui.layout.arrangement import Layout, Needs, Pane, Shares, grid_for
+from logical_robots_tui.tui.layout.arrangement import Needs, Pane, ScreenLayout, Shares, grid_for
 from logical_robots_tui.tui.layout.command_bar import PaneTabs
 from logical_robots_tui.tui.layout.dialogs import Listing
 from tests.tui.conftest import PAPER, Opened, opened
@@ -37,7 +37,9 @@ NEEDS = st.builds(
 
 @given(st.integers(1, 400), st.integers(1, 200))
 def test_every_size_has_an_arrangement(width: int, height: int) -> None:
-    assert (arrangement.layout_for(width, height) is Layout.TINY) == (width < 40 or height < 12)
+    assert (arrangement.layout_for(width, height) is ScreenLayout.TINY) == (
+        width < 40 or height < 12
+    )
 
 
 @given(st.integers(110, 400), st.integers(24, 200), st.builds(Shares, WISHES, WISHES), NEEDS)
@@ -52,28 +54,30 @@ def test_no_wish_makes_a_pane_vanish(width: int, height: int, wish: Shares, need
 
 @given(st.integers(40, 109), st.integers(46, 200), WISHES, ASPECTS.map(Needs))
 def test_panes_in_a_column_keep_some_rows(width: int, height: int, rows: int, needs: Needs) -> None:
-    grid = grid_for(Layout.TALL, width, height, Shares(0, rows), needs)
+    grid = grid_for(ScreenLayout.TALL, width, height, Shares(0, rows), needs)
     assert min(grid.program, grid.inspector, height - 3 - grid.program - grid.inspector) >= 3
-    assert grid_for(Layout.TALL, width, height, grid.shares, needs) == grid
+    assert grid_for(ScreenLayout.TALL, width, height, grid.shares, needs) == grid
 
 
 def test_a_map_leaves_what_it_does_not_need_to_the_program() -> None:
-    wide, high = (grid_for(Layout.WIDE, 120, 40, Shares(), Needs(aspect)) for aspect in (3.0, 1.0))
+    wide, high = (
+        grid_for(ScreenLayout.WIDE, 120, 40, Shares(), Needs(aspect)) for aspect in (3.0, 1.0)
+    )
     assert wide.program == 53
     assert high.program >= 70
     rows = 40 - 3 - high.inspector - 2
     assert 120 - high.program - 2 >= 2 * rows, "the map is as large as before"
-    below = grid_for(Layout.TALL, 90, 60, Shares(), Needs.of(3.0, "A();", 9))
+    below = grid_for(ScreenLayout.TALL, 90, 60, Shares(), Needs.of(3.0, "A();", 9))
     assert (below.inspector, 60 - 3 - below.program - below.inspector) == (11, 17)
 
 
 def test_panes_have_the_size_of_what_they_hold() -> None:
-    large = grid_for(Layout.WIDE, 300, 100, Shares(), Needs())
+    large = grid_for(ScreenLayout.WIDE, 300, 100, Shares(), Needs())
     assert large.program < 100, "a text does not need more"
     assert 20 < large.inspector < 30
     short, code = "# " + "a comment " * 9, "x" * 73
     few, many = (
-        grid_for(Layout.WIDE, 200, 60, Shares(), Needs.of(1.7, f"{short}\n{text}", rows))
+        grid_for(ScreenLayout.WIDE, 200, 60, Shares(), Needs.of(1.7, f"{short}\n{text}", rows))
         for text, rows in (("A();", 9), (code, 30))
     )
     assert few.inspector == 9 + 2

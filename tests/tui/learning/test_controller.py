@@ -9,7 +9,7 @@ from textual.widgets import OptionList, Static
 from logical_robots_tui.game import load_program, measuring
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
 from logical_robots_tui.tui.commands.general import copy_result
-from logical_robots_tui.tui.layout.dialogs import Question
+from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.learning.reader import Hints, Reader
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import list_levels, load_level
@@ -92,9 +92,9 @@ async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, sho
         await game.sees_no("questions")
         await stay(game)
         for answer in "ny":
-            await game.press("W", on=Question)
+            await game.press("W", on=QuestionDialog)
             assert not game.shows(solution[:40])
-            await game.press(answer, until=lambda: not isinstance(game.app.screen, Question))
+            await game.press(answer, until=lambda: not isinstance(game.app.screen, QuestionDialog))
         await game.sees(solution[:40])
         await stay(game)
         await win(game)
@@ -207,7 +207,7 @@ async def test_applied_programs_and_the_starter_come_back(data_dir: Path, short:
         await game.until(lambda: sorted(game.editor.text) == sorted(f"x{STILL}"))
         typed = game.editor.text
         for answer, text in (("n", typed), ("y", starter)):
-            await game.press("x", on=Question)
+            await game.press("x", on=QuestionDialog)
             await game.press(answer, until=lambda: game.app.screen is game.main)
             assert game.editor.text == text
         await game.until(lambda: game.session.state.applied == starter)

@@ -7,7 +7,7 @@ import pytest
 
 from logical_robots_tui.game.victory import result_line
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.tui.layout.dialogs import Question
+from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.world import load_level
 from tests.tui.conftest import opened
 
@@ -20,7 +20,7 @@ async def test_today_s_labyrinth_is_opened_in_the_chosen_size_or_not(data_dir: P
         for key in ("escape", "s"):
             assert game.session.level is before
             game.main.run_worker(game.main.library.open_daily())
-            await game.until(lambda: isinstance(game.app.screen, Question))
+            await game.until(lambda: isinstance(game.app.screen, QuestionDialog))
             await game.press(key, until=lambda: game.app.screen is game.main)
         await game.until(lambda: game.session.level.name == today)
         await game.sees("Everybody has this labyrinth today.")

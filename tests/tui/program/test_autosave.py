@@ -14,7 +14,7 @@ from textual.widgets import Button, Input
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.player.drafts import Draft, Drafts, Kind
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-from logical_robots_tui.tui.layout.dialogs import Question
+from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.program.controller import FileWatch
 from logical_robots_tui.tui.terminal.crash_report import BugReport
@@ -54,10 +54,10 @@ def leave_behind(data_dir: Path, **typed: str) -> None:
     drafts.close()
 
 
-async def asked(game: Opened, name: str = "mine") -> Question:
+async def asked(game: Opened, name: str = "mine") -> QuestionDialog:
     await game.sees(f"Continue with your unsaved text of “{name}”", "Yes, continue")
     question = game.app.screen
-    assert isinstance(question, Question)
+    assert isinstance(question, QuestionDialog)
     return question
 
 
@@ -162,7 +162,7 @@ async def test_who_does_not_want_what_cannot_be_kept_leaves(data_dir: Path) -> N
         await game.press("b", "enter", sees="The edited level can't be kept on disk")
         await game.command("quit", sees="are not saved and can't be kept")
         await game.press("s", until=lambda: game.app.screen is game.main)
-        await game.press("ctrl+c", "ctrl+c", on=Question)
+        await game.press("ctrl+c", "ctrl+c", on=QuestionDialog)
         await game.press("l", until=lambda: not game.app.is_running)
 
 
@@ -183,7 +183,7 @@ async def test_our_mistakes_keep_the_text(data_dir: Path, monkeypatch: pytest.Mo
 async def test_a_question_that_comes_when_the_game_ends_is_no_mistake(is_exit: bool) -> None:
     mounting = asyncio.Event()
 
-    class Late(Question):
+    class Late(QuestionDialog):
         """Shown when the parts of it are taken away already."""
 
         async def on_mount(self) -> None:  # type: ignore[override] # Textual waits for it

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.player.recovery import Place, place_of
-from logical_robots_tui.tui.layout.dialogs import Question
+from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from tests.game.playing import BACKWARDS, COUNTER
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened
@@ -34,7 +34,7 @@ async def test_the_next_session_goes_on_there_with_any_program(data_dir: Path, s
         assert (game.session.source.name, game.session.pace.speed) == ("mine", 160.0)
 
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
-        assert not isinstance(game.app.screen, Question)
+        assert not isinstance(game.app.screen, QuestionDialog)
         assert game.tick == 0
 
 
@@ -47,7 +47,7 @@ async def test_a_run_that_was_cut_off_is_offered_in_its_level(data_dir: Path, sh
     for is_opened in (False, True, True):
         async with opened(data_dir, text=AHEAD, ready=True) as game:
             await game.until(lambda: any((data_dir / "drafts").glob("*-adopted.json")))
-            assert not isinstance(game.app.screen, Question)
+            assert not isinstance(game.app.screen, QuestionDialog)
             if is_opened:  # it may have been left without being opened, or without an answer
                 await game.app.main.player.library.open_level(level)
                 await game.until(lambda: game.shows("Cut off") and game.shows("Yes, continue"))
@@ -59,7 +59,7 @@ async def test_the_start_and_changes_by_hand_are_no_bookmarks(data_dir: Path, sh
     (drafts / "20260101000000abcdef01-0123456789abcdef.json").write_text("{}")
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
         await game.until(lambda: not Drafts(drafts).adopt("place"))  # what can't be read is none
-        assert not isinstance(game.app.screen, Question)
+        assert not isinstance(game.app.screen, QuestionDialog)
         session = game.session
         assert session.game is not None
         assert place_of(session.game, session.opened, session.source) is None
