@@ -37,7 +37,7 @@ def main() -> None:
 
 def _tell(mutant: Mutant) -> None:
     for each in diagnosis_of(mutant.level, mutant.text, mutant.ticks).findings:
-        lines = [span.line for span in (each.span, *each.others) if span is not None]
+        lines = [span.line for span in (each.span, *each.related) if span is not None]
         print(f"     {each.severity} lines {lines} tick {each.tick}: {each.message}")
     there = first_difference(mutant)
     for nearest in suggestions(mutant, there) if there is not None else ():

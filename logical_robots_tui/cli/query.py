@@ -311,5 +311,5 @@ def _finding(each: Finding) -> dict[str, Any]:
         "robot": each.robot or None,
         "message": each.message,
         "hint": each.hint,
-        "see_also": list(dict.fromkeys(span.line for span in each.others)),
+        "see_also": list(dict.fromkeys(span.line for span in each.related)),
     }

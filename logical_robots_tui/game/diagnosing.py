@@ -18,7 +18,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.clock import CLOCK
-from logical_robots_tui.explain.diagnosis.sites import Checkup, Tally, check_up
+from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally, check_up
 from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.findings import Observations, Stored, findings_of, observe
@@ -241,7 +241,7 @@ class _Diagnosing:
         self._report, self._show = report, show
         self._thinker = Thinker("diagnose")
         self._preparing: asyncio.Task[Checkup] | None = None
-        self._tally: Tally | None = None
+        self._tally: ProbeTally | None = None
         # Ticks to examine: some first, to find out what need not be looked for in the others.
         self._some: deque[int] = deque()
         self._others: deque[int] = deque()
@@ -286,7 +286,7 @@ class _Diagnosing:
         tally = await self._prepared()
         observed = await observe(history, first, last)
         level = history.level_at(last)
-        closer: dict[tuple[str, int], Tally] = {}
+        closer: dict[tuple[str, int], ProbeTally] = {}
 
         def stored(ticks: Sequence[int]) -> list[Tick]:
             if history.turns != turns:
@@ -310,15 +310,15 @@ class _Diagnosing:
                 observed.won_at,
                 self._step,
                 max(1, self._second_step),
-                tally.checkup.left_out + len(tally.given_up),
+                tally.checkup.skipped_probes + len(tally.failed_probes),
                 history.is_reliable_up_to(last),
                 len(sure) + len(others) * is_final,
                 None if is_final else self._done,
-                len(tally.given_up),
+                len(tally.failed_probes),
             )
 
         for robot, ticks in _to_explain(observed):
-            closer[robot, ticks[0]] = near = Tally(tally.checkup, robot)
+            closer[robot, ticks[0]] = near = ProbeTally(tally.checkup, robot)
             await self._look_closely(near, stored(ticks), robot)
         self._found = found
         self._show(found())
@@ -333,7 +333,7 @@ class _Diagnosing:
         stored(())
         return found(is_final=True)
 
-    async def _prepared(self) -> Tally:
+    async def _prepared(self) -> ProbeTally:
         if self._preparing is None:
             work = self._thinker.do(
                 lambda stop: check_up(self._program, stop=stop, limits=self._limits)
@@ -341,10 +341,12 @@ class _Diagnosing:
             self._preparing = asyncio.create_task(work)
         checkup = await asyncio.shield(self._preparing)
         if self._tally is None:
-            self._tally = Tally(checkup)
+            self._tally = ProbeTally(checkup)
         return self._tally
 
-    async def _work(self, tally: Tally, ask: Ask, robots: int, *, is_helping: bool = False) -> None:
+    async def _work(
+        self, tally: ProbeTally, ask: Ask, robots: int, *, is_helping: bool = False
+    ) -> None:
         """Count the rows of all probes that are not settled, some ticks at a time."""
         names = {probe.name: number for number, probe in enumerate(tally.checkup.probes)}
         most = _ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
@@ -395,7 +397,7 @@ class _Diagnosing:
         queue = self._some or self._others
         return [queue.popleft() for _ in range(min(most, len(queue)))]
 
-    async def _look_closely(self, tally: Tally, ticks: Sequence[Tick], robot: str) -> None:
+    async def _look_closely(self, tally: ProbeTally, ticks: Sequence[Tick], robot: str) -> None:
         """Count the rows of all probes, also of values, in the mind of a robot."""
         probes = enumerate(tally.checkup.probes)
         names = {probe.name: n for n, probe in probes if probe.closeness != "wider"}

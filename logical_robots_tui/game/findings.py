@@ -12,7 +12,7 @@ from itertools import zip_longest
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-from logical_robots_tui.explain.diagnosis.sites import Checkup, Tally
+from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally
 from logical_robots_tui.explain.diagnosis.telling import Finding, Severity, rule_findings, shorten
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
@@ -220,9 +220,9 @@ _MOST_LEAVES = 3
 
 
 def findings_of(
-    tally: Tally,
+    tally: ProbeTally,
     observed: Observations,
-    closer: Mapping[tuple[str, int], Tally],
+    closer: Mapping[tuple[str, int], ProbeTally],
     level: Level,
     *,
     is_complete: bool = True,
@@ -253,7 +253,7 @@ def findings_of(
 
 
 def _of_notices(
-    observed: Observations, closer: Mapping[tuple[str, int], Tally]
+    observed: Observations, closer: Mapping[tuple[str, int], ProbeTally]
 ) -> Iterator[Finding]:
     for named in dict.fromkeys(kind for kind, _ in observed.notices):
         tick, robot = observed.first_notice(named)
@@ -266,7 +266,7 @@ def _of_notices(
             yield _of_null(tally, robot, tick, first)
         elif named == "no row":
             rules = {n: r.span for n, r in enumerate(tally.checkup.rules) if r.predicate == "Robot"}
-            stops = [stop for rule in rules if (stop := tally.stopped(rule)) is not None]
+            stops = [stop for rule in rules if (stop := tally.stopping_site(rule)) is not None]
             places = [tally.checkup.sites[stop].span for stop in stops]
             span, others = _split([*places, *rules.values()])
             hint = "No rule of Robot holds here. Ask why to see where each one fails."
@@ -276,9 +276,9 @@ def _of_notices(
             yield Finding("notice", "warning", None, tick, first, hint, (), robot)
 
 
-def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
+def _of_several(tally: ProbeTally, robot: str, tick: int, first: str) -> Finding:
     checkup = tally.checkup
-    given = tally.robots.get((robot, tick), {})
+    given = tally.robot_rows.get((robot, tick), {})
     gave = [checkup.rules[number].span for number in sorted(given)]
     if len(given) > 1:
         hint = "Several rules hold at once; make them mutually exclusive."
@@ -293,15 +293,15 @@ def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     return Finding("several rows", "warning", span, tick, first, hint, others, robot)
 
 
-def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
+def _multipliers(tally: ProbeTally, rule: int, seen: set[int]) -> list[Span]:
     checkup = tally.checkup
     seen.add(rule)
     for number, site in enumerate(checkup.sites):
         count = tally.sites[number]
-        if site.rule != rule or site.kind != "part" or count.passed <= max(1, count.ways):
+        if site.rule != rule or site.kind != "part" or count.passed_cases <= max(1, count.cases):
             continue
         called = [n for n, r in enumerate(checkup.rules) if r.predicate == site.predicate]
-        gave = [n for n in called if tally.rules[n].gave is not None and n not in seen]
+        gave = [n for n in called if tally.rules[n].first_row is not None and n not in seen]
         facts = [n for n in gave if checkup.rules[n].is_fact]
         deeper = [] if facts or len(gave) != 1 else _multipliers(tally, gave[0], seen)
         times = Counter(checkup.rules[n].key for n in facts)
@@ -314,12 +314,12 @@ def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 _AGGREGATE = re.compile(r"[A-Z]\w*\s*\{")
 
 
-def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
+def _of_null(tally: ProbeTally, robot: str, tick: int, first: str) -> Finding:
     leaves, decided = _leaves(tally, robot), _decided(tally, robot)
     nulls = [
         place
         for number, site in enumerate(tally.checkup.sites)
-        if site.kind == "value" and tally.sites[number].true is not None
+        if site.kind == "value" and tally.sites[number].first_true is not None
         if tally.checkup.rules[site.rule].predicate != "Robot" or site.rule in decided
         for place in (site.span, *site.places)
     ]
@@ -343,7 +343,7 @@ def _split(places: Iterable[Span]) -> tuple[Span | None, tuple[Span, ...]]:
 
 
 def _of_memory(
-    checkup: Checkup, observed: Observations, closer: Mapping[tuple[str, int], Tally]
+    checkup: Checkup, observed: Observations, closer: Mapping[tuple[str, int], ProbeTally]
 ) -> Iterator[Finding]:
     reads = {field.name: field for field in reversed(checkup.reads)}
     writes = {field.name: field for field in reversed(checkup.writes)}
@@ -369,7 +369,7 @@ def _of_memory(
         if name not in reads:
             continue
         tally = closer[robot, tick]
-        given = sorted(tally.robots.get((robot, tick), ()), reverse=True)
+        given = sorted(tally.robot_rows.get((robot, tick), ()), reverse=True)
         places = [checkup.rules[n].memory or checkup.rules[n].span for n in given]
         span, others = _split([*places, reads[name].span])
         message = f"{robot} forgot memory.{name} at tick {tick}: the new memory has no such field."
@@ -394,7 +394,7 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
 
 
 def _of_definitions(checkup: Checkup, first: int) -> Iterator[Finding]:
-    for made, other in checkup.same:
+    for made, other in checkup.duplicate_copies:
         source = shorten(made.span.text.partition(":=")[2].strip())
         message = f"{made.name} and {other.name} are the same: both are `{source}`."
         hint = "Give one of them another predicate, or remove it."
@@ -405,7 +405,7 @@ def _of_definitions(checkup: Checkup, first: int) -> Iterator[Finding]:
 
 
 def _of_movement(
-    observed: Observations, closer: Mapping[tuple[str, int], Tally]
+    observed: Observations, closer: Mapping[tuple[str, int], ProbeTally]
 ) -> Iterator[Finding]:
     reported: set[tuple[str, Span | None]] = set()
     for stretch in sorted(observed.stretches, key=lambda each: [*_MOVEMENTS].index(each.kind)):
@@ -461,7 +461,7 @@ _MOVEMENTS = {
 """What is said of each kind of stretch, the most significant first, and the hint."""
 
 
-def _leaves(tally: Tally, robot: str) -> list[list[Span]]:
+def _leaves(tally: ProbeTally, robot: str) -> list[list[Span]]:
     """Return where a robot's desire came from, the most frequent and outermost first.
 
     For each choice these are its place and the sources of its values.
@@ -481,10 +481,10 @@ def _leaves(tally: Tally, robot: str) -> list[list[Span]]:
     return [[site.span, *site.places] for site in [*sites.values()][:_MOST_LEAVES]]
 
 
-def _decided(tally: Tally, robot: str) -> dict[int, set[int]]:
+def _decided(tally: ProbeTally, robot: str) -> dict[int, set[int]]:
     """Return the rules of `Robot` whose row counted, because it was the last, with the ticks."""
     found: dict[int, set[int]] = {}
-    for (who, tick), given in tally.robots.items():
+    for (who, tick), given in tally.robot_rows.items():
         if who == robot:
             found.setdefault(max(given), set()).add(tick)
     return found

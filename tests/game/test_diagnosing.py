@@ -165,7 +165,7 @@ async def test_where_the_values_of_an_engine_that_is_null_came_from_is_told(leve
       Sensor(robot_name:, sensor:), Guide(robot_name:, guide:);"""
     finding, span = the(await diagnosed(level, text), "bad engine")
     assert span.line == 6
-    assert {span.line for span in finding.others} == {1, 3, 4, 7}
+    assert {span.line for span in finding.related} == {1, 3, 4, 7}
 
 
 COPIED = f"""Far(r) :- r.distance > 9000;
@@ -301,7 +301,7 @@ Robot(robot_name:, desire: Go(),
         finding, span = the(await diagnosed(NO_DOOR, text, 300), kind)
         assert finding.message.startswith(words)
         assert span.line == 3
-        assert {span.line for span in finding.others} <= {1, 2}
+        assert {span.line for span in finding.related} <= {1, 2}
 
 
 async def test_who_has_just_got_stuck_is_not_on_its_way() -> None:
@@ -362,4 +362,4 @@ async def test_who_makes_no_progress_in_a_state_is_told_of_where_the_state_is_se
     finding, span = the(diagnosis, "unchanged")
     assert finding.message == 'Ada\'s memory.state stayed "wait" from tick 1 to 300.'
     assert span.line == 7
-    assert 5 in {span.line for span in finding.others}
+    assert 5 in {span.line for span in finding.related}

@@ -72,7 +72,7 @@ def diagnosis_of(level: str, text: str, ticks: int) -> Diagnosis:
 def rank(findings: tuple[Finding, ...], line: int) -> tuple[int, bool] | None:
     """The place, from 1, of the first finding that names a line, and whether it is its own."""
     for number, finding in enumerate(findings, 1):
-        spans = [span for span in (finding.span, *finding.others) if span is not None]
+        spans = [span for span in (finding.span, *finding.related) if span is not None]
         if any(span.line == line for span in spans):
             own = finding.span is not None and finding.span.line == line
             return number, own

@@ -7,7 +7,7 @@ from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Se
 from dataclasses import replace
 
 from logical_robots_tui.explain.bodies import span_of
-from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
+from logical_robots_tui.explain.diagnosis.sites import Checkup, NamedPlace, RuleSite
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.diagnosis.watching import Sources, decisive_columns
 from logical_robots_tui.language.definitions import definitions, is_constant, names_used, rules_of
@@ -49,11 +49,13 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     source, program = read_program(text)
     expanded = expand(program)
     rules = [(rule.name, rule) for rule in rules_of(program)]
-    own: dict[str, list[Rule]] = {}
+    predicates: dict[str, list[Rule]] = {}
     for name, rule in rules:
-        own.setdefault(name, []).append(rule)
-    rules = [(name, rule) for name in own for rule in own[name]]
-    functions |= {name for name, mine in own.items() if len(mine) == 1 and is_constant(mine[0])}
+        predicates.setdefault(name, []).append(rule)
+    rules = [(name, rule) for name in predicates for rule in predicates[name]]
+    functions |= {
+        name for name, group in predicates.items() if len(group) == 1 and is_constant(group[0])
+    }
     functions |= {n for n, (first, _) in expanded.origins.items() if first in functions}
     # A pattern that is only copied by `:=` is not needed itself.
     used = expanded.reach(MAIN) | {MAIN}
@@ -65,22 +67,22 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         if name in used and name not in functions:
             tracer.copy(name)
     needed = used | {tracer.copies[name][0] for name in used & tracer.copies.keys()}
-    asked = dict(list(tracer.probes.items())[:_MOST_PROBES])
-    copied = [rule for mine in expanded.rules.values() for rule in mine]
-    probed = [rule for rule, _ in asked.values()]
-    together: list[Statement] = [*expanded.annotations, *copied, *probed]
-    compiled = compile_statements(together, source).statements(asked)
+    candidates = dict(list(tracer.probes.items())[:_MOST_PROBES])
+    copied = [rule for group in expanded.rules.values() for rule in group]
+    probed = [rule for rule, _ in candidates.values()]
+    watched: list[Statement] = [*expanded.annotations, *copied, *probed]
+    compiled = compile_statements(watched, source).statements(candidates)
     statements = {name: sql for name, sql in compiled.items() if is_quick(sql, 0)}
-    probes = [asked[name][1] for name in statements]
+    probes = [candidates[name][1] for name in statements]
     for name in tracer.probes.keys() - statements.keys():
         if tracer.probes[name][1].closeness != "closer":
             tracer.miss_probe(tracer.probes[name][1])
-    writes, writes_all = memory_fields(own, functions, source)
+    writes, writes_all = memory_fields(predicates, functions, source)
     sites = []
     for name, rule in rules:
         site = _site(name, rule, source, is_function=name in functions, is_needed=name in needed)
         decisive = decisive_columns(rule, expanded.rules) if name == MAIN else ()
-        sites.append(replace(site, sources=tuple(sorted({made for made, _ in decisive}))))
+        sites.append(replace(site, sources=tuple(sorted({predicate for predicate, _ in decisive}))))
     return Checkup(
         tuple(sites),
         tuple(tracer.sites),
@@ -90,32 +92,38 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         tuple(writes),
         tracer.reads_all,
         writes_all,
-        tuple(texts_of((rule for name, rule in rules if name in needed), own, source)),
-        tracer.left_out + len(tracer.probes) - len(probes),
+        tuple(texts_of((rule for name, rule in rules if name in needed), predicates, source)),
+        tracer.skipped_probes + len(tracer.probes) - len(probes),
         tuple(sorted(tracer.missed_sites())),
         tuple(sorted(tracer.missed_rules)),
         tuple(unused(program, source)),
-        tuple(copies_twice(program, source)),
+        tuple(duplicate_copies(program, source)),
     )
 
 
-def unused(program: Sequence[Statement], source: Prepared) -> Iterator[Field]:
+def unused(program: Sequence[Statement], source: Prepared) -> Iterator[NamedPlace]:
     """Yield the predicates that nothing else in a program mentions."""
-    own = definitions(program)
-    users = ((user, name) for user, mine in own.items() for name in {*names_used(mine)})
-    used = {name for user, name in users if user != name} | {MAIN}
-    for name, (first, *_) in own.items():
-        if name not in used:
-            yield Field(name, span_of(first, source))
+    predicates = definitions(program)
+    users = (
+        (user, name)
+        for user, statements in predicates.items()
+        for name in {*names_used(statements)}
+    )
+    used_names = {name for user, name in users if user != name} | {MAIN}
+    for name, (first, *_) in predicates.items():
+        if name not in used_names:
+            yield NamedPlace(name, span_of(first, source))
 
 
-def copies_twice(program: Iterable[Statement], source: Prepared) -> Iterator[tuple[Field, Field]]:
-    """Yield the predicates that ``:=`` makes of the same as others, with these."""
-    made: dict[tuple[str, frozenset[Argument]], Field] = {}
-    for each in program:
-        if isinstance(each, Functor):
-            field = Field(each.name, span_of(each, source))
-            first = made.setdefault((each.base, frozenset(each.arguments)), field)
+def duplicate_copies(
+    program: Iterable[Statement], source: Prepared
+) -> Iterator[tuple[NamedPlace, NamedPlace]]:
+    """Yield the pairs of predicates that ``:=`` makes of the same."""
+    firsts: dict[tuple[str, frozenset[Argument]], NamedPlace] = {}
+    for functor in program:
+        if isinstance(functor, Functor):
+            field = NamedPlace(functor.name, span_of(functor, source))
+            first = firsts.setdefault((functor.base, frozenset(functor.arguments)), field)
             if first != field:
                 yield field, first
 
@@ -136,65 +144,69 @@ _DEEPEST = 8
 
 
 def memory_fields(
-    own: Mapping[str, Sequence[Rule]], functions: frozenset[str], source: Prepared
-) -> tuple[list[Field], bool]:
+    predicates: Mapping[str, Sequence[Rule]], functions: frozenset[str], source: Prepared
+) -> tuple[list[NamedPlace], bool]:
     """Return the fields of `Robot`'s memory records, and whether there may be others."""
-    found: dict[str, Field] = {}
+    fields: dict[str, NamedPlace] = {}
     is_open = False
-    sources = Sources(source, own)
+    sources = Sources(source, predicates)
 
-    def look(value: Expression, rule: Rule, depth: int) -> None:
+    def visit(value: Expression, rule: Rule, depth: int) -> None:
         nonlocal is_open
         match value:
             case Record():
-                for each in value.arguments:
-                    places = sources.of(each.value, rule)
-                    field = Field(str(each.field), span_of(each, source), places)
-                    found.setdefault(field.name, field)
+                for argument in value.arguments:
+                    places = sources.of(argument.value, rule)
+                    field = NamedPlace(str(argument.field), span_of(argument, source), places)
+                    fields.setdefault(field.name, field)
             case Choice():
                 for branch in value.branches:
-                    look(branch.value, rule, depth)
-                look(value.otherwise, rule, depth)
+                    visit(branch.value, rule, depth)
+                visit(value.otherwise, rule, depth)
             case Variable() if bound := [
                 part.right
                 for part in conjuncts(rule.body)
                 if isinstance(part, Equation) and part.left == value
             ]:
-                look(bound[0], rule, depth)
-            case Call(name=name) if name in functions and name in own and depth < _DEEPEST:
-                for inner in own[name]:
+                visit(bound[0], rule, depth)
+            case Call(name=name) if name in functions and name in predicates and depth < _DEEPEST:
+                for inner in predicates[name]:
                     if inner.value is not None:
-                        look(inner.value, inner, depth + 1)
+                        visit(inner.value, inner, depth + 1)
             case Literal() | PredicateName():
                 pass
             case _:
                 is_open = True
 
-    for rule in own.get(MAIN, ()):
+    for rule in predicates.get(MAIN, ()):
         column = rule.head.column("memory")
         if column is not None and column.expression is None:
             is_open = True
         elif column is not None and column.expression is not None:
-            look(column.expression, rule, 0)
-    return list(found.values()), is_open
+            visit(column.expression, rule, 0)
+    return list(fields.values()), is_open
 
 
-def texts_of(rules: Iterable[Rule], own: Container[str], source: Prepared) -> Iterator[Field]:
-    """Yield the texts in some rules that are compared or passed to a predicate, and only that."""
+def texts_of(
+    rules: Iterable[Rule], predicates: Container[str], source: Prepared
+) -> Iterator[NamedPlace]:
+    """Yield the texts in rules that are only compared or passed to a predicate."""
     rules = list(rules)
     times = Counter(node.value for rule in rules for node in walk(rule) if isinstance(node, Text))
     for rule in rules:
         for node in walk(rule):
-            for value in _constants_in(node, own, is_fact=not rule.body):
+            for value in _constants_in(node, predicates, is_fact=not rule.body):
                 name = text_of(value)
                 if name and times[name] == 1:
-                    yield Field(name, span_of(value, source))
+                    yield NamedPlace(name, span_of(value, source))
 
 
-def _constants_in(node: Node, own: Container[str], *, is_fact: bool) -> Sequence[Expression]:
+def _constants_in(node: Node, predicates: Container[str], *, is_fact: bool) -> Sequence[Expression]:
     """Return the values in a node that are compared with something, or are in a fact."""
     match node:
-        case Call() | Atom() if node.name in COMPARISONS or node.name in own or node.name in INPUTS:
+        case Call() | Atom() if (
+            node.name in COMPARISONS or node.name in predicates or node.name in INPUTS
+        ):
             return operands(node.arguments)
         case Equation():
             return node.left, node.right

@@ -19,7 +19,7 @@ from logical_robots_tui.values import Value
 TESTS = ("condition", "denial", "branch", "operand")
 """Sites of these kinds are conditions."""
 
-Stands: TypeAlias = Literal["body", "aggregate", "denied"]
+SitePosition: TypeAlias = Literal["body", "aggregate", "denied"]
 
 SiteKind = Literal[
     "part", "condition", "branch", "operand", "text", "denial", "leaf", "value", "fallback"
@@ -36,13 +36,14 @@ class Site:
             ``operand`` (of ``&&``, ``||`` or ``!``), ``text`` (passed to a comparing function),
             ``leaf`` (a value that an ``if`` chooses, or a rule's value), ``value`` (a part
             that may be null; true means that it is) or ``fallback`` (the same, where
-            ``Coalesce`` takes `other` then).
+            ``Coalesce`` takes `counterpart` then).
         rule: Index of its rule.
-        literal: The text that `other` is compared with, or None.
-        other: The expression compared with that text or with a number; or "".
+        literal: The text that `counterpart` is compared with, or None.
+        counterpart: The expression compared with that text or with a number; or "".
         operator: The comparison, ``&&``, ``||``, ``!`` or "".
         within: The predicate made with ``:=`` whose rules it belongs to, or "".
         places: Where its values come from, the nearest first.
+        position: Whether it is in a body, or in an aggregate or a negation inside one.
         owner: Of a leaf, the predicate that has its value, or calls the function that has it.
     """
 
@@ -50,18 +51,18 @@ class Site:
     span: Span
     rule: int
     literal: str | None = None
-    other: str = ""
+    counterpart: str = ""
     operator: str = ""
     predicate: str = ""
     within: str = ""
     places: tuple[Span, ...] = ()
-    stands: Stands = "body"
+    position: SitePosition = "body"
     owner: str = ""
 
     @property
     def is_step(self) -> bool:
         """Whether the rule has no row if nothing satisfies this."""
-        return self.kind in ("part", "condition", "denial") and self.stands == "body"
+        return self.kind in ("part", "condition", "denial") and self.position == "body"
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +88,7 @@ class RuleSite:
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class ProbeColumn:
     """A column of a probe's answer.
 
     Attributes:
@@ -104,36 +105,38 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """A query for the ways in which the beginning of a body holds, grouped by boolean values.
+    """A query for the derivations of the beginning of a body, grouped by boolean values.
 
     Its columns are c0, c1 ...; dN for right sides of pairs; lN and hN for the least and
-    greatest difference of compared numbers; then ``n``, the number of ways.
+    greatest difference of compared numbers; then ``n``, the number of derivations.
 
     Attributes:
-        after, before: Indices of the parts that these rows passed and reach; or -1.
-        filters: Columns that must be true to reach `before`, or for the rule to give a row.
-        gives: Index of the rule that has a row then, or -1.
-        robot: Whether there is a column ``who`` with the robot.
+        passed_site, reached_site: Indices of the parts that these rows passed and reach; or -1.
+        filters: Columns that must be true to reach `reached_site`, or for the rule to give a row.
+        rule: Index of the rule that has a row then, or -1.
+        has_robot: Whether there is a column ``who`` with the robot.
         closeness: ``closer`` includes values, which takes longer; ``wider`` does not.
     """
 
     name: str
-    columns: tuple[Column, ...]
-    after: int = -1
-    before: int = -1
+    columns: tuple[ProbeColumn, ...]
+    passed_site: int = -1
+    reached_site: int = -1
     filters: tuple[int, ...] = ()
-    gives: int = -1
-    robot: bool = False
+    rule: int = -1
+    has_robot: bool = False
     closeness: Literal["closer", "wider", "both"] = "both"
 
     @property
     def sites(self) -> frozenset[int]:
-        """The indices of all sites about which it tells something."""
-        return frozenset({self.after, self.before, *(c.site for c in self.columns)}) - {-1}
+        """The indices of all sites that its rows describe."""
+        return frozenset({self.passed_site, self.reached_site, *(c.site for c in self.columns)}) - {
+            -1
+        }
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class NamedPlace:
     """A name in a program; for a written memory field also where its value comes from."""
 
     name: str
@@ -151,27 +154,27 @@ class Checkup:
         reads_all: Whether it may read others, because it uses a memory as a whole.
         writes_all: Whether it may write others, because its memory is not a plain record.
         texts: Texts in its comparisons and facts.
-        left_out: The number of probes that could not be made.
-        missed_sites, missed_rules: Indices of those that are reached in other ways as well, so
-            that nothing can be said never to happen there.
+        skipped_probes: The number of probes that could not be made.
+        missed_sites, missed_rules: Indices of those that are also reached unobserved; of these,
+            "never" can't be reported.
         unused: Predicates that nothing uses.
-        same: Predicates that are made of the same as others, with these.
+        duplicate_copies: Pairs of predicates that ``:=`` makes of the same.
     """
 
     rules: tuple[RuleSite, ...]
     sites: tuple[Site, ...]
     probes: tuple[Probe, ...]
     program: Program
-    reads: tuple[Field, ...] = ()
-    writes: tuple[Field, ...] = ()
+    reads: tuple[NamedPlace, ...] = ()
+    writes: tuple[NamedPlace, ...] = ()
     reads_all: bool = False
     writes_all: bool = False
-    texts: tuple[Field, ...] = ()
-    left_out: int = 0
+    texts: tuple[NamedPlace, ...] = ()
+    skipped_probes: int = 0
     missed_sites: tuple[int, ...] = ()
     missed_rules: tuple[int, ...] = ()
-    unused: tuple[Field, ...] = ()
-    same: tuple[tuple[Field, Field], ...] = ()
+    unused: tuple[NamedPlace, ...] = ()
+    duplicate_copies: tuple[tuple[NamedPlace, NamedPlace], ...] = ()
 
 
 class PrepareCheckup(Task, frozen=True):
@@ -207,50 +210,50 @@ class Count:
     """Statistics of a site.
 
     Attributes:
-        reached, true, false, null: The first examined tick in which it was so, or None; a part
-            is true if it gave rows.
-        ways, ticks: In how many ways, and in which ticks, it was reached.
-        passed: The number of ways in which a part was passed.
+        first_reached, first_true, first_false, first_null: The first examined tick in which it
+            was so, or None; a part is true if it gave rows.
+        cases, ticks: The number of derivations, and the ticks, that reached it.
+        passed_cases: The number of derivations that passed a part.
         left, right: Values of the sides of an equation, with their first ticks.
-        least, greatest: The extreme differences between the sides of a comparison, or None.
+        min_difference, max_difference: Between the sides of a comparison, or None.
     """
 
-    reached: int | None = None
-    ways: int = 0
-    passed: int = 0
+    first_reached: int | None = None
+    cases: int = 0
+    passed_cases: int = 0
     ticks: set[int] = field(default_factory=set)
-    true: int | None = None
-    false: int | None = None
-    null: int | None = None
+    first_true: int | None = None
+    first_false: int | None = None
+    first_null: int | None = None
     left: dict[Value, int] = field(default_factory=dict)
     right: dict[Value, int] = field(default_factory=dict)
-    least: float | None = None
-    greatest: float | None = None
+    min_difference: float | None = None
+    max_difference: float | None = None
 
-    def reach(self, tick: int, ways: int) -> None:
-        self.reached = _first(self.reached, tick)
-        self.ways += ways
+    def reach(self, tick: int, cases: int) -> None:
+        self.first_reached = _earliest(self.first_reached, tick)
+        self.cases += cases
         self.ticks.add(tick)
 
 
 @dataclass(slots=True)
 class RuleCount:
-    """A rule's examinations, and the first ticks in which it was examined and gave a row."""
+    """The first ticks in which a rule was examined and gave a row."""
 
-    asked: int | None = None
-    gave: int | None = None
+    first_examined: int | None = None
+    first_row: int | None = None
 
 
-class Tally:
+class ProbeTally:
     """Statistics of everything that a checkup watches, by index of the site or rule.
 
     Attributes:
-        given_up: Indices of probes that failed once, so that they can't prove a "never".
-        robots: By robot and tick, how many rows each rule of `Robot` had for it.
+        failed_probes: Indices of probes that failed once, so that they can't prove a "never".
+        robot_rows: By robot and tick, how many rows each rule of `Robot` had for it.
 
     Args:
         checkup: What is watched.
-        robot: The only robot whose rows count, where rows tell whose they are; "" for all.
+        robot: The only robot whose rows count, where rows name a robot; "" for all.
     """
 
     def __init__(self, checkup: Checkup, robot: str = "") -> None:
@@ -259,163 +262,168 @@ class Tally:
         self.sites = [Count() for _ in checkup.sites]
         self.rules = [RuleCount() for _ in checkup.rules]
         self.ticks: set[int] = set()
-        self.given_up: set[int] = set()
+        self.failed_probes: set[int] = set()
         # Parts that are reached only if the parts before them hold.
-        self._waited_for = {probe.before for probe in checkup.probes}
-        self.robots: dict[tuple[str, int], dict[int, int]] = {}
-        self._settle(checkup.missed_sites, checkup.missed_rules)
+        self._dependent_parts = {probe.reached_site for probe in checkup.probes}
+        self.robot_rows: dict[tuple[str, int], dict[int, int]] = {}
+        self._exclude(checkup.missed_sites, checkup.missed_rules)
 
     def add(self, tick: int, number: int, views: Sequence[Rows]) -> None:
         """Add the rows of a probe at a tick, in each view of it."""
         self.ticks.add(tick)
         probe = self.checkup.probes[number]
-        passed = before = gave = 0
+        passed_cases = reached_cases = 0
         for row in chain.from_iterable(views):
-            ways = row["n"]
-            who = row.get("who")
-            if not isinstance(ways, int):
+            cases = row["n"]
+            robot = row.get("who")
+            if not isinstance(cases, int):
                 continue  # a sum of nothing
-            if self._robot and isinstance(who, str) and who != self._robot:
+            if self._robot and isinstance(robot, str) and robot != self._robot:
                 continue
             truths: list[bool | None] = []
-            for place, column in enumerate(probe.columns):
-                truth = self._truth(column, place, row)
+            for index, column in enumerate(probe.columns):
+                truth = self._truth(column, index, row)
                 truths.append(truth)
                 count = self.sites[column.site]
-                is_settled = count.true is not None and count.false is not None
+                is_settled = count.first_true is not None and count.first_false is not None
                 if is_settled or column.kind == "skip":
                     continue
                 if all((truths[c] is True) is holds for c, holds in column.guard):
-                    self._see(tick, column, place, row, truth, ways)
-            passed += ways
+                    self._record(tick, column, index, row, truth, cases)
+            passed_cases += cases
             if all(truths[c] is True for c in probe.filters):
-                before += ways
-                gave += ways
-                if probe.robot and isinstance(who, str):
-                    given = self.robots.setdefault((who, tick), {})
-                    given[probe.gives] = given.get(probe.gives, 0) + ways
-        self._note_parts(tick, probe, passed, before, len(views))
-        if probe.gives >= 0:
-            rule = self.rules[probe.gives]
-            rule.asked = _first(rule.asked, tick)
-            if gave:
-                rule.gave = _first(rule.gave, tick)
+                reached_cases += cases
+                if probe.has_robot and isinstance(robot, str):
+                    rows = self.robot_rows.setdefault((robot, tick), {})
+                    rows[probe.rule] = rows.get(probe.rule, 0) + cases
+        self._note_parts(tick, probe, passed_cases, reached_cases, len(views))
+        if probe.rule >= 0:
+            rule = self.rules[probe.rule]
+            rule.first_examined = _earliest(rule.first_examined, tick)
+            if reached_cases:
+                rule.first_row = _earliest(rule.first_row, tick)
 
     def give_up(self, number: int) -> None:
-        """Mark a probe as failed; nothing that depends on it is reported."""
+        """Mark a probe as failed; no "never" that depends on it is reported."""
         probe = self.checkup.probes[number]
-        self.given_up.add(number)
-        self._settle(probe.sites, {probe.gives} - {-1})
+        self.failed_probes.add(number)
+        self._exclude(probe.sites, {probe.rule} - {-1})
 
     def doubtful_probes(self) -> list[int]:
-        """Return the probes that may still change what is told."""
+        """Return the probes that may still change the findings."""
         sites = {n for n in range(len(self.sites)) if self._is_doubtful(n)}
-        found = []
+        probes = []
         for number, probe in enumerate(self.checkup.probes):
-            if probe.closeness == "closer" or number in self.given_up:
+            if probe.closeness == "closer" or number in self.failed_probes:
                 continue
-            if probe.sites & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
-                found.append(number)
-        return found
+            if probe.sites & sites or (
+                probe.rule >= 0 and self.rules[probe.rule].first_row is None
+            ):
+                probes.append(number)
+        return probes
 
-    def stopped(self, rule: int) -> int | None:
-        found = None
+    def stopping_site(self, rule: int) -> int | None:
+        last_stop = None
         for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True)):
-            is_stuck = count.reached is not None and count.true is None
+            is_stuck = count.first_reached is not None and count.first_true is None
             if site.rule == rule and site.is_step and is_stuck:
-                found = number
-        return found
+                last_stop = number
+        return last_stop
 
     def _is_doubtful(self, number: int) -> bool:
         site, count = self.checkup.sites[number], self.sites[number]
         if site.kind in ("leaf", "value"):
             return False
-        if count.reached is None or count.true is None:
-            return is_telling(site) or self.rules[site.rule].gave is None
+        if count.first_reached is None or count.first_true is None:
+            return is_reportable(site) or self.rules[site.rule].first_row is None
         return is_always_true(site, count)
 
-    def _settle(self, sites: Iterable[int], rules: Iterable[int]) -> None:
-        """Let nothing be said never to happen at some sites and in some rules."""
-        for place in sites:
-            count = self.sites[place]
-            if self.checkup.sites[place].kind not in ("leaf", "value"):
-                count.reached = _first(count.reached, 0)
-                count.true = _first(count.true, 0)
-                count.false = _first(count.false, 0)
+    def _exclude(self, sites: Iterable[int], rules: Iterable[int]) -> None:
+        """Exclude sites and rules from findings that something never happened."""
+        for number in sites:
+            count = self.sites[number]
+            if self.checkup.sites[number].kind not in ("leaf", "value"):
+                count.first_reached = _earliest(count.first_reached, 0)
+                count.first_true = _earliest(count.first_true, 0)
+                count.first_false = _earliest(count.first_false, 0)
         for rule in rules:
-            self.rules[rule].gave = _first(self.rules[rule].gave, 0)
+            self.rules[rule].first_row = _earliest(self.rules[rule].first_row, 0)
 
-    def _note_parts(self, tick: int, probe: Probe, passed: int, before: int, views: int) -> None:
-        if probe.after >= 0 and passed:
-            site = self.sites[probe.after]
-            site.true = _first(site.true, tick)
-            site.passed += passed
-        if probe.after >= 0 and probe.after not in self._waited_for:
-            self.sites[probe.after].reach(tick, views)
-        if probe.before >= 0 and before:
-            self.sites[probe.before].reach(tick, before)
+    def _note_parts(
+        self, tick: int, probe: Probe, passed_cases: int, reached_cases: int, views: int
+    ) -> None:
+        if probe.passed_site >= 0 and passed_cases:
+            site = self.sites[probe.passed_site]
+            site.first_true = _earliest(site.first_true, tick)
+            site.passed_cases += passed_cases
+        if probe.passed_site >= 0 and probe.passed_site not in self._dependent_parts:
+            self.sites[probe.passed_site].reach(tick, views)
+        if probe.reached_site >= 0 and reached_cases:
+            self.sites[probe.reached_site].reach(tick, reached_cases)
 
-    def _truth(self, column: Column, place: int, row: Mapping[str, Value]) -> bool | None:
+    def _truth(self, column: ProbeColumn, index: int, row: Mapping[str, Value]) -> bool | None:
         if column.kind in ("always", "skip"):
             return True
-        value = row[f"c{place}"]
+        value = row[f"c{index}"]
         if column.kind == "truth":
             is_number = isinstance(value, int | float)
             return None if value is None else is_number and bool(value)
         is_pair = column.kind == "pair"
-        other = row[f"d{place}"] if is_pair else self.checkup.sites[column.site].literal
-        return None if value is None or other is None else value == other
+        counterpart = row[f"d{index}"] if is_pair else self.checkup.sites[column.site].literal
+        return None if value is None or counterpart is None else value == counterpart
 
-    def _see(
+    def _record(
         self,
         tick: int,
-        column: Column,
-        place: int,
+        column: ProbeColumn,
+        index: int,
         row: Mapping[str, Value],
         truth: bool | None,
-        ways: int,
+        cases: int,
     ) -> None:
         site = self.sites[column.site]
-        site.reach(tick, ways)
+        site.reach(tick, cases)
         if truth:
-            site.true = _first(site.true, tick)
+            site.first_true = _earliest(site.first_true, tick)
         elif truth is None:
-            site.null = _first(site.null, tick)
+            site.first_null = _earliest(site.first_null, tick)
         else:
-            site.false = _first(site.false, tick)
+            site.first_false = _earliest(site.first_false, tick)
         if column.kind in ("text", "pair"):
-            _keep(site.left, row[f"c{place}"], tick)
+            _record_value(site.left, row[f"c{index}"], tick)
         if column.kind == "pair":
-            _keep(site.right, row[f"d{place}"], tick)
-        site.least = _extreme(min, site.least, row.get(f"l{place}"))
-        site.greatest = _extreme(max, site.greatest, row.get(f"h{place}"))
+            _record_value(site.right, row[f"d{index}"], tick)
+        site.min_difference = _extreme(min, site.min_difference, row.get(f"l{index}"))
+        site.max_difference = _extreme(max, site.max_difference, row.get(f"h{index}"))
 
 
-def is_telling(site: Site) -> bool:
-    """Return whether it is told of a site by itself that nothing held there."""
-    # What is negated is told of where it is negated, or instead of its negation by `!`.
+def is_reportable(site: Site) -> bool:
+    """Return whether a site that never held gets a finding of its own."""
+    # What `!` negates gets its own finding, instead of the negation.
     if site.operator == "!":
         return False
-    return site.kind != "part" or not (site.predicate in ("", *INPUTS) or site.stands == "denied")
+    return site.kind != "part" or not (site.predicate in ("", *INPUTS) or site.position == "denied")
 
 
 def is_always_true(site: Site, count: Count) -> bool:
-    seen = count.true is not None and count.false is None and count.null is None
-    return site.kind in TESTS and site.operator != "!" and seen
+    was_only_true = (
+        count.first_true is not None and count.first_false is None and count.first_null is None
+    )
+    return site.kind in TESTS and site.operator != "!" and was_only_true
 
 
 def _extreme(
-    choose: Callable[[float, float], float], known: float | None, new: Value
+    choose: Callable[[float, float], float], extreme: float | None, difference: Value
 ) -> float | None:
-    if not isinstance(new, int | float):
-        return known
-    return float(new) if known is None else choose(known, float(new))
+    if not isinstance(difference, int | float):
+        return extreme
+    return float(difference) if extreme is None else choose(extreme, float(difference))
 
 
-def _first(known: int | None, tick: int) -> int:
-    return tick if known is None else min(known, tick)
+def _earliest(first_tick: int | None, tick: int) -> int:
+    return tick if first_tick is None else min(first_tick, tick)
 
 
-def _keep(values: dict[Any, int], value: Value, tick: int) -> None:
+def _record_value(values: dict[Any, int], value: Value, tick: int) -> None:
     if isinstance(value, str | int | float) and len(values) < MOST_VALUES:
         values.setdefault(value, tick)

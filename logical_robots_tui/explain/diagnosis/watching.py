@@ -9,7 +9,14 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.explain.bodies import Scope, parameters, span_of
-from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site, Stands
+from logical_robots_tui.explain.diagnosis.sites import (
+    TESTS,
+    NamedPlace,
+    Probe,
+    ProbeColumn,
+    Site,
+    SitePosition,
+)
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import names_used, reach
 from logical_robots_tui.language.source_text import Prepared
@@ -63,15 +70,15 @@ class Segment:
     """A body up to a part with rows, and the tests there: the content of one query.
 
     Attributes:
-        asked, differences: Per column, its expression, and the difference of compared sides.
-        after: Index of the site of the part at its end, or -1.
+        expressions, differences: Per column, its expressions, and the difference of both sides.
+        passed_site: Index of the site of the part at its end, or -1.
     """
 
     body: list[Proposition]
-    after: int = -1
-    columns: list[Column] = field(default_factory=list)
+    passed_site: int = -1
+    columns: list[ProbeColumn] = field(default_factory=list)
     trees: list[Expression | None] = field(default_factory=list)
-    asked: dict[int, Sequence[Expression]] = field(default_factory=dict)
+    expressions: dict[int, Sequence[Expression]] = field(default_factory=dict)
     differences: dict[int, Expression] = field(default_factory=dict)
 
 
@@ -85,25 +92,25 @@ class Trail:
 
 
 @dataclass(frozen=True)
-class At:
-    """Where an expression is computed.
+class Environment:
+    """Where an expression is evaluated.
 
     Attributes:
-        given: The query's expressions by variable.
-        chosen: The condition of an ``if`` that must hold for it, and the index of its rule.
+        bindings: The query's expressions by variable.
+        choice: The condition of an ``if`` that must hold for it, and the index of its rule.
     """
 
     trail: Trail
     rule: int
     scope: Scope
-    known: frozenset[str]
-    given: Mapping[str, Expression]
+    bound: frozenset[str]
+    bindings: Mapping[str, Expression]
     guard: Guard = ()
-    inside: tuple[str, ...] = ()
-    stands: Stands = "body"
-    chosen: tuple[Expression, int] | None = None
+    call_stack: tuple[str, ...] = ()
+    position: SitePosition = "body"
+    choice: tuple[Expression, int] | None = None
 
-    def when(self, column: int, *, holds: bool) -> At:
+    def when(self, column: int, *, holds: bool) -> Environment:
         return replace(self, guard=(*self.guard, (column, holds)))
 
 
@@ -115,8 +122,8 @@ class Watching:
 
     Attributes:
         probes: For each generated predicate its rule, and the meaning of its rows.
-        left_out: The number of probes beyond the limits.
-        copies: For each predicate copied by ``:=``, the original and the made predicate.
+        skipped_probes: The number of probes beyond the limits.
+        copies: For each predicate copied by ``:=``, the original and the copy.
         missed_rules: Rules that are also evaluated where no probe watches them.
     """
 
@@ -125,29 +132,33 @@ class Watching:
     ) -> None:
         self.sites: list[Site] = []
         self.probes: dict[str, tuple[Rule, Probe]] = {}
-        self.reads: dict[tuple[str, int], Field] = {}
+        self.reads: dict[tuple[str, int], NamedPlace] = {}
         self.reads_all = False
-        self.left_out = 0
-        made = {name: (base, name) for name, base in expanded.bases.items()}
-        self.copies = {**expanded.origins, **made}
+        self.skipped_probes = 0
+        functor_copies = {name: (base, name) for name, base in expanded.bases.items()}
+        self.copies = {**expanded.origins, **functor_copies}
         self.missed_rules: set[int] = set()
         self._missed_sites: set[int] = set()
         self._within = self._owner = ""
         self._source = source
-        self._own, self._functions, self._rules = expanded.rules, functions, rules
+        self._predicates, self._functions, self._rules = expanded.rules, functions, rules
         self._numbers = {id(rule): number for number, rule in enumerate(rules)}
         # A copy may be of a predicate that is made itself, which comes first.
-        for copy, (original, _) in {**made, **expanded.origins}.items():
+        for copy, (original, _) in {**functor_copies, **expanded.origins}.items():
             # A predicate with the rows of a recursive one has a single rule.
-            for rule, first in zip(self._own[copy], self._own[original], strict=False):
+            for rule, first in zip(
+                self._predicates[copy], self._predicates[original], strict=False
+            ):
                 self._numbers[id(rule)] = self._numbers[id(first)]
         self._sources = Sources(source, expanded.rules)
-        own = expanded.rules
-        self._decisive = {c for rule in own.get(MAIN, ()) for c in decisive_columns(rule, own)}
-        self._known_sites: dict[tuple[Any, ...], int] = {}
+        predicates = expanded.rules
+        self._decisive = {
+            c for rule in predicates.get(MAIN, ()) for c in decisive_columns(rule, predicates)
+        }
+        self._site_indices: dict[tuple[Any, ...], int] = {}
         self._memories: set[str] = set()
         self._leaves: set[str] = set()
-        self._fresh = 0
+        self._fresh_count = 0
 
     def missed_sites(self) -> set[int]:
         """Return the sites that are also evaluated where no probe watches them."""
@@ -155,117 +166,122 @@ class Watching:
         return self._missed_sites | in_rules
 
     def miss_probe(self, probe: Probe) -> None:
-        """Note that a probe is not asked."""
+        """Note that a probe is not evaluated."""
         self._missed_sites |= probe.sites
-        if probe.gives >= 0:
-            self.missed_rules.add(probe.gives)
+        if probe.rule >= 0:
+            self.missed_rules.add(probe.rule)
 
-    def _miss(self, tree: Tree, at: At) -> None:
-        """Note that a tree, and the rules that it uses, are not watched at a place."""
-        self.missed_rules.add(at.rule)
-        for name in reach(tree, self._own):
-            for rule in self._own.get(name, ()):
-                self.missed_rules |= {self._numbers.get(id(rule), at.rule)}
+    def _miss(self, tree: Tree, env: Environment) -> None:
+        """Note that a tree, and the rules that it uses, are not watched in an environment."""
+        self.missed_rules.add(env.rule)
+        for name in reach(tree, self._predicates):
+            for rule in self._predicates.get(name, ()):
+                self.missed_rules |= {self._numbers.get(id(rule), env.rule)}
 
-    def _all_of(self, at: At) -> list[Proposition]:
-        segment = at.trail.segment
-        conditions = ((segment.trees[column], holds) for column, holds in at.guard)
+    def _guarded_body(self, env: Environment) -> list[Proposition]:
+        segment = env.trail.segment
+        conditions = ((segment.trees[column], holds) for column, holds in env.guard)
         return [*segment.body, *(_as_part(c, holds=holds) for c, holds in conditions if c)]
 
-    def _tells(self, probe: Probe) -> bool:
+    def _covers_predicate(self, probe: Probe) -> bool:
         return any(
-            at >= 0 and self.sites[at].predicate not in ("", *INPUTS)
-            for at in (probe.after, probe.before)
+            site >= 0 and self.sites[site].predicate not in ("", *INPUTS)
+            for site in (probe.passed_site, probe.reached_site)
         )
 
-    def _called(self, name: str, at: At) -> str:
-        value = at.given.get(name)
+    def _query_variable(self, name: str, env: Environment) -> str:
+        value = env.bindings.get(name)
         return name if value is None else variable_of(value)
 
-    def _new(self, name: str) -> str:
-        self._fresh += 1
-        return f"d{self._fresh}_{name}"
+    def _fresh_name(self, name: str) -> str:
+        self._fresh_count += 1
+        return f"d{self._fresh_count}_{name}"
 
     def _span(self, tree: Tree) -> Span:
         return span_of(tree, self._source)
 
-    def _site(self, kind: Any, node: Tree, at: At, **details: Any) -> int:
+    def _site(self, kind: Any, node: Tree, env: Environment, **details: Any) -> int:
         """Return the index of a site; equal places share one."""
         span = self._span(node)
         owner = self._owner if kind == "leaf" else ""
-        key = (kind, span.start, span.stop, self._within, owner, details.get("other"))
-        if key not in self._known_sites:
-            self._known_sites[key] = len(self.sites)
-            rule = self._rules[at.rule]
+        key = (kind, span.start, span.stop, self._within, owner, details.get("counterpart"))
+        if key not in self._site_indices:
+            self._site_indices[key] = len(self.sites)
+            rule = self._rules[env.rule]
             places = self._sources.of(node, rule) if kind in _EXPLAINED else ()
-            if kind == "leaf" and at.chosen is not None:
-                condition, number = at.chosen
-                why = self._sources.of_condition(condition, self._rules[number])
-                places = _alternate(places, why, span.line)
-            known = {"within": self._within, "places": places, "stands": at.stands, "owner": owner}
-            self.sites.append(Site(kind, span, at.rule, **(known | details)))
-        return self._known_sites[key]
+            if kind == "leaf" and env.choice is not None:
+                condition, number = env.choice
+                condition_places = self._sources.of_condition(condition, self._rules[number])
+                places = _alternate(places, condition_places, span.line)
+            attributes = {"within": self._within, "places": places, "position": env.position}
+            details = attributes | details
+            self.sites.append(Site(kind, span, env.rule, owner=owner, **details))
+        return self._site_indices[key]
 
     def _add(
         self,
-        at: At,
+        env: Environment,
         site: int,
-        asked: Sequence[Expression],
+        expressions: Sequence[Expression],
         kind: Any,
         condition: Expression | None = None,
     ) -> int:
-        """Add a column to the query at a place; return -1 if there are too many."""
-        segment = at.trail.segment
+        """Add a column to the query of an environment; return -1 if there are too many."""
+        segment = env.trail.segment
         number = len(segment.columns)
-        width = 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
+        width = 2 + 2 * len(segment.differences) + sum(map(len, segment.expressions.values()))
         if width + 4 > _MOST_COLUMNS:
-            self.left_out += 1
+            self.skipped_probes += 1
             self._missed_sites.add(site)
             return -1
-        segment.columns.append(Column(site, at.guard, kind))
+        segment.columns.append(ProbeColumn(site, env.guard, kind))
         segment.trees.append(condition)
-        if asked:
-            segment.asked[number] = asked
+        if expressions:
+            segment.expressions[number] = expressions
         return number
 
     def _emit(
         self,
         trail: Trail,
-        before: int = -1,
-        gives: int = -1,
-        who: Expression | None = None,
+        reached_site: int = -1,
+        rule: int = -1,
+        robot: Expression | None = None,
         *,
         is_robot: bool = False,
     ) -> None:
         segment = trail.segment
-        if not segment.body and not segment.columns and gives < 0:
+        if not segment.body and not segment.columns and rule < 0:
             return
-        every = tuple(segment.columns)
-        values = {n for n, column in enumerate(every) if self.sites[column.site].kind == "value"}
+        values = {
+            n for n, column in enumerate(segment.columns) if self.sites[column.site].kind == "value"
+        }
         for closer in (False, True) if values else (False,):
-            name = f"{PROBE}{self._fresh}"
-            self._fresh += 1
-            left_out = frozenset[int]() if closer else values
+            name = f"{PROBE}{self._fresh_count}"
+            self._fresh_count += 1
+            omitted = frozenset[int]() if closer else values
             columns = {
                 f"{'cd'[place]}{number}": tree
-                for number, asked in segment.asked.items()
-                for place, tree in enumerate(asked)
-                if number not in left_out
+                for number, expressions in segment.expressions.items()
+                for place, tree in enumerate(expressions)
+                if number not in omitted
             }
-            if who is not None:
-                columns["who"] = who
+            if robot is not None:
+                columns["who"] = robot
             probe = Probe(
                 name,
-                tuple(replace(c, kind="skip") if n in left_out else c for n, c in enumerate(every)),
-                segment.after,
-                before,
+                tuple(
+                    replace(c, kind="skip") if n in omitted else c
+                    for n, c in enumerate(segment.columns)
+                ),
+                segment.passed_site,
+                reached_site,
                 trail.filters,
-                gives,
-                robot=is_robot,
+                rule,
+                has_robot=is_robot,
                 closeness=("closer" if closer else "wider") if values else "both",
             )
-            rule = _count_rule(name, columns, segment.differences, segment.body)
-            self.probes[name] = (rule, probe)
+            count_rule = _count_rule(name, columns, segment.differences, segment.body)
+            self.probes[name] = (count_rule, probe)
             trail.probes.append(name)
 
 
@@ -274,33 +290,36 @@ _DEEPEST = 4
 
 
 class Sources:
-    def __init__(self, source: Prepared, own: Mapping[str, Sequence[Rule]]) -> None:
-        self._source, self._own = source, own
+    def __init__(self, source: Prepared, predicates: Mapping[str, Sequence[Rule]]) -> None:
+        self._source, self._predicates = source, predicates
 
     def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
         """Return where an expression's values come from, recursively.
 
         The nearest places come first, and those that only copy a value last.
         """
-        found: dict[int, Span] = {}
+        places: dict[int, Span] = {}
         copies: dict[int, Span] = {}
-        seen: set[tuple[int, str]] = set()
-        waiting: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
+        visited: set[tuple[int, str]] = set()
+        queue: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
         own_line = span_of(node, self._source).line
-        while waiting and len(found) < _MOST:
-            node, rule, depth = waiting.popleft()
-            for place, inner, where in self._next(node, rule, seen):
+        while queue and len(places) < _MOST:
+            node, rule, depth = queue.popleft()
+            for place, inner, inner_rule in self._next(node, rule, visited):
                 span = span_of(place, self._source)
                 if span.text and span.line != own_line:
-                    (copies if self._copies(place) else found).setdefault(span.line, span)
+                    (copies if self._copies(place) else places).setdefault(span.line, span)
                 if depth + 1 < _DEEPEST:
-                    waiting.append((inner, where, depth + 1))
-        return tuple((found | {n: s for n, s in copies.items() if n not in found}).values())[:_MOST]
+                    queue.append((inner, inner_rule, depth + 1))
+        return tuple((places | {n: s for n, s in copies.items() if n not in places}).values())[
+            :_MOST
+        ]
 
     def _copies(self, place: Node) -> bool:
-        """Return whether a place is a call of a sensor or of what other rules give."""
+        """Return whether a place is a call of a sensor or of a predicate with rules."""
         return isinstance(place, Atom) and (
-            place.name == "Sensor" or any(rule.body for rule in self._own.get(place.name, ()))
+            place.name == "Sensor"
+            or any(rule.body for rule in self._predicates.get(place.name, ()))
         )
 
     def of_condition(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
@@ -308,30 +327,30 @@ class Sources:
         return span_of(node, self._source), *self.of(node, rule)
 
     def _next(
-        self, node: Tree, rule: Rule, seen: set[tuple[int, str]]
+        self, node: Tree, rule: Rule, visited: set[tuple[int, str]]
     ) -> Iterator[tuple[Node, Tree, Rule]]:
         for name in dict.fromkeys(names_used(node)):
-            yield from self._rules(name, seen)
+            yield from self._rules(name, visited)
         for variable in sorted(variables(node, inside=True)):
-            if (id(rule), variable) in seen:
+            if (id(rule), variable) in visited:
                 continue
-            seen.add((id(rule), variable))
+            visited.add((id(rule), variable))
             for part, value in _bindings(variable, rule):
                 if isinstance(part, Atom) and value is None:
                     yield part, (), rule
-                    yield from self._rules(part.name, seen)
+                    yield from self._rules(part.name, visited)
                 elif value is not None:
                     yield from ((place, value, rule) for place in _places(part, value))
 
-    def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Node, Tree, Rule]]:
+    def _rules(self, name: str, visited: set[tuple[int, str]]) -> Iterator[tuple[Node, Tree, Rule]]:
         """Yield the rules of a predicate except facts."""
-        if (0, name) in seen:
+        if (0, name) in visited:
             return
-        seen.add((0, name))
-        for rule in self._own.get(name, ()):
+        visited.add((0, name))
+        for rule in self._predicates.get(name, ()):
             is_function = rule.value is not None and parameters(rule) is not None
             if rule.body or is_function:
-                copies = all(isinstance(each.value, Variable) for each in rule.head.columns)
+                copies = all(isinstance(column.value, Variable) for column in rule.head.columns)
                 yield (copies and rule.body) or rule, rule.value or rule, rule
             for part in conjuncts(rule.body):
                 if isinstance(part, Atom) and part.name in CONDITIONS:
@@ -353,71 +372,75 @@ def _places(part: Node, value: Tree) -> Sequence[Node]:
     """Return the places of an equation: of an ``if``, those of its values."""
     if not isinstance(value, Choice):
         return (part,)
-    each = (*(branch.value for branch in value.branches), value.otherwise)
-    return [place for place in each if not isinstance(place, Literal)] or (part,)
+    values = (*(branch.value for branch in value.branches), value.otherwise)
+    return [place for place in values if not isinstance(place, Literal)] or (part,)
 
 
-def _alternate(some: Sequence[Span], others: Sequence[Span], own_line: int) -> tuple[Span, ...]:
-    """Return places of both sorts in turn, one for each line except one."""
-    each = (place for pair in zip_longest(some, others) for place in pair if place is not None)
-    found: dict[int, Span] = {}
-    for place in each:
+def _alternate(left: Sequence[Span], right: Sequence[Span], own_line: int) -> tuple[Span, ...]:
+    """Return places of both sequences in turn, one for each line except `own_line`."""
+    places = (place for pair in zip_longest(left, right) for place in pair if place is not None)
+    places_by_line: dict[int, Span] = {}
+    for place in places:
         if place.line != own_line:
-            found.setdefault(place.line, place)
-    return tuple(found.values())[:_MOST]
+            places_by_line.setdefault(place.line, place)
+    return tuple(places_by_line.values())[:_MOST]
 
 
-def decisive_columns(rule: Rule, own: Mapping[str, Sequence[Rule]]) -> set[tuple[str, str]]:
+def decisive_columns(rule: Rule, predicates: Mapping[str, Sequence[Rule]]) -> set[tuple[str, str]]:
     """Return the predicates and columns from which the desire of a rule of `Robot` is copied."""
-    found = {(MAIN, "desire")}
-    waiting = [(rule, value) for value in _values(rule, "desire")]
-    seen: set[tuple[int, int]] = set()
+    columns = {(MAIN, "desire")}
+    queue = [(rule, value) for value in _values(rule, "desire")]
+    visited: set[tuple[int, int]] = set()
 
     def add(name: str, column: str) -> None:
-        if name in own and (name, column) not in found:
-            found.add((name, column))
-            waiting.extend((each, value) for each in own[name] for value in _values(each, column))
+        if name in predicates and (name, column) not in columns:
+            columns.add((name, column))
+            queue.extend(
+                (source_rule, value)
+                for source_rule in predicates[name]
+                for value in _values(source_rule, column)
+            )
 
-    while waiting:
-        rule, value = waiting.pop()
-        if (id(rule), id(value)) in seen:
+    while queue:
+        rule, value = queue.pop()
+        if (id(rule), id(value)) in visited:
             continue
-        seen.add((id(rule), id(value)))
+        visited.add((id(rule), id(value)))
         match value:
             case Choice():
-                waiting += [(rule, each.value) for each in value.branches]
-                waiting.append((rule, value.otherwise))
+                queue += [(rule, branch.value) for branch in value.branches]
+                queue.append((rule, value.otherwise))
             case Aggregate():
-                waiting.append((rule, value.argument))
+                queue.append((rule, value.argument))
             case Call(name="Coalesce"):
-                waiting += [(rule, each) for each in operands(value.arguments)]
+                queue += [(rule, operand) for operand in operands(value.arguments)]
             case Call():
                 add(value.name, VALUE)
             case Variable():
-                for part, other in _bindings(value.name, rule):
-                    if other is not None:
-                        waiting.append((rule, other))
+                for part, bound_value in _bindings(value.name, rule):
+                    if bound_value is not None:
+                        queue.append((rule, bound_value))
                     elif isinstance(part, Atom):
                         for argument in part.arguments:
                             if argument.expression == value:
                                 add(part.name, argument.column)
-    return found
+    return columns
 
 
 def _values(rule: Rule, column: str) -> Iterator[Expression]:
     """Yield what a rule's head has for a column."""
-    for each in rule.head.columns:
-        if each.column == column:
-            value = each.value
+    for argument in rule.head.columns:
+        if argument.column == column:
+            value = argument.value
             yield value.argument if isinstance(value, Aggregation) else value
 
 
 def _as_part(condition: Expression, *, holds: bool) -> Proposition:
     """Return a part that holds where an expression is true, or where it is false or null."""
-    known = call("Coalesce", condition, _FALSE)
+    truth = call("Coalesce", condition, _FALSE)
     if holds:
-        return Atom("!=", arguments({"left": known, "right": _FALSE}))
-    return Equation(known, _FALSE)
+        return Atom("!=", arguments({"left": truth, "right": _FALSE}))
+    return Equation(truth, _FALSE)
 
 
 def _count_rule(
@@ -426,9 +449,9 @@ def _count_rule(
     differences: Mapping[int, Expression],
     body: Sequence[Proposition],
 ) -> Rule:
-    """Make a rule that counts the ways in which a body holds, grouped by columns.
+    """Make a rule that counts the derivations of a body, grouped by columns.
 
-    Of the differences, which are numbers, it gives the least and the greatest.
+    Of the differences, which are numbers, it has the minimum and the maximum.
     """
     aggregated = [
         Argument(f"{letter}{place}", Aggregation(operator, value))
