@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from logical_robots_tui import Level, Program
-    from logical_robots_tui.mind.sqlite.budget import Aggregate, Work
+    from logical_robots_tui.mind.sqlite.budget import AggregateFunction, MeteredWork
 
 __all__ = ["safety"]
 
@@ -124,13 +124,13 @@ def _uncharged() -> AbstractContextManager[object]:
     """Register functions and aggregates as they are, but for what null in means."""
 
     def function(
-        call: Callable[..., Any], _: Work, *, null_safe: bool = False, **__: object
+        call: Callable[..., Any], _: MeteredWork, *, null_safe: bool = False, **__: object
     ) -> Callable[..., Any]:
         if not null_safe:
             return call
         return lambda *arguments: None if None in arguments else call(*arguments)
 
-    def aggregate(make: Callable[[], Aggregate], _: Work) -> Aggregate:
+    def aggregate(make: Callable[[], AggregateFunction], _: MeteredWork) -> AggregateFunction:
         return make()
 
     return patch.multiple(registry, charged=function, ChargedAggregate=aggregate)

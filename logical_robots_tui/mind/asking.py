@@ -15,11 +15,11 @@ from typing import Any, TypeAlias
 from logical_robots_tui.language.diagnostics import Stopped, printable
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import TRUTH_MARK, Program, Question, Tuned
-from logical_robots_tui.mind.sqlite.budget import TooHeavyError, Within
+from logical_robots_tui.mind.sqlite.budget import EvaluationBudget, TooHeavyError
 from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
 from logical_robots_tui.mind.sqlite.database import Scalar, TooMuchError, TooSlowError
+from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
-from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.mind.sqlite.stored import Interner, TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables
 from logical_robots_tui.values import Value
@@ -72,7 +72,7 @@ class Asking:
         if program.tuned and not plain:
             robot = program.tuned.get("Robot")
             few = LISTS_LAYOUT if robot is not None and robot.crowd else COLUMNS_LAYOUT
-            self._tuned = TunedTables(limits, frozen=frozen, few=few)
+            self._tuned = TunedTables(limits, frozen=frozen, few_robots_layout=few)
         self._deepest = limits.depth
         self._read_value = Interner().read if frozen else from_sql
 
@@ -84,7 +84,7 @@ class Asking:
         return Question(predicate, sql, truths=truths, labels=labels, tuned=tuned)
 
     def each(
-        self, question: Question, moment: Moment, within: Within, *, in_order: bool = True
+        self, question: Question, moment: Inputs, within: EvaluationBudget, *, in_order: bool = True
     ) -> Iterator[tuple[View, Answer | FailureError]]:
         """Yield each view's rows, truncated to the limits, or why there are none."""
         # All at once: the caller may query something else in between.
@@ -97,31 +97,35 @@ class Asking:
             except FailureError as failure:
                 yield view, failure
 
-    def rows(self, question: Question, moment: Moment, view: View, within: Within) -> Answer:
+    def rows(
+        self, question: Question, moment: Inputs, view: View, within: EvaluationBudget
+    ) -> Answer:
         """Return the rows for one view; raise FailureError, also for too many."""
         if not question.sql:
             raise FailureError(f"{question.text} can't be computed")
         answer = self._quick_answer(question.tuned, moment, view, within)
         if answer is None:
             answer = self.plainly(question.sql, moment, view, within)
-        if len(answer[1]) > within.rows and not within.cut:
+        if len(answer[1]) > within.rows and not within.truncates:
             raise FailureError(f"{question.text} has more than {within.rows:,} rows")
         return _with_truths(question.truths, answer)
 
     def plan(
-        self, predicate: str, moment: Moment, view: View, within: Within
+        self, predicate: str, moment: Inputs, view: View, within: EvaluationBudget
     ) -> tuple[str, tuple[str, ...]]:
         """Return the tuned SQL, or "", and SQLite's plan for the SQL run; raise FailureError."""
         tuned = self.program.tuned.get(predicate)
         if self._tuned is not None and tuned is not None:
             with _OR_PLAINLY:
-                tuned = self._tuned.fitting(tuned, moment)
+                tuned = self._tuned.variant_for(tuned, moment)
                 planned = replace(tuned, sql=f"{_PLAN}{tuned.sql}", result=())
                 return tuned.sql, plan_lines(self._tuned.ask(planned, moment, view, within)[1])
         sql = self.program.statements[predicate]
         return "", plan_lines(self.plainly(f"{_PLAN}{sql}", moment, view, within)[1])
 
-    def still_grew(self, moment: Moment, view: View, within: Within) -> Iterator[tuple[str, int]]:
+    def still_grew(
+        self, moment: Inputs, view: View, within: EvaluationBudget
+    ) -> Iterator[tuple[str, int]]:
         """Yield each recursion that was cut off, with the number of its steps."""
         for predicate, (steps, sql) in self.program.recursions.items():
             grows = Question("", sql, tuned=self.program.tuned.get(f"{predicate} grows"))
@@ -140,9 +144,9 @@ class Asking:
     def plainly(
         self,
         sql: str,
-        moment: Moment,
+        moment: Inputs,
         view: View,
-        within: Within,
+        within: EvaluationBudget,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
         """Return the rows of any query over ``Sensor`` and ``Memory``; raise FailureError."""
@@ -153,11 +157,11 @@ class Asking:
     # -- inside --------------------------------------------------------------------------------
 
     def _quick_answers(
-        self, tuned: Tuned | None, moment: Moment, within: Within, *, in_order: bool
+        self, tuned: Tuned | None, moment: Inputs, within: EvaluationBudget, *, in_order: bool
     ) -> Sequence[Answer]:
         if self._tuned is None or tuned is None:
             return ()
-        if tuned.together and moment.apart and len(moment.views) > 1:
+        if tuned.together and moment.has_private_sensors and len(moment.views) > 1:
             # With one query for all views, or not where that may lose the order of rows.
             most = len(moment.views) if in_order else _MOST_TOGETHER
             with _OR_PLAINLY:
@@ -169,7 +173,7 @@ class Asking:
         answers = []
         for view in moment.views:
             answer = self._quick_answer(tuned, moment, view, within)
-            if answer is None or (len(answer[1]) > within.rows and not within.cut):
+            if answer is None or (len(answer[1]) > within.rows and not within.truncates):
                 break
             answers.append(answer)
         return answers
@@ -179,8 +183,8 @@ class Asking:
         columns: tuple[str, ...],
         found: Sequence[tuple[Any, ...]],
         tuned: Tuned,
-        moment: Moment,
-        within: Within,
+        moment: Inputs,
+        within: EvaluationBudget,
         in_order: bool,
     ) -> list[Answer] | None:
         """Split rows that end with a viewer's number into answers; None if that isn't safe."""
@@ -199,12 +203,12 @@ class Asking:
             if answers[number][1] is nothing:
                 answers[number] = (answer[0], [])
             answers[number][1].append(row)
-        if not within.cut and any(len(rows) > within.rows for _, rows in answers):
+        if not within.truncates and any(len(rows) > within.rows for _, rows in answers):
             return None
         return answers
 
     def _quick_answer(
-        self, tuned: Tuned | None, moment: Moment, view: View, within: Within
+        self, tuned: Tuned | None, moment: Inputs, view: View, within: EvaluationBudget
     ) -> Answer | None:
         if self._tuned is None or tuned is None:
             return None
@@ -212,7 +216,7 @@ class Asking:
             return self._finished(self._tuned.ask(tuned, moment, view, within), tuned, within)
         return None
 
-    def _finished(self, raw: RawAnswer, tuned: Tuned, within: Within) -> Answer | None:
+    def _finished(self, raw: RawAnswer, tuned: Tuned, within: EvaluationBudget) -> Answer | None:
         columns, rows = raw
         if not tuned.result:
             return columns, self._read_all(rows, within)
@@ -231,12 +235,14 @@ class Asking:
             found.append(tuple(parts))
         return names, found
 
-    def _read_all(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
+    def _read_all(
+        self, rows: Sequence[tuple[Any, ...]], within: EvaluationBudget
+    ) -> list[tuple[Value, ...]]:
         return [tuple(self._read(row, within)) for row in rows]
 
-    def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
+    def _read(self, row: Sequence[Any], within: EvaluationBudget) -> list[Value]:
         read, deepest = self._read_value, self._deepest
-        if within.is_much:
+        if within.is_large:
             within.weigh(row)
         return [v if v.__class__ in _READY else read(v, deepest) for v in row]
 
@@ -293,12 +299,15 @@ _logged: set[type[Exception]] = set()  # each class of our bugs is logged once
 
 
 @contextmanager
-def failures_in_words(within: Within) -> Iterator[None]:
+def failures_in_words(within: EvaluationBudget) -> Iterator[None]:
     """Turn any exception of a query but `Stopped` into a `FailureError` for the player."""
     try:
         yield
     except TooSlowError:
-        is_late, message = within.budget.is_late, f"thinking took more than {within.steps:,} steps"
+        is_late, message = (
+            within.remainder.is_late,
+            f"thinking took more than {within.steps:,} steps",
+        )
         if is_late:
             message = f"a time limit ended it after {within.seconds:g} seconds; "
             message += "another run may differ"

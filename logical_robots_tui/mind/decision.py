@@ -11,8 +11,8 @@ from typing import Literal, TypeAlias
 
 from logical_robots_tui.mind.asking import Asking, FailureError
 from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, Limits, weight_of
-from logical_robots_tui.mind.sqlite.budget import Within
-from logical_robots_tui.mind.sqlite.moment import Moment, View
+from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
+from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.mind.sqlite.stored import size_of, to_json
 from logical_robots_tui.schema import DESIRE
 from logical_robots_tui.values import Desire, Value
@@ -170,9 +170,9 @@ def blame(
     failure: FailureError,
     asking: Asking,
     needed: Iterable[str],
-    moment: Moment,
+    moment: Inputs,
     view: View,
-    within: Within,
+    within: EvaluationBudget,
 ) -> Notice:
     """Find the predicate that failed first, and say so in a notice."""
     whose = " and ".join(view.viewers[:3])
@@ -195,13 +195,15 @@ def blame(
             if not found.slow:
                 culprit, reason = predicate, str(found)
             break
-    alone = [one.viewers[0] for one in moment.one_by_one(view) if failure_of(culprit, one)]
+    alone = [one.viewers[0] for one in moment.single_views(view) if failure_of(culprit, one)]
     if 0 < len(alone) <= 3:
         whose = " and ".join(alone)
     return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
 
 
-def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
+def cut_offs(
+    asking: Asking, moment: Inputs, view: View, within: EvaluationBudget
+) -> Iterator[Notice]:
     """Yield a notice for each recursion that still changed at its last step."""
     for predicate, steps in asking.still_grew(moment, view, within):
         known = asking.program.predicate(predicate)

@@ -15,8 +15,8 @@ from logical_robots_tui.mind.asking import Answer, Asking, FailureError
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import Program, QueryPlan, Question, Table
-from logical_robots_tui.mind.sqlite.budget import Within
-from logical_robots_tui.mind.sqlite.moment import Moment, View
+from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
+from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -62,13 +62,13 @@ class Mind:
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
         self._frozen = frozen
-        self._moment: Moment | None = None
+        self._moment: Inputs | None = None
         self._rows: Sequence[SensorRow] | None = None  # of that moment, with those of others
         # What `Robot` returned at that moment, as far as known.
         self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
         self._robot = self._asking.asked("Robot")
-        self._within = Within.of_thought(self.limits)
+        self._within = EvaluationBudget.of_thought(self.limits)
 
     @classmethod
     def for_level(cls, program: Program, level: Level, limits: Limits | None = None) -> Mind:
@@ -80,7 +80,7 @@ class Mind:
     @property
     def steps(self) -> int:
         """The steps of the last think: of the same thoughts always the same, on every machine."""
-        return self._within.steps - self._within.budget.steps
+        return self._within.steps - self._within.remainder.steps
 
     def think(
         self, rows: Sequence[SensorRow], memories: Memories, *, stop: threading.Event | None = None
@@ -103,17 +103,19 @@ class Mind:
             check_room(_ROOM)
             decisions = self._decisions(moment, memories, within)
             if within.is_close:
-                within = within.again()
+                within = within.exact()
                 decisions = self._decisions(moment, memories, within)
         except MemoryError:
             self._thought = []
             notice = Notice("no room", "There was not enough memory to think: engines stop.")
             names = moment.names
             return [Decision(name, None, memories.get(name), (notice,)) for name in names]
-        self._within.anew = within.anew and within.budget.steps < 0
+        self._within.is_exact = within.is_exact and within.remainder.steps < 0
         return decisions
 
-    def _decisions(self, moment: Moment, memories: Memories, within: Within) -> list[Decision]:
+    def _decisions(
+        self, moment: Inputs, memories: Memories, within: EvaluationBudget
+    ) -> list[Decision]:
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
@@ -243,7 +245,7 @@ class Mind:
                 continue
             for name, question in asked:
                 try:
-                    within = self._within_query(self.limits.rows, stop, cut=False)
+                    within = self._within_query(self.limits.rows, stop, truncates=False)
                     columns, found = self._asking.rows(question, moment, view, within)
                 except (FailureError, QueryError):
                     yield name, None
@@ -269,12 +271,12 @@ class Mind:
             Stopped: `stop` was set.
         """
         each = [self._new_moment(rows, memories) for rows, memories in moments]
-        together = bool(each) and all(moment.apart for moment in each)
-        for first, moment in enumerate([Moment.stacked(each)] if together else each):
+        together = bool(each) and all(moment.has_private_sensors for moment in each)
+        for first, moment in enumerate([Inputs.stack(each)] if together else each):
             of = [n for n, moment in enumerate(each) for _ in moment.views] if together else ()
             for name in predicates:
                 found: dict[int, list[list[dict[str, Value]]] | None] = {}
-                within = self._within_query(self.limits.rows, stop, cut=False)
+                within = self._within_query(self.limits.rows, stop, truncates=False)
                 question = self._asking.asked(name)
                 answers = self._asking.each(question, moment, within, in_order=False)
                 for number, (_, answer) in zip(of or repeat(first), answers, strict=False):
@@ -307,7 +309,7 @@ class Mind:
         view = next((view for view in moment.views if robot in view.viewers), None)
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
-        within = self._within_query(_EXPLAINED_ROWS, stop, cut=False)
+        within = self._within_query(_EXPLAINED_ROWS, stop, truncates=False)
         return Relations(self._asking, moment, view, within)
 
     def query_plan(
@@ -345,24 +347,26 @@ class Mind:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _within_query(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
+    def _within_query(
+        self, rows: int, stop: threading.Event | None, *, truncates: bool = True
+    ) -> EvaluationBudget:
         try:
             check_room(_ROOM)
         except MemoryError:
             raise QueryError("There is not enough memory to look this up.") from None
-        return Within.of_query(self.limits, rows, stop, cut=cut)
+        return EvaluationBudget.of_query(self.limits, rows, stop, truncates=truncates)
 
-    def _moment_of(self, rows: Sequence[SensorRow], memories: Memories) -> Moment:
+    def _moment_of(self, rows: Sequence[SensorRow], memories: Memories) -> Inputs:
         """Return the moment; the previous one if nothing can have changed."""
         last = self._moment
-        if last is None or self._rows is not rows or last.remembered is not memories:
+        if last is None or self._rows is not rows or last.memory_values is not memories:
             last = self._new_moment(rows, memories)
             self._moment = last if self._frozen else None
             self._rows, self._thought = rows, []
         return last
 
-    def _new_moment(self, rows: Sequence[SensorRow], memories: Memories) -> Moment:
-        return Moment(self._own(rows), memories, self.memory, self.sensor)
+    def _new_moment(self, rows: Sequence[SensorRow], memories: Memories) -> Inputs:
+        return Inputs(self._own(rows), memories, self.memory, self.sensor)
 
     def _own(self, rows: Sequence[SensorRow]) -> Sequence[SensorRow]:
         if self._robots is None:
@@ -372,7 +376,7 @@ class Mind:
     def _answered(
         self,
         question: Question,
-        moment: Moment,
+        moment: Inputs,
         stop: threading.Event | None,
         *,
         in_order: bool = True,
@@ -388,7 +392,7 @@ class Mind:
         else:
             if not within.is_close:
                 return table
-        answers = self._asking.each(question, moment, within.again(), in_order=in_order)
+        answers = self._asking.each(question, moment, within.exact(), in_order=in_order)
         return self._table(answers, question.labels)
 
     def _table(

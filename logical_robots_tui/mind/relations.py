@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.asking import failures_in_words
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL, Within
+from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL, EvaluationBudget
 from logical_robots_tui.mind.sqlite.database import Answer, Scalar, TooSlowError
-from logical_robots_tui.mind.sqlite.moment import Moment, View
+from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.values import Value
 
@@ -59,11 +59,13 @@ def with_given(sql: str, number: int) -> str:
 
 
 class Relations:
-    def __init__(self, asking: Asking, moment: Moment, view: View, within: Within) -> None:
+    def __init__(
+        self, asking: Asking, moment: Inputs, view: View, within: EvaluationBudget
+    ) -> None:
         self._asking, self._plain = asking, asking.plain_tables
         self._moment, self._view, self.within = moment, view, within
-        self._plain.offer(SAME, _same_in_sql, 2)
-        self._plain.offer(ALIKE, lambda one, other: alike(from_sql(one), from_sql(other)), 2)
+        self._plain.register(SAME, _same_in_sql, 2)
+        self._plain.register(ALIKE, lambda one, other: alike(from_sql(one), from_sql(other)), 2)
         self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
         self._columns: dict[str, Sequence[str]] = {}
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
@@ -110,27 +112,27 @@ class Relations:
         """Return the robots in sight whose sensor or memory is a value."""
         if what == "sensor":
             first, last = self._view.sensors
-            rows = self._moment.sensors[first : last + 1]
+            rows = self._moment.sensor_rows[first : last + 1]
             return [row["robot_name"] for row in rows if same(row["sensor"], value)]
         first, last = self._view.memories
-        seen = [name for number, name in self._moment.memories if first <= number <= last]
-        return [name for name in seen if same(self._moment.remembered.get(name), value)]
+        seen = [name for number, name in self._moment.memory_rows if first <= number <= last]
+        return [name for name in seen if same(self._moment.memory_values.get(name), value)]
 
     def renew(self) -> None:
         self.within.renew()
 
     @property
-    def _where(self) -> tuple[Moment, View, Within]:
+    def _where(self) -> tuple[Inputs, View, EvaluationBudget]:
         return self._moment, self._view, self.within
 
     def spend(self, steps: int) -> None:
         """Count steps outside of queries; FailureError if over budget, Stopped if stopped."""
         within = self.within
-        within.budget.steps -= steps
+        within.remainder.steps -= steps
         if within.stop is not None and within.stop.is_set():
             raise Stopped("The explanation was stopped.")
         with failures_in_words(within):
-            if within.budget.steps < 0:
+            if within.remainder.steps < 0:
                 raise TooSlowError
 
     def fill(self, table: str, predicate: str, rows: Sequence[Mapping[str, Value]]) -> None:
@@ -141,7 +143,7 @@ class Relations:
             self.spend(_steps_of(stored))
             with failures_in_words(self.within):
                 columns = self._columns[predicate]
-                self._plain.see(self._moment, self._view)
+                self._plain.load_view(self._moment, self._view)
                 self._plain.define(table, columns, stored)
             self._loaded[table] = rows
 

@@ -10,7 +10,7 @@ import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError, Stopped
 from logical_robots_tui.mind.sqlite import registry
-from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
+from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, MeteredWork
 from logical_robots_tui.mind.sqlite.database import Database
 from tests.mind.rows import ROBOT, decision_of, python, row, think
 from tests.waiting import PATIENCE
@@ -68,7 +68,7 @@ def test_a_stop_takes_effect_at_once_in_the_middle_of(
             assert halted.wait(PATIENCE)
         return number
 
-    def with_noted(connection: sqlite3.Connection, work: Work) -> None:
+    def with_noted(connection: sqlite3.Connection, work: MeteredWork) -> None:
         install(connection, work)
         connection.create_function("noted", 1, noted)
 
@@ -94,13 +94,13 @@ def test_a_stop_that_came_before_the_thought_prevents_it(program: Program) -> No
 
 def test_steps_are_those_of_all_robots(program: Program, monkeypatch: pytest.MonkeyPatch) -> None:
     counts: list[bool] = []
-    count = Work.count
+    count = MeteredWork.count_steps
 
-    def noted_count(work: Work) -> bool:
+    def noted_count(work: MeteredWork) -> bool:
         counts.append(count(work))
         return counts[-1]
 
-    monkeypatch.setattr(Work, "count", noted_count)
+    monkeypatch.setattr(MeteredWork, "count_steps", noted_count)
     with closing(forced(program, ENDLESS, think_steps=3_000_000)) as mind:
         decisions = mind.think([row(f"Robot {number}") for number in range(20)], {})
         assert len(counts) * STEPS_AT_ONCE < 3_200_000 * 2  # once more exactly

@@ -9,7 +9,12 @@ import pytest
 from logical_robots_tui.explain import Explainer
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError
 from logical_robots_tui.mind.sqlite import budget
-from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Budget, Within, Work
+from logical_robots_tui.mind.sqlite.budget import (
+    STEPS_AT_ONCE,
+    EvaluationBudget,
+    MeteredWork,
+    StepBudget,
+)
 from logical_robots_tui.mind.sqlite.database import Database, TooSlowError
 from tests.mind.rows import ROBOT, decision_of, row
 from tests.waiting import PATIENCE, until
@@ -45,13 +50,13 @@ def test_a_thought_near_its_bound_ends_the_same_whatever_was_thought_before(
 
 
 def test_between_two_thoughts_nothing_is_counted_or_ended() -> None:
-    work = Work(lambda: None)
-    budget = Budget(STEPS_AT_ONCE, 1.0)
+    work = MeteredWork(lambda: None)
+    budget = StepBudget(STEPS_AT_ONCE, 1.0)
     work.begin(budget, None)
-    assert [work.count(), work.count()] == [False, True]
+    assert [work.count_steps(), work.count_steps()] == [False, True]
     work.end()
     assert budget.steps == -STEPS_AT_ONCE
-    assert not work.count()
+    assert not work.count_steps()
 
 
 def test_calls_of_functions_and_what_passes_through_them_are_counted(program: Program) -> None:
@@ -72,14 +77,14 @@ def test_what_the_clock_ends_is_marked(program: Program) -> None:
 
 def test_the_guard_counts_no_time_in_which_it_could_not_look() -> None:
     halted: list[bool] = []
-    work = Work(lambda: halted.append(True))
-    budget = Budget(1, 1.0)
+    work = MeteredWork(lambda: halted.append(True))
+    budget = StepBudget(1, 1.0)
     work.begin(budget, None)
     work.end()
     for _ in range(9):
-        work.look(0.1)
+        work.spend_seconds(0.1)
     assert not halted
-    work.look(0.2)
+    work.spend_seconds(0.2)
     assert halted
     assert budget.is_late
 
@@ -89,21 +94,21 @@ def test_what_was_computed_while_nothing_was_watched_is_nobodys_work(
 ) -> None:
     computed = [0.0]
     monkeypatch.setattr(budget, "process_time", lambda: computed[0])
-    watcher = budget._Watcher()
-    monkeypatch.setattr(budget, "_watcher", watcher)
-    asleep, wait = threading.Event(), watcher._awake.wait
+    watchdog = budget._Watchdog()
+    monkeypatch.setattr(budget, "_watchdog", watchdog)
+    asleep, wait = threading.Event(), watchdog._wake.wait
 
     def sleep() -> None:
         asleep.set()
         wait()
         asleep.clear()
 
-    monkeypatch.setattr(watcher._awake, "wait", sleep)
+    monkeypatch.setattr(watchdog._wake, "wait", sleep)
     looks: list[float] = []
-    monkeypatch.setattr(Work, "look", lambda _work, seconds: looks.append(seconds))
+    monkeypatch.setattr(MeteredWork, "spend_seconds", lambda _work, seconds: looks.append(seconds))
     for _ in range(2):
-        work = Work(lambda: None)
-        work.begin(Budget(1, 1.0), None)
+        work = MeteredWork(lambda: None)
+        work.begin(StepBudget(1, 1.0), None)
         looks.clear()
         until(lambda: len(looks) > 1)
         work.end()
@@ -117,11 +122,11 @@ def test_functions_that_are_offered_and_aggregates_are_counted() -> None:
     for sql in (f"SELECT measured({text})", f"SELECT list_of_distinct({text})"):
         for steps, is_enough in ((900_000, False), (1_500_000, True)):
             with closing(Database(Limits())) as database:
-                database.offer("measured", len)
-                within = Within(steps, 30.0, 10, None)
+                database.register("measured", len)
+                within = EvaluationBudget(steps, 30.0, 10, None)
                 with nullcontext() if is_enough else pytest.raises(TooSlowError):
-                    database.ask(sql, most=10, within=within)
-                assert not within.budget.is_late
+                    database.ask(sql, max_rows=10, budget=within)
+                assert not within.remainder.is_late
 
 
 NESTED = "".join(f"F{n}(x) = F{n + 1}(x);\n" for n in range(12)) + "F12(x) = Length(x);\n"

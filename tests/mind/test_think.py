@@ -10,7 +10,7 @@ import pytest
 
 from logical_robots_tui.mind import Decision, Limits, Mind, NoticeKind, Program, Stopped
 from logical_robots_tui.mind.asking import in_plain_words
-from logical_robots_tui.mind.sqlite.budget import _watcher
+from logical_robots_tui.mind.sqlite.budget import _watchdog
 from logical_robots_tui.values import Desire, Value
 from tests.mind.rows import PAPER, ROBOT, remembered, row, think
 from tests.waiting import PATIENCE, until
@@ -170,7 +170,7 @@ def test_a_thought_can_be_stopped_from_another_thread() -> None:
         stop = threading.Event()
 
         def stop_it() -> None:
-            until(lambda: _watcher._works)
+            until(lambda: _watchdog._pending)
             stop.set()
 
         other = threading.Thread(target=stop_it)

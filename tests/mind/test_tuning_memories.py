@@ -16,7 +16,7 @@ from benchmarks.schemas import EXAMPLE, TYPE
 from benchmarks.subjects import program_text
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.mind.sqlite import tables
-from logical_robots_tui.mind.sqlite.layouts import fillings
+from logical_robots_tui.mind.sqlite.layouts import insertions
 from logical_robots_tui.mind.tuning import tune
 from tests.mind.rows import ROBOT, nearly_same, remembered, row, slow, think
 
@@ -156,9 +156,9 @@ def test_memories_too_large_for_the_tables_are_tried_once_for_all_robots(
 
     def noted(table: str, *rest: Any) -> Any:
         tried.append(table)
-        return fillings(table, *rest)
+        return insertions(table, *rest)
 
-    monkeypatch.setattr(tables, "fillings", noted)
+    monkeypatch.setattr(tables, "insertions", noted)
     names = [f"Bee {number}" for number in range(40)]
     rows = [row(name) for name in names]
     found = ROBOT + 'Memory(robot_name:, memory:), m = [memory.clock + 1, Like(memory.text, "x%")];'

@@ -185,7 +185,7 @@ class _Proving:
         """Return derivations of a row: of a distinct one those that are found in a few steps."""
         if self._probing.distinct:
             within = self._derivations.relations.within
-            with suppress(FailureError), within.at_most(_STEPS_FOR_OTHERS):
+            with suppress(FailureError), within.bound_steps(_STEPS_FOR_OTHERS):
                 return list(self._ways(rule, row, _MOST_OTHERS))
         return list(islice(self._ways(rule, row), 1))
 

@@ -229,7 +229,7 @@ def keep_preparable(every: dict[str, Tuned]) -> dict[str, Tuned]:
     """Return the tuned queries that SQLite can prepare in reasonable time."""
     kept = {}
     with closing(Database(layout=COLUMNS_LAYOUT)) as database:
-        database.offer(WHOLE_RAY, lambda _: None)
+        database.register(WHOLE_RAY, lambda _: None)
         for name, tuned in every.items():
             if is_prepared_soon(database, tuned.sql, tuned.bounds):
                 jointly = (tuned.for_all(alike=alike) for alike in (False, True))

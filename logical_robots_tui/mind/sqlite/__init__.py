@@ -1,1 +1,1 @@
-"""The rows of a moment in SQLite, and the functions that programs may use there."""
+"""A mind's inputs in SQLite, and the functions that programs may use there."""

@@ -22,14 +22,14 @@ STEPS_OF_A_CALL = 10
 
 _BYTES_OF_A_STEP = 8  # of what an aggregate holds when it ends; it may sort that
 
-_UNCOUNTED = 2**62  # for our own statements
-_LOOK_SECONDS = 0.02
-_QUIET_LOOKS = 50  # idle looks before the thread goes to sleep
+_UNLIMITED = 2**62  # for our own statements
+_CHECK_SECONDS = 0.02
+_IDLE_CHECKS = 50  # idle looks before the thread goes to sleep
 
 
 @dataclass(slots=True, eq=False)
-class Budget:
-    """A budget shared by several evaluations.
+class StepBudget:
+    """The steps and seconds that are left.
 
     Steps are the same on every machine under any load. The seconds are only a safeguard.
 
@@ -50,26 +50,26 @@ class TooHeavyError(Exception):
 
 
 LONG = 10_000
-"""Characters of an answer that is weighed row by row."""
+"""Characters from which on an answer is weighed row by row."""
 
-_CLOSE = 0.1  # of all steps; far more than the error of an inexact count
+_CLOSE_SHARE = 0.1  # of all steps; far more than the error of an inexact count
 
 
 @dataclass(slots=True, eq=False)
-class Within:
+class EvaluationBudget:
     """The budget of steps and rows that several evaluations share.
 
     Attributes:
-        steps: Steps for all of them, as a `Budget` counts them.
+        steps: Steps for all of them, as a `StepBudget` counts them.
         seconds: The time limit.
         rows: The most rows of one evaluation.
         stop: Ends them when set.
-        cut: Whether further rows are left out instead of being an error.
-        anew: Whether to prepare statements again. SQLite continues counting the steps of a prepared
-            statement from its last run; only a new one gives the same count each time.
+        truncates: Whether further rows are left out instead of being an error.
+        is_exact: Whether to prepare statements again. SQLite continues counting the steps of a
+            prepared statement from its last run; only a new one gives the same count each time.
         weight: The most bytes of objects in the rows of all evaluations.
-        budget: The rest of the budget.
-        is_much: Whether the last answer is so large that each of its rows must be checked.
+        remainder: The steps and seconds that are left.
+        is_large: Whether the last answer is so large that each of its rows must be checked.
     """
 
     steps: int
@@ -77,98 +77,98 @@ class Within:
     rows: int
     stop: threading.Event | None
     _: KW_ONLY
-    cut: bool = False
-    anew: bool = False
+    truncates: bool = False
+    is_exact: bool = False
     weight: int = 96_000_000
-    is_much: bool = field(default=True, init=False)
-    budget: Budget = field(init=False)
-    _left: int = field(init=False)
+    is_large: bool = field(default=True, init=False)
+    remainder: StepBudget = field(init=False)
+    _weight_left: int = field(init=False)
 
     def __post_init__(self) -> None:
         self.renew()
 
     @classmethod
-    def of_thought(cls, limits: Limits) -> Within:
+    def of_thought(cls, limits: Limits) -> EvaluationBudget:
         steps, seconds, rows = limits.think_steps, limits.think_seconds, limits.think_rows
         return cls(steps, seconds, rows, None, weight=limits.think_weight)
 
     @classmethod
     def of_query(
-        cls, limits: Limits, rows: int, stop: threading.Event | None, *, cut: bool = True
-    ) -> Within:
+        cls, limits: Limits, rows: int, stop: threading.Event | None, *, truncates: bool = True
+    ) -> EvaluationBudget:
         steps, seconds = limits.query_steps, limits.query_seconds
-        return cls(steps, seconds, rows, stop, cut=cut, weight=limits.think_weight)
+        return cls(steps, seconds, rows, stop, truncates=truncates, weight=limits.think_weight)
 
     @property
     def is_close(self) -> bool:
         """Return whether so little is left that only an exact count can find the cause."""
-        return not self.anew and self.budget.steps < self.steps * _CLOSE
+        return not self.is_exact and self.remainder.steps < self.steps * _CLOSE_SHARE
 
     def renew(self) -> None:
-        self._left = self.weight
-        self.budget = Budget(self.steps, self.seconds)
+        self._weight_left = self.weight
+        self.remainder = StepBudget(self.steps, self.seconds)
 
     @contextmanager
-    def at_most(self, steps: int) -> Iterator[None]:
-        """Bound the steps of what follows; they are spent of the budget."""
-        whole = self.budget
-        self.budget = part = Budget(min(steps, whole.steps), whole.seconds)
+    def bound_steps(self, steps: int) -> Iterator[None]:
+        """Bound the steps of a block; they are taken from the budget."""
+        whole = self.remainder
+        self.remainder = part = StepBudget(min(steps, whole.steps), whole.seconds)
         try:
             yield
         finally:
             whole.steps -= min(steps, whole.steps) - part.steps
             whole.seconds, whole.is_late = part.seconds, part.is_late
-            self.budget = whole
+            self.remainder = whole
 
-    def again(self) -> Within:
+    def exact(self) -> EvaluationBudget:
         """Return the same budget unused, counted exactly."""
-        return replace(self, seconds=max(self.budget.seconds, 0.0), anew=True)
+        return replace(self, seconds=max(self.remainder.seconds, 0.0), is_exact=True)
 
     def weigh(self, row: Sequence[Any]) -> None:
         """Count the bytes of a row; raise Stopped, or TooHeavyError if all take too many."""
         if self.stop is not None and self.stop.is_set():
             raise Stopped("The program was stopped while its answer was read.")
-        self._left -= weight_of_row(row)
-        if self._left < 0:
+        self._weight_left -= weight_of_row(row)
+        if self._weight_left < 0:
             raise TooHeavyError(f"all results together take more than {self.weight:,} bytes")
 
 
-class Work:
+class MeteredWork:
     """Work that can be halted: `halt` is called in another thread repeatedly until it ends."""
 
     __slots__ = (
-        *("_budget", "_halt", "_most_bytes", "_number", "_stop"),
-        *("bytes", "halted", "is_full", "steps"),
+        *("_budget", "_halt", "_max_bytes", "_number", "_stop"),
+        *("bytes", "is_full", "is_halted", "steps"),
     )
 
-    def __init__(self, halt: Callable[[], None], most_bytes: int = _UNCOUNTED) -> None:
+    def __init__(self, halt: Callable[[], None], max_bytes: int = _UNLIMITED) -> None:
         self._halt = halt
-        self._most_bytes = most_bytes
-        self._renew(Budget(_UNCOUNTED, 0.0), None)
+        self._max_bytes = max_bytes
+        self._renew(StepBudget(_UNLIMITED, 0.0), None)
 
-    def begin(self, budget: Budget, stop: threading.Event | None) -> None:
+    def begin(self, budget: StepBudget, stop: threading.Event | None) -> None:
         self._renew(budget, stop)
-        _watcher.add(self)
+        _watchdog.add(self)
 
-    def _renew(self, budget: Budget, stop: threading.Event | None) -> None:
+    def _renew(self, budget: StepBudget, stop: threading.Event | None) -> None:
         self._budget, self._stop = budget, stop
-        self.steps, self.bytes, self._number = budget.steps, self._most_bytes, 0
-        self.is_full = self.halted = False
+        self.steps, self.bytes, self._number = budget.steps, self._max_bytes, 0
+        self.is_full = self.is_halted = False
 
     def end(self) -> None:
-        _watcher.remove(self)
-        self._budget.steps, self.steps = self.steps, _UNCOUNTED
+        _watchdog.remove(self)
+        self._budget.steps, self.steps = self.steps, _UNLIMITED
 
     @property
-    def stopped(self) -> bool:
+    def is_stopped(self) -> bool:
         """Return whether the caller halted it, as opposed to the budget being used up."""
         return self._stop is not None and self._stop.is_set()
 
     @property
     def is_over(self) -> bool:
-        return self.halted or self.steps < 0
+        return self.is_halted or self.steps < 0
 
-    def count(self) -> bool:
+    def count_steps(self) -> bool:
         """Count some steps of the virtual machine; return whether to stop."""
         self.steps -= STEPS_AT_ONCE
         return self.steps < 0
@@ -182,82 +182,82 @@ class Work:
     def charge(self, steps: int) -> None:
         """Count the steps of a call; raise TooLargeError if none are left."""
         self.steps -= steps
-        if self.halted or self.steps < 0:
+        if self.is_halted or self.steps < 0:
             raise TooLargeError("the think was halted")
 
-    def hold(self, size: int) -> None:
+    def charge_bytes(self, size: int) -> None:
         """Count bytes that an aggregate holds; raise TooLargeError if there are too many."""
         self.bytes -= size
         if self.bytes < 0:
             self.is_full = True
             raise TooLargeError("the aggregates hold too much")
 
-    def look(self, seconds: float) -> None:
+    def spend_seconds(self, seconds: float) -> None:
         """Halt the work if its time is up; `seconds` is the processor time since the last call."""
         self._budget.seconds -= seconds
         if self._budget.seconds < 0:
             self._budget.is_late = True
-        if self.stopped or self._budget.is_late:
-            self.halted = True
+        if self.is_stopped or self._budget.is_late:
+            self.is_halted = True
             self._halt()
 
 
-class _Watcher:
-    """The thread that watches, and the work that it watches."""
+class _Watchdog:
+    """The thread that halts work when its time is up, and that work."""
 
     def __init__(self) -> None:
         self.reset()
 
     def reset(self) -> None:
         """Forget the thread and all work after a fork, which copies the lock but not the thread."""
-        self._works: set[Work] = set()
+        self._pending: set[MeteredWork] = set()
         self._lock = threading.Lock()
-        self._awake = threading.Event()
-        self._never = threading.Event()
+        self._wake = threading.Event()
+        self._timer = threading.Event()
         self._thread: threading.Thread | None = None
-        self._looks = False  # whether the thread is alive and awake
+        self._is_awake = False  # whether the thread is alive and awake
 
-    def add(self, work: Work) -> None:
+    def add(self, work: MeteredWork) -> None:
         with self._lock:
-            self._works.add(work)
+            self._pending.add(work)
             renew_bound(is_working=True)
-            if not self._looks:
-                self._looks = True
-                self._awake.set()
+            if not self._is_awake:
+                self._is_awake = True
+                self._wake.set()
                 if self._thread is None or not self._thread.is_alive():
                     name = "logical-robots-watch"
                     self._thread = threading.Thread(target=self._run, name=name, daemon=True)
                     self._thread.start()
 
-    def remove(self, work: Work) -> None:
+    def remove(self, work: MeteredWork) -> None:
         with self._lock:
-            self._works.discard(work)
+            self._pending.discard(work)
 
     def _run(self) -> None:
-        quiet, last = 0, process_time()
+        idle_checks, last_seconds = 0, process_time()
         try:
             while True:
-                if not self._awake.is_set():
-                    self._awake.wait()
-                    last = process_time()  # what was computed meanwhile is nobody's work
-                now = process_time()
+                if not self._wake.is_set():
+                    self._wake.wait()
+                    last_seconds = process_time()  # time used while asleep is charged to no work
+                seconds = process_time()
                 with self._lock:
-                    quiet = 0 if self._works else quiet + 1
-                    for work in self._works:
-                        work.look(now - last)
-                    renew_bound(is_working=bool(self._works))
-                    if quiet > _QUIET_LOOKS:
-                        quiet = 0
-                        self._looks = False
-                        self._awake.clear()
-                last = now
-                self._never.wait(_LOOK_SECONDS)
+                    idle_checks = 0 if self._pending else idle_checks + 1
+                    for work in self._pending:
+                        work.spend_seconds(seconds - last_seconds)
+                    renew_bound(is_working=bool(self._pending))
+                    if idle_checks > _IDLE_CHECKS:
+                        idle_checks = 0
+                        self._is_awake = False
+                        self._wake.clear()
+                last_seconds = seconds
+                self._timer.wait(_CHECK_SECONDS)
         finally:
-            self._looks = False
+            self._is_awake = False
 
 
-_watcher = _Watcher()
-os.register_at_fork(after_in_child=_watcher.reset)
+_watchdog = _Watchdog()
+os.register_at_fork(after_in_child=_watchdog.reset)
 
 
 MAX_ITEMS = 20_000
@@ -281,8 +281,8 @@ class TooLargeError(OverflowError):
     """A value is larger than a function accepts or returns; SQLite reports it as too big."""
 
 
-def check_items(count: float, most: int = MAX_ITEMS) -> None:
-    if count > most:
+def check_items(count: float, max_count: int = MAX_ITEMS) -> None:
+    if count > max_count:
         raise TooLargeError(f"a list of {count:,} items")
 
 
@@ -293,11 +293,11 @@ def check_text(length: int) -> None:
 
 def charge(
     function: Callable[..., Any],
-    work: Work,
+    work: MeteredWork,
     *,
     null_safe: bool = False,
-    checks: bool = False,
-    extra: Callable[..., int] | None = None,
+    checks_size: bool = False,
+    extra_steps: Callable[..., int] | None = None,
 ) -> Callable[..., Any]:
     """Charge a function for calls and for the characters that it takes and returns."""
 
@@ -309,11 +309,11 @@ def charge(
             elif argument is None and null_safe:
                 return None
         work.steps -= steps
-        if extra is not None:
-            work.steps -= extra(*arguments)
-        if work.halted or work.steps < 0:
+        if extra_steps is not None:
+            work.steps -= extra_steps(*arguments)
+        if work.is_halted or work.steps < 0:
             raise TooLargeError("the think was halted")
-        if steps > _SHORT and checks:
+        if steps > _SHORT and checks_size:
             for argument in arguments:
                 if argument.__class__ is str and len(argument) > _SHORT:
                     check_long(argument)
@@ -328,7 +328,7 @@ def charge(
     return charged_function
 
 
-class Aggregate(Protocol):
+class AggregateFunction(Protocol):
     """An aggregate; `compares` if each step compares its values with those held.
 
     A step takes a row, and returns by how many bytes of objects the aggregate grew.
@@ -345,32 +345,32 @@ class Aggregate(Protocol):
 class ChargedAggregate:
     """Charges an aggregate for its steps and for the bytes that it holds."""
 
-    __slots__ = ("_aggregate", "_held", "_work")
+    __slots__ = ("_aggregate", "_bytes", "_work")
 
-    def __init__(self, make: Callable[[], Aggregate], work: Work) -> None:
+    def __init__(self, make: Callable[[], AggregateFunction], work: MeteredWork) -> None:
         self._aggregate = make()
         self._work = work
-        self._held = 0
+        self._bytes = 0
 
     def step(self, *arguments: Any) -> None:
         steps = STEPS_OF_A_CALL + sum([len(a) for a in arguments if a.__class__ is str])
         if self._aggregate.compares:
-            steps += self._held // _BYTES_OF_A_STEP
+            steps += self._bytes // _BYTES_OF_A_STEP
         self._work.charge(steps)
         try:
-            grown = self._aggregate.step(*arguments)
+            growth = self._aggregate.step(*arguments)
         except RecursionError:
             raise TooLargeError(_TOO_DEEP) from None
-        self._held += grown
-        self._work.hold(grown)
+        self._bytes += growth
+        self._work.charge_bytes(growth)
 
     def finalize(self) -> Any:
-        self._work.charge(STEPS_OF_A_CALL + self._held // _BYTES_OF_A_STEP)
+        self._work.charge(STEPS_OF_A_CALL + self._bytes // _BYTES_OF_A_STEP)
         try:
             result = self._aggregate.finalize()
         except RecursionError:
             raise TooLargeError(_TOO_DEEP) from None
-        self._work.hold(-self._held)
+        self._work.charge_bytes(-self._bytes)
         return result
 
 
@@ -380,7 +380,7 @@ def check_long(text: str) -> None:
     check_items(_size(text))
 
 
-class Room:
+class CollectionLimit:
     """The remaining capacity of an aggregate that collects values."""
 
     __slots__ = ("_characters", "_items", "_size")
@@ -390,7 +390,7 @@ class Room:
         self._size = 0
         self._characters = 0
 
-    def take(self, value: Any, items: int = 1) -> int:
+    def add(self, value: Any, items: int = 1) -> int:
         """Count a value; return its bytes as an object. Raises TooLargeError if it is too much."""
         self._items += items
         self._size += items

@@ -84,7 +84,7 @@ def in_json(left: Any, right: Any) -> int:
         pairs.append((len(left), len(right)))
     else:
         return 0 if left is None or left == right else -1 if left < right else 1
-    return next((found for one, other in pairs if (found := in_json(one, other))), 0)
+    return next(filter(None, (in_json(*pair) for pair in pairs)), 0)
 
 
 def _rank(value: Any) -> int:
@@ -127,17 +127,17 @@ _LARGEST = 2**63  # above all of SQLite's integers
 def to_text(value: Any) -> str:
     """Return a value as `ToString` writes it: ``1.0``, ``{'a': 1}``, ``[a, b]``."""
     parsed = _parse(value)
-    return _spell(value if parsed is None else parsed, inside=False)
+    return _format(value if parsed is None else parsed, inside=False)
 
 
 def try_cast(value: Any, type_json: str) -> Any:
     """Convert a value, or return null; a record gets exactly the type's fields. Cached."""
-    if value.__class__ is str and len(value) < _LONGEST_KEPT:
+    if value.__class__ is str and len(value) < _MAX_CACHED_LENGTH:
         return _cast_text(value, type_json)
     return _cast_to(value, type_json)
 
 
-_LONGEST_KEPT = 100_000  # characters
+_MAX_CACHED_LENGTH = 100_000  # characters
 
 
 def _cast_to(value: Any, type_json: str) -> Any:
@@ -165,34 +165,34 @@ def _type_of(example: Any) -> Any:
     return "Any" if example is None else "Str" if isinstance(example, str) else "Num"
 
 
-def _cast(value: Any, wanted: Any) -> Any:
+def _cast(value: Any, target_type: Any) -> Any:
     if value is None:
         return None
-    if not isinstance(wanted, dict | list):
-        return _CASTS[wanted](value)
+    if not isinstance(target_type, dict | list):
+        return _CASTS[target_type](value)
     parts = _parse(value)
     if parts is None and isinstance(value, str):
-        return _cast_spelled(value, wanted)
-    if isinstance(wanted, dict) and isinstance(parts, dict):
-        return {field: _cast(parts.get(field), wanted[field]) for field in wanted}
-    if isinstance(wanted, list) and isinstance(parts, list):
-        return [_cast(part, wanted[0]) for part in parts]
+        return _cast_spelled(value, target_type)
+    if isinstance(target_type, dict) and isinstance(parts, dict):
+        return {field: _cast(parts.get(field), target_type[field]) for field in target_type}
+    if isinstance(target_type, list) and isinstance(parts, list):
+        return [_cast(part, target_type[0]) for part in parts]
     return None
 
 
-def _cast_spelled(text: str, wanted: Any) -> Any:
+def _cast_spelled(text: str, target_type: Any) -> Any:
     """Convert a record or list as DuckDB spells it; its parts are texts, whatever they spell."""
 
-    def part(value: str | None, wanted: Any) -> Any:
-        return value if wanted in ("Str", "Any") else _cast(value, wanted)
+    def part(value: str | None, target_type: Any) -> Any:
+        return value if target_type in ("Str", "Any") else _cast(value, target_type)
 
-    if isinstance(wanted, list):
+    if isinstance(target_type, list):
         items = read_list(text)
-        return None if items is None else [part(item, wanted[0]) for item in items]
+        return None if items is None else [part(item, target_type[0]) for item in items]
     fields = read_record(text)
-    if fields is None or not fields.keys() <= wanted.keys():
+    if fields is None or not fields.keys() <= target_type.keys():
         return None  # as on DuckDB
-    return {name: part(fields.get(name), of) for name, of in wanted.items()}
+    return {name: part(fields.get(name), field_type) for name, field_type in target_type.items()}
 
 
 def _parse(value: Any) -> Any:
@@ -221,8 +221,8 @@ def whole(value: Any) -> int | None:
         number = _number(value)
         if number is None or not math.isfinite(number):
             return None
-        away = math.floor(abs(number) + 0.5) * (1 if number >= 0 else -1)
-        value = round(number) if isinstance(value, float) else away
+        rounded = math.floor(abs(number) + 0.5) * (1 if number >= 0 else -1)
+        value = round(number) if isinstance(value, float) else rounded
     return int(value) if -_LARGEST <= value < _LARGEST else None
 
 
@@ -246,20 +246,20 @@ _CASTS: dict[str, Callable[[Any], Any]] = {
 }
 
 
-def _spell(value: Any, *, inside: bool) -> str:
+def _format(value: Any, *, inside: bool) -> str:
     if value is None:
         return "NULL"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict):
-        fields = (f"{_quote(k)}: {_spell(v, inside=True)}" for k, v in value.items())
+        fields = (f"{_quote(k)}: {_format(v, inside=True)}" for k, v in value.items())
         return "{" + ", ".join(fields) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(_spell(v, inside=True) for v in value) + "]"
+        return "[" + ", ".join(_format(v, inside=True) for v in value) + "]"
     if isinstance(value, float):
         return repr(value)  # also inf
     text = str(value)
-    return _write(text) if inside else text
+    return _quote_if_needed(text) if inside else text
 
 
 # -- records and lists in texts, as DuckDB writes them: {'n': 1, 'w': hi}, [a, 'b, c', NULL] ------
@@ -272,16 +272,16 @@ _CLOSES = {"{": "}", "[": "]", "(": ")"}
 _PLAIN = re.compile(r"""[^"',:\\{}()\[\]]+""")
 _QUOTED = {quote: re.compile(rf"(?:[^\\{quote}]|\\.)*{quote}", re.DOTALL) for quote in "'\""}
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
-_SIGNS = re.compile(r"""'(?:[^\\']|\\.)*'|"(?:[^\\"]|\\.)*"|\\['"]|['"{}\[\]()]""", re.DOTALL)
+_TOKENS = re.compile(r"""'(?:[^\\']|\\.)*'|"(?:[^\\"]|\\.)*"|\\['"]|['"{}\[\]()]""", re.DOTALL)
 
 
 def _quote(text: str) -> str:
-    """Return a text in quotes, as the name of a field always is."""
+    """Quote a text, as the name of a field always is."""
     return "'" + _ESCAPED.sub(r"\\\g<0>", text) + "'"
 
 
-def _write(text: str) -> str:
-    """Return a text as it stands in a record or list: in quotes only if it could be misread."""
+def _quote_if_needed(text: str) -> str:
+    """Quote a text in a record or list, but only if it could be misread."""
     is_plain = (
         text
         and text.strip(_SPACES) == text
@@ -293,99 +293,105 @@ def _write(text: str) -> str:
 
 def read_record(text: str) -> dict[str, str | None] | None:
     """Return a record's fields as texts, or None if the text spells no record."""
-    reader = _Reader(text, "{")
-    found: dict[str, str | None] = {}
+    reader = _DuckDBReader(text, "{")
+    fields: dict[str, str | None] = {}
     while not reader.is_at_end:
-        name, ended = reader.part(":")
-        if not name or ended != ":":
+        name, separator = reader.part(":")
+        if not name or separator != ":":
             return None
-        found[name], ended = reader.part(",")
-        if ended == "," and reader.is_at_end:
+        fields[name], separator = reader.part(",")
+        if separator == "," and reader.is_at_end:
             return None
-    return found if reader.is_complete else None
+    return fields if reader.is_complete else None
 
 
 def read_list(text: str) -> list[str | None] | None:
     """Return a list's elements as texts, or None if the text spells no list."""
-    reader = _Reader(text, "[")
-    found: list[str | None] = []
-    ended = "" if reader.is_at_end else ","
-    while ended == ",":
-        element, ended = reader.part(",")
-        found.append(element)
-    return found if reader.is_complete else None
+    reader = _DuckDBReader(text, "[")
+    items: list[str | None] = []
+    separator = "" if reader.is_at_end else ","
+    while separator == ",":
+        element, separator = reader.part(",")
+        items.append(element)
+    return items if reader.is_complete else None
 
 
-class _Reader:
-    """Reads the parts between two brackets, one after the other."""
+class _DuckDBReader:
+    """Reads the parts between two brackets in turn, as DuckDB writes them."""
 
     def __init__(self, text: str, opening: str) -> None:
         self._text = text.strip(_SPACES)
         self._closing = _CLOSES[opening]
-        self._at = 1
-        self._is_broken = self._text[:1] != opening
+        self._offset = 1
+        self._is_malformed = self._text[:1] != opening
 
     @property
     def is_at_end(self) -> bool:
-        """Whether there is nothing more before the closing bracket, or in the text."""
-        rest = _SPACE.match(self._text, self._at)
-        at = rest.end() if rest else self._at
-        return self._is_broken or at >= len(self._text) or self._text[at] == self._closing
+        """Whether the closing bracket or the end of the text comes next."""
+        space = _SPACE.match(self._text, self._offset)
+        offset = space.end() if space else self._offset
+        return (
+            self._is_malformed or offset >= len(self._text) or self._text[offset] == self._closing
+        )
 
     @property
     def is_complete(self) -> bool:
         """Whether everything was read, and quotes and brackets match."""
-        return not self._is_broken and self._text[self._at :].strip(_SPACES) == self._closing
+        return not self._is_malformed and self._text[self._offset :].strip(_SPACES) == self._closing
 
     def part(self, separator: str) -> tuple[str | None, str]:
-        """Return the next part, or None for an unquoted null; and what it ended with."""
-        text, pieces, quoted = self._text, list[str](), list[int]()
-        ended = ""
-        while self._at < len(text) and not self._is_broken and text[self._at] != self._closing:
-            at, character = self._at, text[self._at]
+        """Return the next part, or None for an unquoted null, and the separator after it, or ""."""
+        text, pieces, quoted_indexes = self._text, list[str](), list[int]()
+        separator_read = ""
+        while (
+            self._offset < len(text)
+            and not self._is_malformed
+            and text[self._offset] != self._closing
+        ):
+            offset, character = self._offset, text[self._offset]
             if character == separator:
-                self._at += 1
-                ended = separator
+                self._offset += 1
+                separator_read = separator
                 break
             if character in _QUOTED:
-                match = _QUOTED[character].match(text, at + 1)
+                match = _QUOTED[character].match(text, offset + 1)
                 self._move(match.end() if match else -1)
-                quoted.append(len(pieces))
+                quoted_indexes.append(len(pieces))
                 pieces.append(_ESCAPE.sub(r"\1", match.group()[:-1]) if match else "")
             elif character in _CLOSES:
-                self._move(_closed(text, at))
-                pieces.append(text[at : self._at])
-            elif character == "\\" and text[at + 1 : at + 2] in _QUOTED:
-                self._move(at + 2)
-                pieces.append(text[at + 1])
+                self._move(_bracket_end(text, offset))
+                pieces.append(text[offset : self._offset])
+            elif character == "\\" and text[offset + 1 : offset + 2] in _QUOTED:
+                self._move(offset + 2)
+                pieces.append(text[offset + 1])
             else:
-                plain = _PLAIN.match(text, at)
-                self._move(plain.end() if plain else at + 1)
-                pieces.append(text[at : self._at])
-        if not quoted:
-            part = "".join(pieces).strip(_SPACES)
-            return None if part.upper() == "NULL" else part, ended
-        first, last = quoted[0], quoted[-1]  # what is in quotes keeps its spaces
+                plain = _PLAIN.match(text, offset)
+                self._move(plain.end() if plain else offset + 1)
+                pieces.append(text[offset : self._offset])
+        if not quoted_indexes:
+            text_value = "".join(pieces).strip(_SPACES)
+            return None if text_value.upper() == "NULL" else text_value, separator_read
+        first, last = quoted_indexes[0], quoted_indexes[-1]  # quoted text keeps its spaces
         begin, end = "".join(pieces[:first]), "".join(pieces[last + 1 :])
         inside = "".join(pieces[first : last + 1])
-        return begin.lstrip(_SPACES) + inside + end.rstrip(_SPACES), ended
+        return begin.lstrip(_SPACES) + inside + end.rstrip(_SPACES), separator_read
 
-    def _move(self, at: int) -> None:
-        self._is_broken = at < 0
-        self._at = max(self._at, at)
+    def _move(self, offset: int) -> None:
+        self._is_malformed = offset < 0
+        self._offset = max(self._offset, offset)
 
 
-def _closed(text: str, at: int) -> int:
+def _bracket_end(text: str, offset: int) -> int:
     """Return the offset after the bracket that closes the one at an offset, or -1."""
-    waiting: list[str] = []
-    for found in _SIGNS.finditer(text, at):
-        sign = found.group()
-        if sign in _CLOSES:
-            waiting.append(_CLOSES[sign])
-        elif sign in _QUOTED:
+    closing: list[str] = []
+    for match in _TOKENS.finditer(text, offset):
+        token = match.group()
+        if token in _CLOSES:
+            closing.append(_CLOSES[token])
+        elif token in _QUOTED:
             return -1  # it is not closed
-        elif sign == waiting[-1]:
-            waiting.pop()
-            if not waiting:
-                return found.end()
+        elif token == closing[-1]:
+            closing.pop()
+            if not closing:
+                return match.end()
     return -1

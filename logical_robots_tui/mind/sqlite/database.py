@@ -11,9 +11,16 @@ from typing import Any, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite import budget, registry
-from logical_robots_tui.mind.sqlite.budget import Within, Work
-from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT, Layout
+from logical_robots_tui.mind.sqlite import registry
+from logical_robots_tui.mind.sqlite.budget import (
+    LONG,
+    MAX_ITEMS,
+    STEPS_AT_ONCE,
+    EvaluationBudget,
+    MeteredWork,
+    charge,
+)
+from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT, SqlLayout
 
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""
@@ -60,7 +67,7 @@ _SQLITE_LIMITS = {
     sqlite3.SQLITE_LIMIT_WORKER_THREADS: 0,
 }
 
-_MANY = 100  # rows from which on it may take a while to read them
+_MANY_ROWS = 100  # rows from which on it may take a while to read them
 
 _DELETE = "DELETE FROM "
 
@@ -78,19 +85,19 @@ class TooMuchError(Exception):
 class Database:
     """A private in-memory SQLite with the tables of a layout; for one thread at a time."""
 
-    def __init__(self, limits: Limits | None = None, layout: Layout = PLAIN_LAYOUT) -> None:
+    def __init__(self, limits: Limits | None = None, layout: SqlLayout = PLAIN_LAYOUT) -> None:
         self._limits = limits or Limits()
         self._readable = layout.readable
-        self._own = _Own(secrets.token_hex(8))
-        self._offered: set[str] = set()
+        self._own_statements = _OwnStatements(secrets.token_hex(8))
+        self._functions: set[str] = set()
         self._bytes = 0
-        self._most_bytes = self._limits.result_bytes
+        self._max_bytes = self._limits.result_bytes
         self._connection = sqlite3.connect(
             ":memory:", isolation_level=None, check_same_thread=False, cached_statements=512
         )
-        self._work = Work(self._halt, self._limits.aggregate_bytes)
+        self._work = MeteredWork(self._halt, self._limits.aggregate_bytes)
         self._numbers = count()
-        self._connection.set_progress_handler(self._work.count, budget.STEPS_AT_ONCE)
+        self._connection.set_progress_handler(self._work.count_steps, STEPS_AT_ONCE)
         registry.install(self._connection, self._work)
         self._connection.executescript(
             f"""
@@ -143,24 +150,28 @@ class Database:
             if not connection.in_transaction:
                 connection.execute("BEGIN")  # never committed: nobody else reads it
             if clear:
-                connection.execute(self._own[_DELETE + table])
+                connection.execute(self._own_statements[_DELETE + table])
             try:
                 for insert, rows in inserts:
-                    connection.executemany(self._own[insert], rows)
+                    connection.executemany(self._own_statements[insert], rows)
             except UnicodeEncodeError:
-                self.fill(table, [(insert, _whole(rows)) for insert, rows in inserts], clear=clear)
+                self.fill(
+                    table,
+                    [(insert, _without_surrogates(rows)) for insert, rows in inserts],
+                    clear=clear,
+                )
         except (sqlite3.DataError, MemoryError) as error:
-            raise self._too_much(error) from None
+            raise self._memory_error(error) from None
 
     def ask(
         self,
         sql: str,
         parameters: Sequence[Scalar] = (),
         *,
-        most: int,
-        within: Within | None = None,
+        max_rows: int,
+        budget: EvaluationBudget | None = None,
     ) -> Answer:
-        """Return the column names and at most `most` rows of one read-only query.
+        """Return the column names and at most `max_rows` rows of one read-only query.
 
         Raises:
             Stopped: The caller stopped it.
@@ -168,39 +179,39 @@ class Database:
             TooMuchError: It needs too much memory, or its result is too large.
             sqlite3.Error: It failed, in a callback too, or used something that is not allowed.
         """
-        if within is None:
-            within = Within.of_thought(self._limits)
-        left, stop = within.budget, within.stop
+        if budget is None:
+            budget = EvaluationBudget.of_thought(self._limits)
+        remainder, stop = budget.remainder, budget.stop
         if stop is not None and stop.is_set():
             raise Stopped("The program was stopped before it started thinking.")
-        if left.is_late or left.steps < 0:
+        if remainder.is_late or remainder.steps < 0:
             raise TooSlowError
-        if within.anew:
+        if budget.is_exact:
             sql = f"/* {next(self._numbers)} */ {sql}"
         self._trusted = False
         self._bytes = 0
         work = self._work
-        work.begin(left, stop)
+        work.begin(remainder, stop)
         try:
-            answer = self._fetch(sql, parameters, most)
-            within.is_much = self._bytes > budget.LONG or len(answer[1]) > _MANY
+            answer = self._fetch(sql, parameters, max_rows)
+            budget.is_large = self._bytes > LONG or len(answer[1]) > _MANY_ROWS
             return answer
         except TooMuchError:
             raise
         except Exception as error:
-            if work.halted and work.stopped:
+            if work.is_halted and work.is_stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None
             if work.is_over:
                 raise TooSlowError from None
             if isinstance(error, MemoryError | sqlite3.DataError):
-                raise self._too_much(error) from None
+                raise self._memory_error(error) from None
             if isinstance(error, sqlite3.Error | sqlite3.Warning):
                 raise
-            # What is passed to a callback can't always be decoded, for one.
+            # For one, a callback's argument that can't be decoded.
             raise sqlite3.OperationalError(f"user-defined: {error}") from error
         finally:
             work.end()
-            if work.halted:
+            if work.is_halted:
                 self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
 
     def define(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
@@ -212,19 +223,19 @@ class Database:
         if not connection.in_transaction:
             connection.execute("BEGIN")
         try:
-            connection.execute(self._own[f"CREATE TABLE IF NOT EXISTS {table}({names})"])
+            connection.execute(self._own_statements[f"CREATE TABLE IF NOT EXISTS {table}({names})"])
             places = ", ".join("?" * len(columns))
             self._readable |= {table.lower()}
             insert = f"INSERT INTO {table} VALUES ({places})"  # noqa: S608 - our own name
             self.fill(table, ((insert, rows),))
         except (sqlite3.DataError, MemoryError) as error:
-            raise self._too_much(error) from None
+            raise self._memory_error(error) from None
 
-    def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
+    def register(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
         """Register a function for queries, once; its errors and steps count as the query's."""
-        if name not in self._offered:
-            self._connection.create_function(name, arguments, budget.charge(function, self._work))
-            self._offered.add(name)
+        if name not in self._functions:
+            self._connection.create_function(name, arguments, charge(function, self._work))
+            self._functions.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
         """Compile a query without running it; raise sqlite3.Error or MemoryError."""
@@ -236,7 +247,7 @@ class Database:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _fetch(self, sql: str, parameters: Sequence[Scalar], most: int) -> Answer:
+    def _fetch(self, sql: str, parameters: Sequence[Scalar], max_rows: int) -> Answer:
         try:
             cursor = self._connection.execute(sql, parameters)
         except UnicodeEncodeError:
@@ -248,32 +259,32 @@ class Database:
         for row in cursor:
             if bytes in map(type, row):
                 self._bytes += sum(len(value) for value in row if value.__class__ is bytes)
-                if self._bytes > self._most_bytes:
-                    raise self._too_many()
+                if self._bytes > self._max_bytes:
+                    raise self._result_error()
             rows.append(row)
-            if len(rows) == most:
+            if len(rows) == max_rows:
                 break
         cursor.close()
         return columns, rows
 
     def _text(self, raw: bytes) -> str:
         self._bytes += len(raw)
-        if self._bytes > self._most_bytes:
-            raise self._too_many()
+        if self._bytes > self._max_bytes:
+            raise self._result_error()
         return raw.decode("utf-8", "replace")
 
-    def _too_many(self) -> TooMuchError:
-        return TooMuchError(f"the result has more than {self._most_bytes:,} bytes")
+    def _result_error(self) -> TooMuchError:
+        return TooMuchError(f"the result has more than {self._max_bytes:,} bytes")
 
-    def _too_much(self, error: Exception) -> TooMuchError:
+    def _memory_error(self, error: Exception) -> TooMuchError:
         if isinstance(error, MemoryError):
             return TooMuchError(f"it needs more than {self._limits.mind_bytes:,} bytes of memory")
         if self._work.is_full:
-            most = self._limits.aggregate_bytes
-            return TooMuchError(f"aggregates collect more than {most:,} bytes at a time")
+            max_bytes = self._limits.aggregate_bytes
+            return TooMuchError(f"aggregates collect more than {max_bytes:,} bytes at a time")
         return TooMuchError(
             f"a value became too large; a string, list or record may have "
-            f"{self._limits.value_bytes:,} bytes, a list in a function {budget.MAX_ITEMS:,} items"
+            f"{self._limits.value_bytes:,} bytes, a list in a function {MAX_ITEMS:,} items"
         )
 
     def _halt(self) -> None:
@@ -287,27 +298,27 @@ class Database:
     def _authorize(
         self,
         action: int,
-        first: str | None,
-        second: str | None,
+        table_name: str | None,
+        detail_name: str | None,
         _database: str | None,
         _trigger: str | None,
     ) -> int:
         """Return what a statement may do; SQLite calls this while it prepares the statement."""
         if self._trusted or action in _ALLOWED_ACTIONS:
             return sqlite3.SQLITE_OK
-        if action == sqlite3.SQLITE_READ and first is not None:
+        if action == sqlite3.SQLITE_READ and table_name is not None:
             # A named query is only mentioned here when its rows are counted.
-            counted = second == "" and _NAMED_QUERY.fullmatch(first) is not None
-            if counted or first.lower() in self._readable:
+            is_count = detail_name == "" and _NAMED_QUERY.fullmatch(table_name) is not None
+            if is_count or table_name.lower() in self._readable:
                 return sqlite3.SQLITE_OK
-        if action == sqlite3.SQLITE_FUNCTION and second is not None:
-            name = second.lower()
-            if name in BUILT_IN or name in registry.NAMES or name in self._offered:
+        if action == sqlite3.SQLITE_FUNCTION and detail_name is not None:
+            name = detail_name.lower()
+            if name in BUILT_IN or name in registry.NAMES or name in self._functions:
                 return sqlite3.SQLITE_OK
         return sqlite3.SQLITE_DENY
 
 
-class _Own(dict[str, str]):
+class _OwnStatements(dict[str, str]):
     """Our own statements, marked so that no program can name one in the statement cache."""
 
     def __init__(self, mark: str) -> None:
@@ -315,11 +326,11 @@ class _Own(dict[str, str]):
         self._mark = mark
 
     def __missing__(self, sql: str) -> str:
-        self[sql] = marked = f"/* {self._mark} */ {sql}"
-        return marked
+        self[sql] = statement = f"/* {self._mark} */ {sql}"
+        return statement
 
 
-def _whole(rows: Iterable[Sequence[Any]]) -> list[list[Any]]:
+def _without_surrogates(rows: Iterable[Sequence[Any]]) -> list[list[Any]]:
     """Return rows with lone surrogates replaced, which SQLite can't store."""
     return [
         [v.encode("utf-8", "replace").decode() if isinstance(v, str) else v for v in row]

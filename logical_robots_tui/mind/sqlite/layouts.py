@@ -15,7 +15,7 @@ from logical_robots_tui.schema import BEACON, RAY, ROBOT, SELF, SENSOR
 from logical_robots_tui.values import SensorRow
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.sqlite.moment import Moment
+    from logical_robots_tui.mind.sqlite.inputs import Inputs
 
 TABLES = frozenset({"sensor", "memory", "json_each"})
 """Tables that may be read, in lower case."""
@@ -41,19 +41,19 @@ ITEMS = 100_000
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class SqlLayout:
     """The SQL that creates tables, and the lower-case names that queries may read."""
 
     script: str
     readable: frozenset[str]
 
 
-PLAIN_LAYOUT = Layout(
+PLAIN_LAYOUT = SqlLayout(
     "CREATE TABLE Sensor(robot_name, sensor); CREATE TABLE Memory(robot_name, memory);", TABLES
 )
 """The tables as programs know them."""
 
-COLUMNS_LAYOUT = Layout(
+COLUMNS_LAYOUT = SqlLayout(
     f"""
     CREATE TABLE Sensor(
         id INTEGER PRIMARY KEY, robot_name, sensor, {", ".join(SENSOR.scalars + SELF.scalars)}
@@ -70,12 +70,12 @@ COLUMNS_LAYOUT = Layout(
 """Numbered rows with sensor fields and radar rays as columns, and copies of the rays that end at
 robots and beacons. For few robots: creating an index would take longer than it saves."""
 
-LISTS_LAYOUT = Layout(
+LISTS_LAYOUT = SqlLayout(
     f"{COLUMNS_LAYOUT.script} PRAGMA automatic_index = ON;", COLUMNS_LAYOUT.readable
 )
 """For queries that decide themselves where few robots need no index."""
 
-CROWD_LAYOUT = Layout(
+CROWD_LAYOUT = SqlLayout(
     LISTS_LAYOUT.script
     + """
     CREATE INDEX SensorByName ON Sensor(robot_name);
@@ -86,8 +86,8 @@ CROWD_LAYOUT = Layout(
 """For many robots."""
 
 
-Filling: TypeAlias = tuple[str, Sequence[Sequence[Any]]]
-"""A statement that inserts or replaces a row, and the values of each execution."""
+Insertion: TypeAlias = tuple[str, Sequence[Sequence[Any]]]
+"""A statement that inserts or replaces a row, and the values for each execution."""
 
 
 @cache
@@ -97,44 +97,43 @@ def _insert_into(table: str, columns: tuple[str, ...]) -> str:
     return f"REPLACE INTO {table}({', '.join(('id', *columns))}) VALUES ({values})"  # noqa: S608 - our own names
 
 
-def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    """Return the statements that fill a table with the rows of a moment.
+def insertions(table: str, inputs: Inputs, columns: tuple[str, ...]) -> Sequence[Insertion]:
+    """Return the statements that fill a table with a mind's inputs.
 
     Args:
         table: ``Sensor``, ``Memory``, ``Item`` or one of `KINDS`.
-        moment: The moment.
+        inputs: The sensors and memories.
         columns: The columns to fill besides ``id``, in alphabetical order; those of memory fields
-            with the field, as in ``field_0=seen``, and those of ``Item`` as `spell_item` gives
-            them.
+            with the field, as in ``field_0=seen``, and those of ``Item`` from `item_column_name`.
 
     Raises:
         TypeError, KeyError, AttributeError, ValueError: Sensors or memories don't have the usual
             shape or size.
     """
-    return _FILLINGS[table](moment, columns)
+    return _INSERTIONS[table](inputs, columns)
 
 
-def _sensors(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    values = [_SENSOR_VALUES[column] for column in columns]
-    rows = [(n, *[value(row) for value in values]) for n, row in enumerate(moment.sensors)]
+def _sensors(inputs: Inputs, columns: tuple[str, ...]) -> Sequence[Insertion]:
+    readers = [_SENSOR_VALUES[column] for column in columns]
+    rows = [(n, *[read(row) for read in readers]) for n, row in enumerate(inputs.sensor_rows)]
     return ((_insert_into("Sensor", columns), rows),)
 
 
-def _rays_of_kind(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    pick = _picker(columns)
+def _rays_of_kind(table: str, inputs: Inputs, columns: tuple[str, ...]) -> Sequence[Insertion]:
+    read_ray = _ray_reader(columns)
     rows: list[Sequence[Any]] = []
-    for first, rays in enumerate(moment.rays_to(KINDS[table])):
+    for row, rays in enumerate(inputs.rays_to(KINDS[table])):
         if rays and rays[-1][0] >= RAYS:
             raise ValueError("a radar of too many rays")
-        start = first * RAYS
-        rows += [(start + number, *pick(ray)) for number, ray in rays]
+        start = row * RAYS
+        rows += [(start + number, *read_ray(ray)) for number, ray in rays]
     return ((_insert_into(table, columns), rows),)
 
 
 _MOST_CHARACTERS = 16_000_000  # in all rows: a memory has one for each robot that sees it
 
 
-def _memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+def _memories(inputs: Inputs, columns: tuple[str, ...]) -> Sequence[Insertion]:
     """Return the rows that fill ``Memory``.
 
     Raises:
@@ -142,24 +141,24 @@ def _memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     """
     insert, fields = _memory_columns(columns)
     if not fields:
-        return ((insert, moment.memories),)
-    stored = {
+        return ((insert, inputs.memory_rows),)
+    field_values = {
         name: [
             _column_value(_field_of(field, memory)) if field else to_sql(memory) for field in fields
         ]
-        for name, memory in moment.remembered.items()
+        for name, memory in inputs.memory_values.items()
     }
     sizes = {
         name: sum([len(value) for value in values if value.__class__ is str])
-        for name, values in stored.items()
+        for name, values in field_values.items()
     }
-    most = max(sizes.values(), default=0) * len(moment.memories)
-    if most > _MOST_CHARACTERS and (
-        sum([sizes.get(name, 0) for _, name in moment.memories]) > _MOST_CHARACTERS
+    upper_bound = max(sizes.values(), default=0) * len(inputs.memory_rows)
+    if upper_bound > _MOST_CHARACTERS and (
+        sum([sizes.get(name, 0) for _, name in inputs.memory_rows]) > _MOST_CHARACTERS
     ):
         raise ValueError("too many characters")
-    nothing = [None] * len(fields)
-    rows = [(number, name, *stored.get(name, nothing)) for number, name in moment.memories]
+    nulls = [None] * len(fields)
+    rows = [(number, name, *field_values.get(name, nulls)) for number, name in inputs.memory_rows]
     return ((insert, rows),)
 
 
@@ -180,7 +179,7 @@ def _field_of(field: str, memory: Any) -> Any:
     if kind is dict:
         return memory.get(field)
     if kind not in _NO_RECORDS and not (kind is str and memory.lstrip()[:1] != "{"):
-        raise ValueError("what may be a record")
+        raise ValueError("a text that may be a record")
     return None
 
 
@@ -188,7 +187,7 @@ _NO_RECORDS = frozenset({type(None), bool, int, float, list})
 
 
 def _column_value(value: Any) -> Any:
-    """Return a part of a memory as SQLite would read it from text."""
+    """Convert a part of a memory as SQLite would read it from text."""
     kind = value.__class__
     if kind is float:
         return value if isfinite(value) else None
@@ -198,63 +197,63 @@ def _column_value(value: Any) -> Any:
 _NESTED = frozenset({dict, list})
 
 
-def spell_item(column: str, place: int, field: str, key: str) -> str:
+def item_column_name(column: str, list_number: int, field: str, key: str) -> str:
     """Return the name of a column of ``Item`` with its content."""
-    return f"{column}={place}:{field}.{key}"
+    return f"{column}={list_number}:{field}.{key}"
 
 
 _LIST_OR_NONE = frozenset({list, type(None)})
-_SPELLED = re.compile(r"(\w+)=(\d+):(\w+)\.(\w+)")
+_ITEM_COLUMN = re.compile(r"(\w+)=(\d+):(\w+)\.(\w+)")
 
 
-def _items(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+def _items(inputs: Inputs, columns: tuple[str, ...]) -> Sequence[Insertion]:
     """Return the rows that fill ``Item``: records of lists, with null for missing fields.
 
     Raises:
         ValueError: A value is not a list of records, or there are too many.
     """
-    found: list[Filling] = []
-    for place, field, insert, keys in _item_columns(columns):
-        named = {name: _field_of(field, memory) for name, memory in moment.remembered.items()}
-        if not {*map(type, named.values())} <= _LIST_OR_NONE:
+    item_insertions: list[Insertion] = []
+    for list_number, field, insert, keys in _item_columns(columns):
+        lists = {name: _field_of(field, memory) for name, memory in inputs.memory_values.items()}
+        if not {*map(type, lists.values())} <= _LIST_OR_NONE:
             raise ValueError("not a list")
-        records = {name: _records(listed, keys) for name, listed in named.items() if listed}
+        records = {name: _records(items, keys) for name, items in lists.items() if items}
         rows: list[Sequence[Any]] = []
-        for number, name in moment.memories:
-            start = (number * len(MEMORY_FIELDS) + place) * ITEMS
+        for number, name in inputs.memory_rows:
+            start = (number * len(MEMORY_FIELDS) + list_number) * ITEMS
             rows += [(start + n, *item) for n, item in enumerate(records.get(name, ()))]
             if len(rows) > ITEMS:
                 raise ValueError("too many records")
-        found.append((insert, rows))
-    return found
+        item_insertions.append((insert, rows))
+    return item_insertions
 
 
 @cache
 def _item_columns(columns: tuple[str, ...]) -> list[tuple[int, str, str, tuple[str, ...]]]:
-    """Return for each list its place, its field, the statement that inserts, and its keys."""
+    """Return each list's number, field, insert statement and keys."""
     lists: dict[tuple[int, str], list[tuple[str, str]]] = {}
-    for spelled in columns:
-        column, place, field, key = _SPELLED.findall(spelled)[0]
-        lists.setdefault((int(place), field), []).append((column, key))
+    for column_name in columns:
+        column, list_number, field, key = _ITEM_COLUMN.findall(column_name)[0]
+        lists.setdefault((int(list_number), field), []).append((column, key))
     return [
-        (place, field, _insert_into("Item", tuple(names)), tuple(keys))
-        for (place, field), pairs in lists.items()
+        (list_number, field, _insert_into("Item", tuple(names)), tuple(keys))
+        for (list_number, field), pairs in lists.items()
         for names, keys in (zip(*pairs, strict=True),)
     ]
 
 
-def _records(found: list[Any], keys: tuple[str, ...]) -> Sequence[Sequence[Any]]:
+def _records(items: list[Any], keys: tuple[str, ...]) -> Sequence[Sequence[Any]]:
     """Return field values of records; ValueError for texts, which only SQLite can interpret."""
-    if str in map(type, found):
+    if str in map(type, items):
         raise ValueError("not a list of records")
-    nothing = [None] * len(keys)
+    nulls = [None] * len(keys)
     return [
-        [_column_value(item.get(key)) for key in keys] if item.__class__ is dict else nothing
-        for item in found
+        [_column_value(item.get(key)) for key in keys] if item.__class__ is dict else nulls
+        for item in items
     ]
 
 
-_FILLINGS: dict[str, Callable[[Moment, tuple[str, ...]], Sequence[Filling]]] = {
+_INSERTIONS: dict[str, Callable[[Inputs, tuple[str, ...]], Sequence[Insertion]]] = {
     "Sensor": _sensors,
     "Memory": _memories,
     "Item": _items,
@@ -263,11 +262,11 @@ _FILLINGS: dict[str, Callable[[Moment, tuple[str, ...]], Sequence[Filling]]] = {
 
 
 @cache
-def _picker(columns: tuple[str, ...]) -> Callable[[Mapping[str, Any]], Sequence[Any]]:
+def _ray_reader(columns: tuple[str, ...]) -> Callable[[Mapping[str, Any]], Sequence[Any]]:
     """Return the function that reads the columns from a ray."""
     if columns and columns[-1] == "value":
-        pick = _picker(columns[:-1])
-        return lambda ray: (*pick(ray), to_input(ray))
+        read_ray = _ray_reader(columns[:-1])
+        return lambda ray: (*read_ray(ray), to_input(ray))
     if len(columns) > 1:
         return itemgetter(*columns)
     return lambda ray: [ray[column] for column in columns]

@@ -15,25 +15,25 @@ from typing import Any, ClassVar
 
 from logical_robots_tui.mind.limits import weight_of_scalar
 from logical_robots_tui.mind.sqlite import budget, casting, texts
-from logical_robots_tui.mind.sqlite.budget import Work
+from logical_robots_tui.mind.sqlite.budget import MeteredWork
 from logical_robots_tui.mind.sqlite.casting import Scalar, element, list_in
 from logical_robots_tui.mind.sqlite.stored import to_json
 
 # -- aggregates ----------------------------------------------------------------------------------
 
-_PAIR = 200  # bytes of a pair and its sort key
+_PAIR_BYTES = 200  # bytes of a pair and its sort key
 
 
-class _Collecting:
+class _CollectingAggregate:
     """An aggregate that collects values; null if there are none, as in DuckDB."""
 
     compares: ClassVar[bool] = False
 
     def __init__(self) -> None:
-        self.room = budget.Room()
+        self.limit = budget.CollectionLimit()
 
 
-class _Distinct(_Collecting):
+class _Distinct(_CollectingAggregate):
     """`Set`: each value once, in ascending order, null last."""
 
     def __init__(self) -> None:
@@ -46,13 +46,13 @@ class _Distinct(_Collecting):
         if key in self.unique:
             return 0
         self.unique[key] = item
-        return 2 * self.room.take(key)  # as an item and as a key
+        return 2 * self.limit.add(key)  # as an item and as a key
 
     def finalize(self) -> str | None:
         return to_json(casting.in_order(self.unique.values())) if self.unique else None
 
 
-class _Concat(_Collecting):
+class _Concat(_CollectingAggregate):
     """`++=`: one list of the elements of all lists, or one text of all texts."""
 
     def __init__(self) -> None:
@@ -67,9 +67,9 @@ class _Concat(_Collecting):
         self.is_empty = False
         if isinstance(value, str) and not isinstance(element(value), list):
             self.texts.append(value)
-            return self.room.take(value)
+            return self.limit.add(value)
         items = list_in(value)
-        size = self.room.take(value, len(items))
+        size = self.limit.add(value, len(items))
         self.items.extend(items)
         return size
 
@@ -79,7 +79,7 @@ class _Concat(_Collecting):
         return "".join(self.texts) if self.texts else to_json(self.items)
 
 
-class _Pairs(_Collecting):
+class _RankedPairs(_CollectingAggregate):
     """An aggregate over pairs without nulls; equal values keep their order."""
 
     def __init__(
@@ -94,9 +94,9 @@ class _Pairs(_Collecting):
         self.count = count
         if value is None or argument is None:
             return 0
-        size = self.room.take(value) + self.room.take(argument, 0)
+        size = self.limit.add(value) + self.limit.add(argument, 0)
         self.pairs.append((self.key(value), argument))
-        return size + _PAIR
+        return size + _PAIR_BYTES
 
     def finalize(self) -> str | None:
         self.pairs.sort(key=lambda pair: pair[0], reverse=self.descending)
@@ -104,13 +104,13 @@ class _Pairs(_Collecting):
         return to_json([element(a) for _, a in self.pairs[:count]]) if self.pairs else None
 
 
-class _Array(_Pairs):
+class _Array(_RankedPairs):
     """`Array{position -> value}`: the values in the order of their positions, null last."""
 
     def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
-        size = self.room.take(argument) + self.room.take(value, 0)
+        size = self.limit.add(argument) + self.limit.add(value, 0)
         self.pairs.append(((argument is None, casting.order(argument)), value))
-        return size + _PAIR
+        return size + _PAIR_BYTES
 
 
 class _Best:
@@ -122,21 +122,21 @@ class _Best:
         self, key: Callable[[Any], Any] = casting.order, *, descending: bool = False
     ) -> None:
         self.key, self.descending = key, descending
-        self.best: tuple[int, Any] | None = None
+        self.best_rank: tuple[int, Any] | None = None
         self.argument: Scalar = None
         self.size = 0
 
     def step(self, argument: Scalar, value: Scalar) -> int:
         if value is None or argument is None:
             return 0
-        found = self.key(value)
-        if self.best is not None and not (
-            found > self.best if self.descending else found < self.best
+        rank = self.key(value)
+        if self.best_rank is not None and not (
+            rank > self.best_rank if self.descending else rank < self.best_rank
         ):
             return 0
-        self.best, self.argument, before = found, argument, self.size
+        self.best_rank, self.argument, previous_size = rank, argument, self.size
         self.size = weight_of_scalar(value) + weight_of_scalar(argument)
-        return self.size - before
+        return self.size - previous_size
 
     def finalize(self) -> Scalar:
         return self.argument
@@ -153,30 +153,30 @@ class _AnyValue:
     compares: ClassVar[bool] = False
 
     def __init__(self) -> None:
-        self.found: Scalar = None
+        self.value: Scalar = None
 
     def step(self, value: Scalar) -> int:
-        if self.found is not None or value is None:
+        if self.value is not None or value is None:
             return 0
-        self.found = value
+        self.value = value
         return weight_of_scalar(value)
 
     def finalize(self) -> Scalar:
-        return self.found
+        return self.value
 
 
-AGGREGATES: dict[str, tuple[int, Callable[[], budget.Aggregate]]] = {
+AGGREGATES: dict[str, tuple[int, Callable[[], budget.AggregateFunction]]] = {
     "list_of_distinct": (1, _Distinct),
     "concat_lists": (1, _Concat),
     "array_by": (2, _Array),
     "arg_min": (2, _Best),
     "arg_max": (2, partial(_Best, descending=True)),
-    "arg_min_k": (3, _Pairs),
-    "arg_max_k": (3, partial(_Pairs, descending=True)),
+    "arg_min_k": (3, _RankedPairs),
+    "arg_max_k": (3, partial(_RankedPairs, descending=True)),
     "arg_min_of_nested": (2, partial(_Best, casting.order_of_scalar)),
     "arg_max_of_nested": (2, partial(_Best, casting.order_of_scalar, descending=True)),
-    "arg_min_k_of_nested": (3, partial(_Pairs, casting.order_of_scalar)),
-    "arg_max_k_of_nested": (3, partial(_Pairs, casting.order_of_scalar, descending=True)),
+    "arg_min_k_of_nested": (3, partial(_RankedPairs, casting.order_of_scalar)),
+    "arg_max_k_of_nested": (3, partial(_RankedPairs, casting.order_of_scalar, descending=True)),
     "least_nested": (1, partial(_BestNested, casting.order_of_scalar)),
     "greatest_nested": (1, partial(_BestNested, casting.order_of_scalar, descending=True)),
     "any_value": (1, _AnyValue),
@@ -186,7 +186,7 @@ AGGREGATES: dict[str, tuple[int, Callable[[], budget.Aggregate]]] = {
 
 # -- functions -----------------------------------------------------------------------------------
 
-_MOST_COMPARED = 16  # arguments of Least and Greatest
+_MAX_COMPARED = 16  # arguments of Least and Greatest
 
 
 def _present(values: tuple[Scalar, ...]) -> list[Scalar]:
@@ -219,10 +219,10 @@ def _concatenate(left: Scalar, right: Scalar) -> str:
 
 
 def _join(items: Scalar, separator: str) -> str | None:
-    listed = list_in(items)
-    texts = [_text(item) for item in listed if item is not None]
+    elements = list_in(items)
+    texts = [_text(item) for item in elements if item is not None]
     budget.check_text(len(separator) * len(texts))
-    return separator.join(texts) if texts or not listed else None
+    return separator.join(texts) if texts or not elements else None
 
 
 def _text(value: Any) -> str:
@@ -237,7 +237,7 @@ def _split(text: str, separator: str) -> str:
 
 
 def _concat(*lists: Scalar) -> str:
-    return to_json([item for each in lists for item in list_in(each)])
+    return to_json([item for text in lists for item in list_in(text)])
 
 
 def _range(count: float) -> str:
@@ -259,9 +259,9 @@ def _hash(value: Scalar) -> int:
     return int.from_bytes(digest, "big") >> 1
 
 
-def _has(items: Scalar, wanted: Scalar) -> int:
-    value = element(wanted)
-    return int(any(not casting.in_json(item, value) for item in list_in(items)))
+def _has(items: Scalar, searched_item: Scalar) -> int:
+    element_value = element(searched_item)
+    return int(any(not casting.in_json(item, element_value) for item in list_in(items)))
 
 
 def _disassemble(record: Scalar) -> str:
@@ -362,31 +362,31 @@ _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
 """Functions that SQLite has only if it was built with mathematical functions."""
 
 
-def _sorting(items: Any) -> int:
+def _sorting_steps(items: Any) -> int:
     return 7 * len(items) if isinstance(items, str) else 0
 
 
-def _searching(items: Any, wanted: Any) -> int:
+def _search_steps(items: Any, searched_item: Any) -> int:
     """Return the cost of null fields, which are compared even with records that lack them."""
-    if isinstance(items, str) and isinstance(wanted, str):
-        return items.count("{") * wanted.count("null")
+    if isinstance(items, str) and isinstance(searched_item, str):
+        return items.count("{") * searched_item.count("null")
     return 0
 
 
 _TOO_MANY = 250_000_000  # steps, more than there are for a thought or a query
 
 
-def _matching(text: Any, pattern: Any) -> int:
+def _match_steps(text: Any, pattern: Any) -> int:
     """Return the cost of a regular expression, whose states may be tried at each character."""
-    is_asked = isinstance(text, str) and isinstance(pattern, str)
-    return min(4 * len(text) * texts.states_of(pattern), _TOO_MANY) if is_asked else 0
+    are_texts = isinstance(text, str) and isinstance(pattern, str)
+    return min(4 * len(text) * texts.states_of(pattern), _TOO_MANY) if are_texts else 0
 
 
-_EXTRA: dict[str, Callable[..., int]] = {
-    "list_has": _searching,
-    "regexp_extract": _matching,
-    "sort_list": _sorting,
-    "unique_list": _sorting,
+_EXTRA_STEPS: dict[str, Callable[..., int]] = {
+    "list_has": _search_steps,
+    "regexp_extract": _match_steps,
+    "sort_list": _sorting_steps,
+    "unique_list": _sorting_steps,
 }
 """Further steps of calls whose work is more than proportional to what they take and return."""
 
@@ -396,8 +396,8 @@ NAMES = frozenset(
 """Names of all functions of this module, in lower case as SQLite's authorizer reports them."""
 
 
-def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
-    work = work or Work(lambda: None)
+def install(connection: sqlite3.Connection, work: MeteredWork | None = None) -> None:
+    work = work or MeteredWork(lambda: None)
     functions = dict(_FUNCTIONS)
     for name, (arity, function) in _MATHS.items():
         try:
@@ -409,8 +409,10 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
     def create(
         name: str, arity: int, function: Callable[..., Any], *, null_safe: bool = True
     ) -> None:
-        extra = _EXTRA.get(name)
-        safe = budget.charge(function, work, null_safe=null_safe, checks=True, extra=extra)
+        extra = _EXTRA_STEPS.get(name)
+        safe = budget.charge(
+            function, work, null_safe=null_safe, checks_size=True, extra_steps=extra
+        )
         connection.create_function(name, arity, safe, deterministic=True)
 
     for name, (arity, function) in functions.items():
@@ -420,7 +422,7 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
         for arity in arities:
             create(name, arity, function)
     for name, function in _NULL_MEANS_ABSENT.items():
-        for arity in range(1, _MOST_COMPARED + 1):
+        for arity in range(1, _MAX_COMPARED + 1):
             create(name, arity, function, null_safe=False)
     for name, (arity, aggregate) in AGGREGATES.items():
         connection.create_aggregate(name, arity, partial(budget.ChargedAggregate, aggregate, work))

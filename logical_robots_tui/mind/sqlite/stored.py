@@ -11,15 +11,15 @@ import orjson
 
 from logical_robots_tui.values import Value
 
-_DEEPEST = 100
+_MAX_DEPTH = 100
 _LONG = 10_000  # characters
 _LARGEST = 2**63
 
-_HIDING = ("\\", '"{', '"[', "Inf")
-_ENDLESS = re.compile(r"e\+?\d\d\d")
+_SUSPICIOUS = ("\\", '"{', '"[', "Inf")
+_HUGE_EXPONENT = re.compile(r"e\+?\d\d\d")
 """Characters of a text that may contain a record, a lone surrogate, or an infinite number."""
 
-_UNFIT = "\N{REPLACEMENT CHARACTER}"
+_REPLACEMENT = "\N{REPLACEMENT CHARACTER}"
 
 _INFINITE = re.compile(r"(?<=[:\[,-])Inf(?=[,\]}])")
 
@@ -62,92 +62,97 @@ def to_sql(value: Value) -> int | float | str | None:
     return to_input(value)
 
 
-def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
+def from_sql(value: Any, max_depth: int = _MAX_DEPTH) -> Value:
     """Return a value from a table, with JSON text parsed; raise TooDeepError."""
     if isinstance(value, str):
         if value[:1] in ("{", "["):
-            return _from_json(value, deepest)
-        return _whole(value) if "\0" in value else value
+            return _from_json(value, max_depth)
+        return _clean(value) if "\0" in value else value
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     return value  # type: ignore[no-any-return]  # SQLite has nothing else but numbers and null
 
 
-def _from_json(text: str, deepest: int) -> Value:
+def _from_json(text: str, max_depth: int) -> Value:
     try:
         try:
             parsed: Value = orjson.loads(text)
         except ValueError:
             # Older SQLite writes infinity as Inf, which is not JSON.
             parsed = json.loads(_INFINITE.sub("Infinity", text))
-        opened = text.count("[") + text.count("{")
-        if opened > deepest:  # of siblings one counts
-            opened -= text.count("},{") + text.count("],[")
-        is_shallow = opened <= deepest
-        if is_shallow and not any(map(text.__contains__, _HIDING)) and not _ENDLESS.search(text):
+        depth_bound = text.count("[") + text.count("{")
+        if depth_bound > max_depth:  # of siblings one counts
+            depth_bound -= text.count("},{") + text.count("],[")
+        is_shallow = depth_bound <= max_depth
+        if (
+            is_shallow
+            and not any(map(text.__contains__, _SUSPICIOUS))
+            and not _HUGE_EXPONENT.search(text)
+        ):
             return parsed
     except RecursionError:
         raise TooDeepError(_TOO_DEEP) from None
     except ValueError:
-        return _whole(text)
-    return _unescape(parsed, deepest)
+        return _clean(text)
+    return _unescape(parsed, max_depth)
 
 
-def _unescape(value: Any, deepest: int) -> Value:
+def _unescape(value: Any, depth_left: int) -> Value:
     """Parse records and lists in texts as well: SQLite forgets that a text is JSON.
 
     Other constants become null; lone surrogates and NUL become the replacement character.
     """
     if isinstance(value, dict):
-        if deepest <= 0:
+        if depth_left <= 0:
             raise TooDeepError(_TOO_DEEP)
-        return {_whole(k): _unescape(v, deepest - 1) for k, v in value.items()}
+        return {_clean(k): _unescape(v, depth_left - 1) for k, v in value.items()}
     if isinstance(value, list):
-        if deepest <= 0:
+        if depth_left <= 0:
             raise TooDeepError(_TOO_DEEP)
-        return [_unescape(v, deepest - 1) for v in value]
+        return [_unescape(v, depth_left - 1) for v in value]
     if isinstance(value, str):
         if value[:1] in ("{", "["):
-            return _from_json(value, deepest)
-        return _whole(value)
+            return _from_json(value, depth_left)
+        return _clean(value)
     if isinstance(value, float) and math.isnan(value):
         return None
     return value  # type: ignore[no-any-return]  # the rest of JSON is a Value
 
 
-def _whole(text: str) -> str:
-    whole = text if text.isascii() else text.encode("utf-8", "replace").decode()
-    return whole.replace("\0", _UNFIT)
+def _clean(text: str) -> str:
+    encodable = text if text.isascii() else text.encode("utf-8", "replace").decode()
+    return encodable.replace("\0", _REPLACEMENT)
 
 
-_SHORT = 100  # characters; parsing a shorter text is as fast as looking it up
-_LONG_KEPT = 100_000  # characters; longer texts are not kept, because their objects take far more
-_ROOM = 400_000  # characters parsed before entries that were not used meanwhile are dropped
+_SHORT = 100  # characters; parsing a shorter text is as fast as a lookup
+_MAX_CACHED_LENGTH = 100_000  # characters; the objects of longer texts take far more
+_CACHED_CHARACTERS = 400_000  # parsed before unused entries are dropped
 
 
 class Interner:
     """Parses values for callers that never change them; equal ones stay the same objects."""
 
     def __init__(self) -> None:
-        self._now: dict[str, Value] = {}
-        self._before: dict[str, Value] = {}
-        self._room = _ROOM
+        self._recent: dict[str, Value] = {}
+        self._previous: dict[str, Value] = {}
+        self._characters_left = _CACHED_CHARACTERS
 
-    def read(self, value: Any, deepest: int) -> Value:
+    def read(self, value: Any, max_depth: int) -> Value:
         """Return a value as `from_sql` does, with the same depth each time."""
         is_nested = value.__class__ is str and value[:1] in _OPENING
-        if not is_nested or not _SHORT <= len(value) < _LONG_KEPT:
-            return from_sql(value, deepest)
-        found = self._now.get(value)
-        if found is None:
-            found = self._before.get(value)
-            if found is None:
-                found = from_sql(value, deepest)
-            self._room -= len(value)
-            if self._room < 0:
-                self._before, self._now, self._room = self._now, {}, _ROOM
-            self._now[value] = found
-        return found
+        if not is_nested or not _SHORT <= len(value) < _MAX_CACHED_LENGTH:
+            return from_sql(value, max_depth)
+        parsed = self._recent.get(value)
+        if parsed is None:
+            parsed = self._previous.get(value)
+            if parsed is None:
+                parsed = from_sql(value, max_depth)
+            self._characters_left -= len(value)
+            if self._characters_left < 0:
+                self._previous, self._recent = self._recent, {}
+                self._characters_left = _CACHED_CHARACTERS
+            self._recent[value] = parsed
+        return parsed
 
 
 _OPENING = frozenset("{[")

@@ -1,4 +1,4 @@
-"""A moment in the tables of a database, and queries over what a robot sees of it."""
+"""A mind's inputs in the tables of a database, and queries over what a robot sees of them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite import layouts
-from logical_robots_tui.mind.sqlite.budget import Within
+from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
 from logical_robots_tui.mind.sqlite.database import Answer, Database, Scalar, TooMuchError
-from logical_robots_tui.mind.sqlite.layouts import Filling, Layout, fillings
-from logical_robots_tui.mind.sqlite.moment import Moment, View
+from logical_robots_tui.mind.sqlite.inputs import Inputs, View
+from logical_robots_tui.mind.sqlite.layouts import Insertion, SqlLayout, insertions
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
@@ -26,80 +26,86 @@ class UnfitError(Exception):
 
 
 class PlainTables(Database):
-    """The tables as programs know them, with what one robot sees of a moment."""
+    """The tables as programs know them, with what one robot sees."""
 
     def __init__(self, limits: Limits) -> None:
         super().__init__(limits, layouts.PLAIN_LAYOUT)
-        self._loaded: tuple[Moment, View] | None = None
+        self._loaded: tuple[Inputs, View] | None = None
 
     def ask_of(
         self,
         sql: str,
-        moment: Moment,
+        inputs: Inputs,
         view: View,
-        within: Within,
+        budget: EvaluationBudget,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
         """Return a query's rows; raise as `load` and `ask` do."""
-        self.see(moment, view)
-        return self.ask(sql, parameters, most=within.rows + 1, within=within)
+        self.load_view(inputs, view)
+        return self.ask(sql, parameters, max_rows=budget.rows + 1, budget=budget)
 
-    def see(self, moment: Moment, view: View) -> None:
+    def load_view(self, inputs: Inputs, view: View) -> None:
         """Load the rows of a view, unless they are there; raise TooMuchError."""
         loaded = None if self.is_empty else self._loaded
-        if loaded is None or loaded[0] is not moment or loaded[1] is not view:
+        if loaded is None or loaded[0] is not inputs or loaded[1] is not view:
             self._loaded = None
             first, last = view.sensors
-            sensors = moment.sensors[first : last + 1]
+            sensors = inputs.sensor_rows[first : last + 1]
             first, last = view.memories
-            start = bisect_left(moment.memories, (first, ""))
-            end = bisect_left(moment.memories, (last + 1, ""))
-            names = [name for _, name in moment.memories[start:end]]
+            start = bisect_left(inputs.memory_rows, (first, ""))
+            end = bisect_left(inputs.memory_rows, (last + 1, ""))
+            names = [name for _, name in inputs.memory_rows[start:end]]
             self.load(
                 [(row["robot_name"], to_input(row["sensor"])) for row in sensors],
-                [(name, to_sql(moment.remembered.get(name))) for name in names],
+                [(name, to_sql(inputs.memory_values.get(name))) for name in names],
             )
-            self._loaded = (moment, view)
+            self._loaded = (inputs, view)
 
 
 class TunedTables:
-    """All rows of a moment, with the sensor fields and radar rays that are read as columns."""
+    """All rows of a mind's inputs, with sensor fields and radar rays in columns."""
 
     def __init__(
-        self, limits: Limits, *, frozen: bool = False, few: Layout = layouts.COLUMNS_LAYOUT
+        self,
+        limits: Limits,
+        *,
+        frozen: bool = False,
+        few_robots_layout: SqlLayout = layouts.COLUMNS_LAYOUT,
     ) -> None:
         self._limits = limits
-        self._few = few
-        self._database = self._new_database(few)
-        self._radars = _Radars(frozen=frozen)
+        self._few_robots_layout = few_robots_layout
+        self._database = self._new_database(few_robots_layout)
+        self._radars = _RadarTable(frozen=frozen)
         self._is_crowd = False
-        self._moment: Moment | None = None
+        self._inputs: Inputs | None = None
         self._memories = b""  # the content of ``Memory``, or empty if unknown
-        self._filled: dict[str, tuple[str, ...]] = {}
-        # By table, the columns that were read of this moment and of the previous one, to fill a
-        # table once for all readers.
-        self._read: list[Mapping[str, tuple[str, ...]]] = []
-        self._read_before: list[Mapping[str, tuple[str, ...]]] = []
-        # Columns into which this moment did not fit: no other view need try.
-        self._unfit: tuple[Moment | None, list[Mapping[str, tuple[str, ...]]]] = None, []
+        self._filled_columns: dict[str, tuple[str, ...]] = {}
+        # By table, the columns read of these inputs and of the previous ones, to fill a table once
+        # for all readers.
+        self._columns_read: list[Mapping[str, tuple[str, ...]]] = []
+        self._columns_read_previously: list[Mapping[str, tuple[str, ...]]] = []
+        # Columns that these inputs do not fit: no other view need try.
+        self._unfit: tuple[Inputs | None, list[Mapping[str, tuple[str, ...]]]] = None, []
 
-    def ask(self, tuned: Tuned, moment: Moment, view: View, within: Within) -> Answer:
+    def ask(self, tuned: Tuned, inputs: Inputs, view: View, budget: EvaluationBudget) -> Answer:
         """Return a query's rows; raise as `Database` does, or UnfitError for unusual data."""
         bounds = (*view.sensors, *view.memories)[: tuned.bounds]
-        tuned = self.fitting(tuned, moment)
-        return self._ask(tuned.sql, bounds, within.rows + 1, tuned, moment, within)
+        tuned = self.variant_for(tuned, inputs)
+        return self._ask(tuned.sql, bounds, budget.rows + 1, tuned, inputs, budget)
 
-    def ask_together(self, tuned: Tuned, moment: Moment, within: Within, most: int) -> Answer:
-        """Return at most `most` rows for all views of a moment; raise as `ask` does."""
-        last = len(moment.sensors) - 1
-        tuned = self.fitting(tuned, moment)
-        sql, bounds = tuned.for_all(alike=moment.stride == 0)
-        numbers = (0, last, 0, last, moment.stride)[:bounds]
-        return self._ask(sql, numbers, most, tuned, moment, within)
+    def ask_together(
+        self, tuned: Tuned, inputs: Inputs, budget: EvaluationBudget, max_rows: int
+    ) -> Answer:
+        """Return at most `max_rows` rows for all views; raise as `ask` does."""
+        last = len(inputs.sensor_rows) - 1
+        tuned = self.variant_for(tuned, inputs)
+        sql, bounds = tuned.for_all(alike=inputs.stride == 0)
+        numbers = (0, last, 0, last, inputs.stride)[:bounds]
+        return self._ask(sql, numbers, max_rows, tuned, inputs, budget)
 
     @staticmethod
-    def fitting(tuned: Tuned, moment: Moment) -> Tuned:
-        return tuned.for_crowd() if _is_crowd(moment) else tuned
+    def variant_for(tuned: Tuned, inputs: Inputs) -> Tuned:
+        return tuned.for_crowd() if _is_crowd(inputs) else tuned
 
     def close(self) -> None:
         self._database.close()
@@ -108,105 +114,111 @@ class TunedTables:
         self,
         sql: str,
         bounds: tuple[int, ...],
-        most: int,
+        max_rows: int,
         tuned: Tuned,
-        moment: Moment,
-        within: Within,
+        inputs: Inputs,
+        budget: EvaluationBudget,
     ) -> Answer:
-        if self._unfit[0] is not moment:
-            self._unfit = moment, []
+        if self._unfit[0] is not inputs:
+            self._unfit = inputs, []
         unfit = self._unfit[1]
         if any(columns is tuned.columns for columns in unfit):
-            raise UnfitError("as before")
+            raise UnfitError("these inputs did not fit these columns")
         try:
-            self._fill(moment, tuned.columns)
+            self._fill(inputs, tuned.columns)
         except (UnfitError, TooMuchError):
             unfit.append(tuned.columns)
             raise
-        return self._database.ask(sql, bounds, most=most, within=within)
+        return self._database.ask(sql, bounds, max_rows=max_rows, budget=budget)
 
-    def _fill(self, moment: Moment, wanted: Mapping[str, tuple[str, ...]]) -> None:
+    def _fill(self, inputs: Inputs, columns: Mapping[str, tuple[str, ...]]) -> None:
         if self._database.is_empty:
             self._reset()
-        if self._moment is not moment:
-            if _is_crowd(moment) != self._is_crowd:
+        if self._inputs is not inputs:
+            if _is_crowd(inputs) != self._is_crowd:
                 self._is_crowd = not self._is_crowd
                 self._database.close()
                 self._database = self._new_database(
-                    layouts.CROWD_LAYOUT if self._is_crowd else self._few
+                    layouts.CROWD_LAYOUT if self._is_crowd else self._few_robots_layout
                 )
                 self._reset()
-            # Of the last moment only the names are left, which are often the same.
-            last = self._moment
-            has_names = self._filled.get("Sensor") == _NAMES and last and last.names == moment.names
-            self._filled = {"Sensor": _NAMES} if has_names else {}
-            self._moment = moment
-            self._read_before, self._read = self._read, [wanted]
-        elif not any(read is wanted for read in self._read):
-            self._read.append(wanted)
-        filled = self._filled
-        before = self._read_before
+            # Of the previous inputs only the names are kept, which are often the same.
+            previous = self._inputs
+            has_names = (
+                self._filled_columns.get("Sensor") == _NAMES
+                and previous
+                and previous.names == inputs.names
+            )
+            self._filled_columns = {"Sensor": _NAMES} if has_names else {}
+            self._inputs = inputs
+            self._columns_read_previously, self._columns_read = self._columns_read, [columns]
+        elif not any(columns_read is columns for columns_read in self._columns_read):
+            self._columns_read.append(columns)
+        filled_columns = self._filled_columns
+        columns_read_previously = self._columns_read_previously
         try:
-            for table, names in wanted.items():
-                there = filled.get(table)
-                if there is not None:
-                    if there is names or set(names) <= set(there):
+            for table, names in columns.items():
+                filled_names = filled_columns.get(table)
+                if filled_names is not None:
+                    if filled_names is names or set(names) <= set(filled_names):
                         continue
-                    names = _both(there, names)
-                    del filled[table]
+                    names = _union(filled_names, names)
+                    del filled_columns[table]
                 else:
-                    for read in before:
-                        if read is not wanted:
-                            names = _both(names, read.get(table, names))
+                    for columns_read in columns_read_previously:
+                        if columns_read is not columns:
+                            names = _union(names, columns_read.get(table, names))
                 if table == "Ray":
-                    self._radars.fill(self._database, moment, names)
+                    self._radars.fill(self._database, inputs, names)
                 elif table == "Memory":
-                    items = fillings("Memory", moment, names)
-                    content = _exactly(items)  # most programs keep their memory for many ticks
+                    statements = insertions("Memory", inputs, names)
+                    content = _content_of(
+                        statements
+                    )  # most programs keep their memory for many ticks
                     if not content or content != self._memories:
                         self._memories = b""
-                        self._database.fill("Memory", items)
+                        self._database.fill("Memory", statements)
                         self._memories = content
                 else:
-                    self._database.fill(table, fillings(table, moment, names))
-                filled[table] = names
+                    self._database.fill(table, insertions(table, inputs, names))
+                filled_columns[table] = names
         except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
             raise UnfitError(str(error)) from None
 
-    def _new_database(self, layout: Layout) -> Database:
+    def _new_database(self, layout: SqlLayout) -> Database:
         database = Database(self._limits, layout)
-        database.offer(layouts.WHOLE_RAY, self._whole_ray)
+        database.register(layouts.WHOLE_RAY, self._whole_ray)
         return database
 
     def _whole_ray(self, number: int | None) -> str | None:
         """Return a ray as JSON; IndexError, KeyError or TypeError if there is none."""
         if number is None:
             return None
-        assert self._moment is not None
+        assert self._inputs is not None
         robot, ray = divmod(number, layouts.RAYS)
-        return to_input(self._moment.sensors[robot]["sensor"]["radar"][ray])
+        return to_input(self._inputs.sensor_rows[robot]["sensor"]["radar"][ray])
 
     def _reset(self) -> None:
         self._radars.forget()
-        self._moment = None
+        self._inputs = None
         self._memories = b""
-        self._filled = {}
+        self._filled_columns = {}
 
 
-def _both(some: tuple[str, ...], others: tuple[str, ...]) -> tuple[str, ...]:
+def _union(left: tuple[str, ...], right: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names in either; the same object if one contains all."""
-    if some is others or set(others) <= set(some):
-        return some
-    return others if set(some) <= set(others) else tuple(sorted({*some, *others}))
+    if left is right or set(right) <= set(left):
+        return left
+    return right if set(left) <= set(right) else tuple(sorted({*left, *right}))
 
 
-def _is_crowd(moment: Moment) -> bool:
-    return len(moment.sensors) >= _CROWD
+def _is_crowd(inputs: Inputs) -> bool:
+    return len(inputs.sensor_rows) >= _CROWD
 
 
-def _exactly(items: Sequence[Filling]) -> bytes:
+def _content_of(statements: Sequence[Insertion]) -> bytes:
     try:
-        return marshal.dumps([[insert, rows] for insert, rows in items], _WITHOUT_REFERENCES)
+        return marshal.dumps([[insert, rows] for insert, rows in statements], _WITHOUT_REFERENCES)
     except ValueError:
         return b""
 
@@ -218,49 +230,49 @@ _NAMES = ("robot_name",)
 _CROWD = 32  # robots from which on SQLite's automatic indexes pay off
 
 
-_MOST_VALUES = 900  # per statement
+_MAX_VALUES = 900  # per statement
 
 
-class _Radars:
+class _RadarTable:
     """The table ``Ray``; if `frozen`, a radar that is the same object keeps its rays."""
 
     def __init__(self, *, frozen: bool) -> None:
         self._frozen = frozen
-        self._numbers: tuple[str, int] | None = None  # the same where rows have the same numbers
-        self._there: list[list[Any]] = []
+        self._shape: tuple[str, int] | None = None  # the same where rows have the same numbers
+        self._radars: list[list[Any]] = []
 
-    def fill(self, database: Database, moment: Moment, columns: tuple[str, ...]) -> None:
+    def fill(self, database: Database, inputs: Inputs, columns: tuple[str, ...]) -> None:
         """Replace the rays of changed radars; ValueError if their numbers of rays differ."""
-        radars = [row["sensor"]["radar"] for row in moment.sensors]
-        usual = len(radars[0])
-        values = usual * (1 + len(columns))
-        if any(len(radar) != usual for radar in radars) or not 0 < values < _MOST_VALUES:
+        radars = [row["sensor"]["radar"] for row in inputs.sensor_rows]
+        ray_count = len(radars[0])
+        values = ray_count * (1 + len(columns))
+        if any(len(radar) != ray_count for radar in radars) or not 0 < values < _MAX_VALUES:
             raise ValueError("radars of different size")
-        insert, in_ray = _insert_rays(columns, usual)
-        numbers = insert, len(radars)
-        is_same = numbers == self._numbers
-        there = self._there if is_same and self._frozen else [None] * len(radars)
+        insert, readers = _insert_rays(columns, ray_count)
+        shape = insert, len(radars)
+        is_same = shape == self._shape
+        stored_radars = self._radars if is_same and self._frozen else [None] * len(radars)
         rows = []
-        for number, (radar, before) in enumerate(zip(radars, there, strict=True)):
-            if radar is not before:
+        for number, (radar, stored_radar) in enumerate(zip(radars, stored_radars, strict=True)):
+            if radar is not stored_radar:
                 row: list[Any] = [number * layouts.RAYS]
-                for value in in_ray:
-                    row += map(value, radar)
+                for read in readers:
+                    row += map(read, radar)
                 rows.append(row)
-        self._numbers = None
+        self._shape = None
         if rows:
             database.fill("Ray", ((insert, rows),), clear=not is_same)
-        self._numbers, self._there = numbers, radars
+        self._shape, self._radars = shape, radars
 
     def forget(self) -> None:
-        self._numbers, self._there = None, []
+        self._shape, self._radars = None, []
 
 
 @cache
 def _insert_rays(
     columns: tuple[str, ...], rays: int
 ) -> tuple[str, Sequence[Callable[[Mapping[str, Any]], Any]]]:
-    """Return a statement for a radar (first number, then values by column) and a ray's reader."""
+    """Return a statement for a radar (first number, then values by column) and readers of a ray."""
     rows = (
         ", ".join((f"?1 + {ray}", *(f"?{i * rays + ray + 2}" for i in range(len(columns)))))
         for ray in range(rays)

@@ -31,29 +31,29 @@ def decimal_to_text(value: float, scale: int) -> str:
 
 def format_text(template: str, *values: Any) -> str:
     """Format as C's printf does; ValueError for an unknown directive or a missing value."""
-    waiting = list(values)
+    arguments = list(values)
     length = 0
 
-    def written(found: re.Match[str]) -> str:
+    def formatted(match: re.Match[str]) -> str:
         nonlocal length
-        flags, width, digits, kind = found.groups()
+        flags, width, digits, kind = match.groups()
         if kind == "%":
             return "%"
         length += int(width or 0) + int(digits or 0)
         check_text(length)
-        value = waiting.pop(0) if waiting else None
+        value = arguments.pop(0) if arguments else None
         if value is None:
-            raise ValueError(f"no value for {found.group()}")
+            raise ValueError(f"no value for {match.group()}")
         precision = "" if digits is None else f".{digits or 0}"
         if kind in _WHOLE:
             value = value if kind == "c" and isinstance(value, str) else int(float(value))
         elif kind in _REAL:
             value = float(value)
         elif kind != "s":
-            raise ValueError(f"no directive {found.group()}")
+            raise ValueError(f"no directive {match.group()}")
         return f"%{flags}{width}{precision}{kind}" % value
 
-    return _DIRECTIVE.sub(written, template)
+    return _DIRECTIVE.sub(formatted, template)
 
 
 def round_to(value: float, digits: float) -> float:
@@ -67,8 +67,8 @@ def round_to(value: float, digits: float) -> float:
     if not math.isfinite(scaled):
         return value
     rounded = math.copysign(math.floor(scaled + 0.5), value)
-    found = rounded / factor if digits >= 0 else rounded * factor
-    return int(found) if isinstance(value, int) else found
+    quotient = rounded / factor if digits >= 0 else rounded * factor
+    return int(quotient) if isinstance(value, int) else quotient
 
 
 def upper(text: str) -> str:
@@ -76,7 +76,10 @@ def upper(text: str) -> str:
     if text.isascii():
         return text.upper()
     pairs = ((character, character.upper()) for character in text)
-    return "".join(up if len(up) == 1 else _CAPITALS.get(plain, plain) for plain, up in pairs)
+    return "".join(
+        capital if len(capital) == 1 else _CAPITALS.get(character, character)
+        for character, capital in pairs
+    )
 
 
 def lower(text: str) -> str:
@@ -122,19 +125,19 @@ def _filling(text: str, length: float, fill: str) -> str:
     return (fill * missing)[:missing]
 
 
-_LONGEST_PATTERN = 1_000
+_MAX_PATTERN_LENGTH = 1_000
 _PATTERN_BYTES = 250_000  # of a compiled one, which so has at most some 15,000 states
 
 
 def regexp_extract(text: str, pattern: str) -> str:
     """Return the first match of a regular expression of RE2, DuckDB's library, or ""."""
-    found = _compiled(pattern).search(text)
-    return found.group() if found else ""
+    match = _compiled(pattern).search(text)
+    return match.group() if match else ""
 
 
 def states_of(pattern: str) -> int:
     """Return the states of a pattern, which RE2 tries at each character if they are many."""
-    if len(pattern) > _LONGEST_PATTERN:
+    if len(pattern) > _MAX_PATTERN_LENGTH:
         raise TooLargeError(f"a pattern of {len(pattern):,} characters")
     states: int = _compiled(pattern).programsize
     return states
@@ -150,8 +153,8 @@ def _compiled(pattern: str) -> Any:
     return re2.compile(pattern, options)
 
 
-_MOST_TRIMMED = 30
-_MOST_COMPARISONS = 5_000_000
+_MAX_TRIMMED = 30
+_MAX_COMPARISONS = 5_000_000
 
 
 def _text(value: Any) -> str:
@@ -160,24 +163,24 @@ def _text(value: Any) -> str:
 
 def _like(pattern: Any, text: Any, escape: str = "") -> int:
     pattern, text = _text(pattern), _text(text)
-    if len(pattern) > _LONGEST_PATTERN:
+    if len(pattern) > _MAX_PATTERN_LENGTH:
         raise TooLargeError(f"a pattern of {len(pattern):,} characters")
-    first, *rest = _pieces(pattern, escape)
-    if not rest:
+    first, *middle_pieces = _pattern_pieces(pattern, escape)
+    if not middle_pieces:
         return int(len(text) == len(first) and _find(first, text, 0, len(text)) == 0)
-    last = rest.pop()
+    last = middle_pieces.pop()
     start, end = len(first), len(text) - len(last)
     if start > end or _find(first, text, 0, start) != 0 or _find(last, text, end, len(text)) < 0:
         return 0
-    for piece in rest:
-        at = _find(piece, text, start, end)
-        if at < 0:
+    for piece in middle_pieces:
+        index = _find(piece, text, start, end)
+        if index < 0:
             return 0
-        start = at + len(piece)
+        start = index + len(piece)
     return 1
 
 
-def _pieces(pattern: str, escape: str) -> list[list[str]]:
+def _pattern_pieces(pattern: str, escape: str) -> list[list[str]]:
     pieces: list[list[str]] = [[]]
     characters = iter(pattern)
     for character in characters:
@@ -193,11 +196,11 @@ def _pieces(pattern: str, escape: str) -> list[list[str]]:
 def _find(piece: list[str], text: str, start: int, end: int) -> int:
     if "" not in piece:
         return text.find("".join(piece), start, end)
-    if (end - start) * len(piece) > _MOST_COMPARISONS and end - start > len(piece):
+    if (end - start) * len(piece) > _MAX_COMPARISONS and end - start > len(piece):
         raise TooLargeError("a pattern with many _ on a long string")
     pattern = re.compile("".join(re.escape(c) if c else "." for c in piece), re.DOTALL)
-    found = pattern.search(text, start, end)
-    return found.start() if found else -1
+    match = pattern.search(text, start, end)
+    return match.start() if match else -1
 
 
 def _replace(text: Any, old: Any, new: Any) -> Any:
@@ -211,10 +214,10 @@ def _replace(text: Any, old: Any, new: Any) -> Any:
 
 def _trimmer(strip: Callable[[str, str], str]) -> Callable[..., str]:
     def trim(text: Any, characters: Any = " ") -> str:
-        unwanted = "".join(set(_text(characters)))
-        if len(unwanted) > _MOST_TRIMMED:
-            raise TooLargeError(f"{len(unwanted):,} different characters to trim")
-        return strip(_text(text), unwanted)
+        trimmed_set = "".join(set(_text(characters)))
+        if len(trimmed_set) > _MAX_TRIMMED:
+            raise TooLargeError(f"{len(trimmed_set):,} different characters to trim")
+        return strip(_text(text), trimmed_set)
 
     return trim
 

@@ -278,7 +278,7 @@ def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
 def items_as_rows(
     tree: exp.Expr, fields: Mapping[str, str], known: MutableMapping[str, str]
 ) -> tuple[str, ...]:
-    """Read records in lists of memories from ``Item``; return its columns, as in `fillings`."""
+    """Read records in lists of memories from ``Item``; return its columns, as in `insertions`."""
     by_column = {column: name for name, column in fields.items()}
     read: set[str] = set()
     for table in list(tree.find_all(exp.Table)):
@@ -303,7 +303,9 @@ def items_as_rows(
             taken = exp.column(column, alias)
             call.replace(sql.remark(taken, call, is_result=True))
         place = layouts.MEMORY_FIELDS.index(items.name)
-        read |= {layouts.spell_item(known[key], place, by_column[items.name], key) for key in keys}
+        read |= {
+            layouts.item_column_name(known[key], place, by_column[items.name], key) for key in keys
+        }
         _read_items(select, table, items.table, place)
     return tuple(sorted(read))
 

@@ -10,8 +10,8 @@ import pytest
 
 from logical_robots_tui.mind import Limits, Program
 from logical_robots_tui.mind.program import STEPS
-from logical_robots_tui.mind.sqlite.budget import Within
-from logical_robots_tui.mind.sqlite.moment import Moment
+from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
+from logical_robots_tui.mind.sqlite.inputs import Inputs
 from logical_robots_tui.mind.sqlite.tables import TunedTables
 from tests.mind.differential.comparing import MEMORIES, ROWS, here, program, same, there
 from tests.mind.differential.corpus import BATCHES, CASES, DIFFERENCES, Case, in_one
@@ -54,10 +54,12 @@ def assert_the_quick_way_answers(compiled: Program) -> None:
     if STEPS in compiled.statements["Answer"]:
         assert "Answer" not in compiled.tuned  # a recursion has the plain way only
         return
-    moment = Moment(ROWS, MEMORIES, "own", "own")
+    moment = Inputs(ROWS, MEMORIES, "own", "own")
     with closing(TunedTables(Limits())) as tables:
         (view,) = moment.views
-        answer = tables.ask(compiled.tuned["Answer"], moment, view, Within(10**9, 10, 1000, None))
+        answer = tables.ask(
+            compiled.tuned["Answer"], moment, view, EvaluationBudget(10**9, 10, 1000, None)
+        )
         assert len(answer[1]) == 1
 
 

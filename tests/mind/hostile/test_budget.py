@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.sqlite import registry
-from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, Work, charge
+from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, MeteredWork, charge
 from logical_robots_tui.mind.sqlite.registry import AGGREGATES
 from logical_robots_tui.mind.sqlite.texts import REPLACED
 from tests.mind.hostile.bounds import GROWTH, bounded_memory
@@ -105,7 +105,7 @@ def test_half_a_character_ends_no_game(memory: str) -> None:
 
 
 def test_a_function_of_another_kind_is_charged_for_as_well() -> None:
-    work = Work(lambda: None)
+    work = MeteredWork(lambda: None)
     before = work.steps
     charge(lambda text: text * 2, work)("abcde")
     assert before - work.steps >= 15
@@ -187,7 +187,7 @@ def check_call(name: str, arguments: list[Any]) -> None:
         assert MANY - WORK.steps >= sum(len(a) for a in arguments if isinstance(a, str))
 
 
-WORK = Work(lambda: None)
+WORK = MeteredWork(lambda: None)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import pytest
 
 from logical_robots_tui.mind import Decision, Limits, Mind, Program, ProgramError, QueryError
 from logical_robots_tui.mind.program import Tuned
-from logical_robots_tui.mind.sqlite.budget import MAX_TEXT, Work
+from logical_robots_tui.mind.sqlite.budget import MAX_TEXT, MeteredWork
 from logical_robots_tui.mind.sqlite.database import Database, TooMuchError, TooSlowError
 from tests.mind.hostile.bounds import bounded_memory
 from tests.mind.hostile.programs import PROGRAMS
@@ -52,14 +52,14 @@ def nothing_touched(folder: Path) -> Iterator[None]:
 @contextmanager
 def bounded_steps() -> Iterator[None]:
     left: list[int] = []
-    end = Work.end
+    end = MeteredWork.end
 
-    def noted_end(work: Work) -> None:
+    def noted_end(work: MeteredWork) -> None:
         left.append(work.steps)
         end(work)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Work, "end", noted_end)
+        patch.setattr(MeteredWork, "end", noted_end)
         yield
     assert min(left, default=0) > -LAST_CALL
 
@@ -109,7 +109,7 @@ def test_a_hostile_program_is_bounded(name: str, tmp_path: Path, next_program: P
 
 def refuses(database: Database, sql: str) -> bool:
     try:
-        database.ask(sql, most=10)
+        database.ask(sql, max_rows=10)
     except (sqlite3.Error, sqlite3.Warning):
         return True
     return False
@@ -121,7 +121,7 @@ def test_sql_that_does_more_than_read_is_refused(tmp_path: Path) -> None:
         for sql in REFUSED:
             with nothing_touched(tmp_path):
                 assert refuses(database, sql), sql
-            assert database.ask("SELECT memory FROM Memory", most=10)[1] == [("kept",)], sql
+            assert database.ask("SELECT memory FROM Memory", max_rows=10)[1] == [("kept",)], sql
 
 
 @pytest.mark.sampled
@@ -133,9 +133,9 @@ def test_runaway_sql_ends(name: str, tmp_path: Path) -> None:
             nothing_touched(tmp_path),
             suppress(sqlite3.Error, sqlite3.Warning, TooSlowError, TooMuchError),
         ):
-            database.ask(RUNAWAY[name], most=10_000)
+            database.ask(RUNAWAY[name], max_rows=10_000)
         query = "SELECT memory, upper('abc') FROM Memory"
-        assert database.ask(query, most=10)[1] == [("kept", "ABC")]
+        assert database.ask(query, max_rows=10)[1] == [("kept", "ABC")]
 
 
 @pytest.mark.sampled

@@ -78,7 +78,7 @@ def called(name: str, database: Database) -> Iterator[tuple[tuple[str, ...], int
         call = ", ".join(f"(SELECT sensor FROM Sensor WHERE robot_name = '{a}')" for a in arguments)
         length = None
         try:
-            ((length,),) = database.ask(f"SELECT length({name}({call}))", most=1)[1]
+            ((length,),) = database.ask(f"SELECT length({name}({call}))", max_rows=1)[1]
         except sqlite3.Error as error:
             if "wrong number" in str(error) or "no such function" in str(error):
                 impossible.add(len(arguments))
@@ -122,7 +122,7 @@ LIKE = [
 
 def test_like_is_like(database: Database) -> None:
     for text, pattern, wanted in LIKE:
-        rows = database.ask(f"SELECT '{text}' LIKE '{pattern}'", most=1)[1]
+        rows = database.ask(f"SELECT '{text}' LIKE '{pattern}'", max_rows=1)[1]
         assert rows == [(wanted,)], (text, pattern)
 
 
@@ -138,4 +138,4 @@ def test_a_replaced_function_gives_what_that_of_sqlite_gives(database: Database)
     with closing(sqlite3.connect(":memory:")) as plain:
         for expression in REPLACED:
             wanted = plain.execute(f"SELECT {expression}").fetchone()
-            assert database.ask(f"SELECT {expression}", most=1)[1] == [wanted], expression
+            assert database.ask(f"SELECT {expression}", max_rows=1)[1] == [wanted], expression
