@@ -53,11 +53,7 @@ FOLDERS_OF_DATA = {
 
 
 def git(*arguments: str) -> str:
-    """Return what git prints in this checkout.
-
-    Raises:
-        SystemExit: It refuses.
-    """
+    """Return what git prints in this checkout."""
     done = subprocess.run(
         ["git", *arguments], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
     )
@@ -137,14 +133,7 @@ def _rooms(module: str) -> AbstractSet[str]:
 def nearest(
     paths: Iterable[str], nearness: Nearness, costs: Mapping[str, float], most: float
 ) -> list[str]:
-    """Return the files of tests nearest to changed files, up to so many processor seconds.
-
-    Args:
-        paths: Changed files, relative to the checkout.
-        nearness: Of the tests to choose from.
-        costs: Processor seconds by test, where they are known.
-        most: Processor seconds; the nearest file is chosen whatever it costs.
-    """
+    """Return the tests nearest to changed files, at least one, up to so many processor seconds."""
     distances: dict[str, int] = {}
     for path in paths:
         for test, distance in nearness.of(path).items():

@@ -161,7 +161,6 @@ def _compiled(config: pytest.Config) -> Path:
 
 
 def _shared(factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """A folder for all workers of a run."""
     folder = factory.getbasetemp()
     return folder if worker_id == "master" else folder.parent
 
@@ -201,14 +200,12 @@ def dist(
 
 @pytest.fixture(scope="session")
 def wheel(dist: Path) -> Path:
-    """The one wheel."""
     (found,) = dist.glob("*.whl")
     return found
 
 
 @pytest.fixture(scope="session")
 def sdist(dist: Path) -> Path:
-    """The one sdist."""
     (found,) = dist.glob("*.tar.gz")
     return found
 

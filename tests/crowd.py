@@ -14,17 +14,12 @@ _SETTLED = 20  # frames after which robots run, and none is still being compiled
 
 
 class Crowd:
-    """Reads from all terminals, so that none of them waits.
-
-    Args:
-        terminals: Of the players.
-    """
+    """Reads from all terminals, so that none of them waits."""
 
     def __init__(self, terminals: Sequence[Terminal]) -> None:
         self._terminals = terminals
 
     def wait_for(self, condition: Callable[[], object], patience: float = PATIENCE) -> None:
-        """Read on until a condition holds."""
         deadline = monotonic() + patience
         while not condition():
             assert monotonic() < deadline, f"not within {patience} s"
@@ -32,7 +27,6 @@ class Crowd:
                 assert terminal.receive(), f"a game ended; its screen:\n{terminal.text}"
 
     def everybody_sees(self, text: str, patience: float = PATIENCE) -> None:
-        """Read on until a text has come to each terminal."""
         self.wait_for(
             lambda: all(terminal.has_received(text) for terminal in self._terminals), patience
         )
@@ -57,12 +51,10 @@ class Crowd:
         self.wait_for(lambda: all(t.frames > begun[t] + _SETTLED for t in begun), patience=120)
 
     def edit(self) -> None:
-        """Go to the editor at each terminal."""
         self._type("2")
         self.everybody_sees("Leave", patience=60)
 
     def frames_per_second(self, seconds: float) -> list[float]:
-        """Frames a second of each player."""
         before, began = [terminal.frames for terminal in self._terminals], monotonic()
         self.wait_for(lambda: monotonic() - began > seconds)
         took = monotonic() - began

@@ -8,7 +8,6 @@ Change: TypeAlias = tuple[int, str, int]
 
 
 def changes() -> st.SearchStrategy[list[Change]]:
-    """A few changes of a file."""
     hows = st.sampled_from(["flip", "cut", "double", "nest"])
     change = st.tuples(st.integers(0), hows, st.integers(1, 255))
     return st.lists(change, min_size=1, max_size=4)

@@ -21,11 +21,9 @@ class Installed:
 
     @property
     def command(self) -> Path:
-        """The installed ``logical-robots``."""
         return self.root / "bin" / "logical-robots"
 
     def run(self, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-        """Run something of its ``bin``."""
         return subprocess.run(
             [str(self.root / "bin" / name), *arguments],
             cwd=self.elsewhere,

@@ -88,13 +88,7 @@ class Server:
         self.process.wait(PATIENCE)
 
     def client(self, *options: str, player: str = "player", port: int | None = None) -> list[str]:
-        """What to type to log in.
-
-        Args:
-            options: For ssh, before the host.
-            player: Whose key.
-            port: Of a line to the server; by default the server's own.
-        """
+        """What to type to log in, by way of the server's port or that of a line to it."""
         return [
             *("ssh", "-F", "none", "-p", str(port or self.port), "-i", str(self.folder / player)),
             *("-o", "IdentitiesOnly=yes", "-o", "UserKnownHostsFile=/dev/null"),
@@ -139,7 +133,6 @@ class Line:
         self.cut()
 
     def cut(self) -> None:
-        """Break all connections."""
         for end in self._ends:
             try:
                 end.shutdown(socket.SHUT_RDWR)

@@ -26,17 +26,7 @@ AT_LEAST = 0.1  # seconds to go on reading before anything is drawn
 
 
 class Terminal:
-    """Runs a command in a terminal that only the test sees.
-
-    Args:
-        command: What to run.
-        size: Columns and lines.
-        env: Added to the environment of the tests.
-        controls: Whether it is the command's controlling terminal, whose keys can be signals.
-
-    Attributes:
-        patience: Seconds to wait for something.
-    """
+    """Runs a command in a terminal only the test sees; its keys are signals if it `controls`."""
 
     patience = PATIENCE
 
@@ -89,12 +79,10 @@ class Terminal:
 
     @property
     def text(self) -> str:
-        """What stands on the screen."""
         return "\n".join(line.rstrip() for line in self.screen.display).rstrip()
 
     @property
     def everything(self) -> str:
-        """All that was ever written to the screen."""
         return self._raw.decode("utf-8", "replace")
 
     @property

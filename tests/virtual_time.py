@@ -42,7 +42,6 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         super().__init__(_Selector(self._next_events))
 
     def time(self) -> float:
-        """Return the time of this loop."""
         return self.now
 
     def run_in_executor(
@@ -150,7 +149,6 @@ class VirtualClock(Clock):
         self._thread = threading.get_ident()
 
     def now(self) -> float:
-        """Return the loop's time."""
         if threading.get_ident() != self._thread:
             self._loop.now += _WORK
         return self._loop.now
@@ -163,11 +161,7 @@ class VirtualClock(Clock):
 
 
 class Hold:
-    """Holds work in a thread, which time does not wait for until it is released.
-
-    Attributes:
-        has_begun: Whether the work has come to the place where it is held.
-    """
+    """Holds work in a thread, which time does not wait for until it is released."""
 
     def __init__(self) -> None:
         self._loop = virtual_loop()
@@ -180,7 +174,6 @@ class Hold:
         assert self._released.wait(PATIENCE)
 
     def release(self) -> None:
-        """Let the work go on, and all that comes after it."""
         self._loop.held = 0
         self._released.set()
 
@@ -191,14 +184,12 @@ class Hold:
 
 
 def virtual_loop() -> VirtualLoop:
-    """Return the running loop."""
     loop = asyncio.get_running_loop()
     assert isinstance(loop, VirtualLoop)
     return loop
 
 
 async def later(seconds: float) -> None:
-    """Let time pass."""
     future = virtual_loop().create_future()
     virtual_loop().call_later(seconds, future.set_result, None)
     await future

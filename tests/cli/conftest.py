@@ -37,7 +37,6 @@ def still(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def command(capsys: pytest.CaptureFixture[str]) -> Command:
-    """Runs ``logical-robots`` in this process, without a terminal."""
     return Command(capsys)
 
 

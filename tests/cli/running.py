@@ -29,18 +29,15 @@ class Told:
 
     @property
     def data(self) -> Any:
-        """Standard output as JSON, as strict as can be."""
         return json.loads(self.out, parse_constant=_refuse)
 
     @property
     def success(self) -> str:
-        """What it printed, and it has done what it was asked to do."""
         assert self.status == 0, self
         return self.out
 
     @property
     def refusal(self) -> str:
-        """What it said on standard error, and it has refused to work."""
         assert self.status == 2, self
         return self.err
 
@@ -130,5 +127,4 @@ def _draw(terminal: int, screen: pyte.Screen) -> None:
 
 
 def in_terminal(*arguments: object, size: tuple[int, int] = (100, 40)) -> Terminal:
-    """The command as a process in a terminal of its own."""
     return Terminal([sys.executable, "-m", "logical_robots_tui", *arguments], size=size)

@@ -24,7 +24,6 @@ def two(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def why(command: Command, level: Path, two: Path) -> Ask:
-    """Asks about Pip in tick 3."""
     return lambda *words: command("why", level, two, "--tick", 3, "--robot", "Pip", *words)
 
 

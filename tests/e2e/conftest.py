@@ -36,7 +36,6 @@ class Player:
         return self.tmux.wait_until(lambda screen: tick_on(screen) == tick, f"tick {tick}")
 
     def type_an_idea(self) -> None:
-        """Type something into the editor that is not applied."""
         self.tmux.press("2")
         self.tmux.type(TYPED, sees=TYPED)
         self.tmux.press("Enter")

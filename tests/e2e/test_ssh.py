@@ -75,7 +75,6 @@ def run(terminal: Terminal) -> None:
 
 
 def wait_for_frames(terminal: Terminal, number: int) -> None:
-    """Read on until so many more frames have been drawn."""
     last = terminal.frames + number
     terminal.wait_for(lambda: terminal.frames >= last)
 

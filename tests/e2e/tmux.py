@@ -86,7 +86,6 @@ class Tmux:
         return runs(self.pid)
 
     def hang_up(self) -> None:
-        """Tell the process what the system tells it when its terminal is gone."""
         os.kill(self.pid, signal.SIGHUP)
 
     def press(self, *keys: str, sees: str = "", sees_no: str | None = None) -> None:
@@ -98,7 +97,6 @@ class Tmux:
             self.wait_for_no(sees_no)
 
     def type(self, text: str, *, sees: str = "", sees_no: str | None = None) -> None:
-        """Type a text letter by letter, and wait as after keys."""
         self.press("-l", text, sees=sees, sees_no=sees_no)
 
     def mend(self) -> None:

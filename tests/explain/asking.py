@@ -30,7 +30,6 @@ def why(
     within: str = "",
     **visibility: Any,
 ) -> Explanation:
-    """Why a predicate of a program has its rows."""
     with _mind(text, **visibility) as mind:
         explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
         return explainer.why(Ask(predicate, given or {}, within))
@@ -54,7 +53,6 @@ def stop(rule: RuleFound) -> Node:
 
 
 def asked(node: Node) -> Ask:
-    """What a node can be asked."""
     assert node.asked is not None
     return node.asked
 

@@ -250,7 +250,6 @@ def _holding(node: Node) -> tuple[str, ...]:
 
 
 def _row(node: Node, written: Written) -> tuple[str, ...]:
-    """What is claimed of the columns of a row."""
     told = [child for child in node.children if child.kind == "column" and child.values]
     return tuple(
         equal(value, child.values[0])

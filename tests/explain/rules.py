@@ -43,7 +43,6 @@ def split(text: str, separator: str) -> list[str]:
 
 
 def parts(rule: str) -> Written:
-    """Take a rule apart."""
     head, *bodies = split(rule, ":-")
     begin = head.index("(") + 1
     stop = _closing(head, begin)

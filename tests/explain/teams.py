@@ -84,7 +84,6 @@ class Team:
 
 
 def team(seed: int) -> Team:
-    """The team of a number."""
     lot = Random(seed)
     made = _Program(lot)
     text = made.text()
@@ -183,7 +182,6 @@ class _Program:
         return f"v{self._places}"
 
     def _call(self, scope: dict[str, str], *, bind: float = 0.7, new: bool = True) -> str:
-        """A call; its variables are added to `scope` if they are `new` ones."""
         lot = self._lot
         relation = lot.choice(self._known)
         given: list[str] = []

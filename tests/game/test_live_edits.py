@@ -74,7 +74,6 @@ def edited(game: Game, edit: int, poses: int) -> Frame:
 
 
 async def reached(game: Game, tick: int) -> None:
-    """Wait until a game that runs is that far."""
     there = asyncio.Event()
     game.listen(lambda frame: there.set() if frame.tick >= tick else None)
     await asyncio.wait_for(there.wait(), PATIENCE)

@@ -20,19 +20,11 @@ _CALL = re.compile(rf"(?:^|\| ){PROGRAM}(?: |$)")
 
 @dataclass(frozen=True)
 class Block:
-    """Code between fences.
-
-    Attributes:
-        language: As the fence says it, or "".
-        text: The lines between the fences.
-    """
-
     language: str
     text: str
 
 
 def blocks(page: Path) -> list[Block]:
-    """All code between fences in a page."""
     return [Block(*found.groups()) for found in _FENCE.finditer(page.read_text("utf-8"))]
 
 

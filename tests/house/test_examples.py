@@ -50,7 +50,6 @@ def _write_level(folder: Path, name: str) -> None:
 
 
 def _write_gate(folder: Path) -> None:
-    """The level of the page on the format."""
     level = next(b.text for b in blocks(DOCS / "levels.md") if b.language == "toml")
     (folder / "gate.toml").write_text(level, "utf-8")
 
@@ -66,7 +65,6 @@ def _write_maze(folder: Path) -> None:
 
 
 def _write_files_of_lab(folder: Path) -> None:
-    """The files of the pages on the laboratory."""
     for page in ("lab.md", "grading.md", "arena.md"):
         _write_files_of(page, folder)
 
@@ -147,7 +145,6 @@ def programs_in(page: Path) -> list[str]:
 
 
 def python_in(name: str) -> list[str]:
-    """The blocks of Python in a page of docs."""
     return [block.text for block in blocks(PLACES[name]) if block.language == "python"]
 
 

@@ -13,7 +13,6 @@ PROJECT = tomllib.loads((CHECKOUT / "pyproject.toml").read_text(encoding="utf-8"
 
 
 def entries(name: str) -> list[str]:
-    """The locked requirements, each with its hashes on one line."""
     text = LOCKS[name].read_text(encoding="utf-8").replace("\\\n", " ")
     return [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
 

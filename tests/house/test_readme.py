@@ -47,7 +47,6 @@ def keys_table(scope: Scope) -> str:
 
 
 def levels_table() -> str:
-    """Our levels with their ideas, as a table."""
     rows = [
         f"| {level.name.partition('-')[0].lstrip('0')} | {level.title} | {len(level.robots)} "
         f"| {level.idea.rstrip('.')} |"
@@ -79,7 +78,6 @@ def test_a_table_is_what_the_game_has(
 
 
 def code(page: Path, language: str) -> list[str]:
-    """The code blocks of a language in a page."""
     return [block.text for block in blocks(page) if block.language == language]
 
 

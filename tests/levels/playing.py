@@ -45,7 +45,6 @@ def shipped_program(name: str) -> Program:
 
 
 def solution_of(name: str) -> str:
-    """The name of the program that wins a level."""
     solution = load_level(name).solution
     assert solution, f"{name} has no solution"
     return solution
@@ -94,5 +93,4 @@ def code_in(lesson: str) -> list[str]:
 
 
 def squeezed(text: str) -> str:
-    """A text without blanks."""
     return "".join(text.split())

@@ -20,7 +20,6 @@ EXAMPLES = {
 
 
 def away_from_start(moment: Moment) -> list[float]:
-    """How far each robot is from its start."""
     pairs = zip(moment.state.robots, moment.level.robots, strict=True)
     return [math.dist((robot.x, robot.y), (start.x, start.y)) for robot, start in pairs]
 

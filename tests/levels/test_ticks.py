@@ -68,7 +68,6 @@ def states(level_name: str, program_name: str, ticks: int = TICKS) -> Iterator[d
 
 
 def rounded(value: Any) -> Any:
-    """A value with every number of it rounded."""
     if isinstance(value, float):
         return round(value, PLACES) + 0.0  # without a sign of zero
     if isinstance(value, dict):

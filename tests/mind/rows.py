@@ -120,7 +120,6 @@ def cases(expressions: Sequence[str]) -> tuple[str, dict[str, str]]:
 def all_remembered(
     expressions: Collection[str], memory: Any = "", *, rules: str = ""
 ) -> dict[str, Any]:
-    """What a robot remembers of each of several expressions, all in one program."""
     functions, calls = cases([*expressions])
     record = ", ".join(f"{name}: {call}" for name, call in calls.items())
     values = remembered(f"{{{record}}}", memory, rules=rules + functions)

@@ -74,7 +74,6 @@ def test_a_replay_without_teams_has_one_program() -> None:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A tournament."""
     return shutil.copytree(HERE / "tournament", tmp_path / "tournament")
 
 

@@ -51,7 +51,6 @@ def left(folder: Path, *drafts: Draft) -> None:
 
 
 def offered(folder: Path, kind: Kind = "program") -> list[str]:
-    """The texts that the next session adopts."""
     with closing(Drafts(folder)) as session:
         return [kept.text for kept in session.adopt(kind)]
 

@@ -50,8 +50,6 @@ class Screen(Background, Dialogs):
 
 @dataclass
 class Chronicle(SessionListener):
-    """Writes down what happens."""
-
     ticks: list[int] = field(default_factory=list)
     victories: list[Victory] = field(default_factory=list)
     events: list[str] = field(default_factory=list)
@@ -77,8 +75,6 @@ class Chronicle(SessionListener):
 
 @dataclass
 class Table:
-    """A session, who listens to it, and what they said."""
-
     session: Session
     recorder: ProgressRecorder
     editing: LevelController

@@ -9,30 +9,11 @@ from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.player.surroundings import surroundings
 from logical_robots_tui.world import Level, list_shipped, load_level
 from logical_robots_tui.world.level import Area, Beacon, Robot
-from logical_robots_tui.world.levels.native import read_native
 from logical_robots_tui.world.sensing import Senses
+from tests.tui.labyrinth.drawing.scenes import room
 
-ROOM = read_native(
-    """\
-title = "A room"
-cell = 10
-walls = '''
-##########
-#........#
-#........#
-#....#...#
-#........#
-##########
-'''
-
-[[robots]]
-name = "Pip"
-x = 25
-y = 25
-""",
-    "room",
-    "",
-)
+ROOM = room(100, 60, robots=(Robot("Pip", 25, 25),))
+ROOM.walls[30:40, 50:60] = True
 
 
 def around(level: Level, name: str = "Pip") -> list[str]:

@@ -74,7 +74,6 @@ def differences(wanted: list[list[Cell]], found: list[list[Cell]]) -> Iterator[s
 
 
 def _timeless(cells: list[pyte.screens.Char]) -> list[pyte.screens.Char]:
-    """Replace a number of milliseconds that ends a line by another of always the same length."""
     line = "".join(cell.data for cell in cells)
     found = re.search(r"\d+\.\d ms +$", line)
     if not found:

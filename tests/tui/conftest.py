@@ -72,12 +72,6 @@ Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: Many()
   Sensor(robot_name:, sensor:);
 """
 
-WRONG = """\
-Robot(robot_name:, desire:, memory: 1) :-
-  Sensor(robot_name:, sensor:),
-  desire = {left_engine: 1.0, right_engine: ;
-"""
-
 
 SHORT = (
     """\
@@ -232,7 +226,6 @@ class Opened:
     async def click(
         self, *where: str | type[Widget] | Widget, offset: Size = (0, 0), **awaited: Unpack[Awaited]
     ) -> None:
-        """Click at what is drawn, and wait."""
         await self.later(_PICTURE)
         await self.pilot.click(where[0] if where else None, offset=offset)
         await self.wait(**awaited)
@@ -255,7 +248,6 @@ class Opened:
         await self.mouse(events.MouseUp, places[-1], button)
 
     async def fill(self, text: str) -> None:
-        """Put a text into the first line of a dialog."""
         self.app.screen.query_one(Input).value = text
         await self.settled()
 
@@ -366,7 +358,6 @@ def _no_trials(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def trials(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Victories are tried from varied starts, as in the game."""
     monkeypatch.setattr(measuring, "measure", _measure)
 
 
@@ -393,7 +384,7 @@ def _quick_run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) 
 
 
 _parse, _map_rules = Stylesheet.parse, vars(Stylesheet)["rules_map"].fget
-_replace_rules, _render_update = Stylesheet.replace_rules, Compositor.render_update
+_replace_rules = Stylesheet.replace_rules
 _parsed: dict[tuple[object, ...], list[RuleSet]] = {}
 _mapped: dict[int, dict[str, list[RuleSet]]] = {}
 _variables: list[dict[str, str]] = []  # of each theme
@@ -428,12 +419,6 @@ def _replaced_by_others(node: DOMNode, rules: RulesMap, animate: bool = False) -
 
 def _drawn_later(self: Compositor, *_: object, **__: object) -> None:
     self._dirty_regions.clear()
-
-
-@pytest.fixture
-def drawn_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw all changes, for a test of how that is done."""
-    monkeypatch.setattr(Compositor, "render_update", _render_update)
 
 
 @pytest.fixture

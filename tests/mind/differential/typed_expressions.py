@@ -58,7 +58,6 @@ def choice(condition: Text, one: Text, other: Text) -> Text:
 
 
 def values(kind: Any, depth: int) -> Text:
-    """Expressions of a kind."""
     written = _written(kind, depth)
     if depth <= 0:
         return written

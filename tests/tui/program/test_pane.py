@@ -12,8 +12,14 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.player.opening import Permissions
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
-from tests.tui.conftest import PAPER, STILL, WRONG, Opened, Size, at_both_sizes, opened
+from tests.tui.conftest import PAPER, STILL, Opened, Size, at_both_sizes, opened
 from tests.tui.program.conftest import title
+
+WRONG = """\
+Robot(robot_name:, desire:, memory: 1) :-
+  Sensor(robot_name:, sensor:),
+  desire = {left_engine: 1.0, right_engine: ;
+"""
 
 ORDERED = STILL.replace("memory: 1", "memory: {order: 1}")
 DRIVING = "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}"

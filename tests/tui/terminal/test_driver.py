@@ -10,6 +10,7 @@ from typing import Self
 
 import pytest
 from textual import events
+from textual._compositor import Compositor
 from textual.app import App
 
 from logical_robots_tui.tui.terminal import diff_app as sparing
@@ -17,9 +18,11 @@ from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
 from tests.terminal import Terminal
 from tests.tui.conftest import opened
 
+DRAW_AT_ONCE = Compositor.render_update  # a quick run draws later
 
-@pytest.mark.usefixtures("drawn_at_once")
+
 async def test_answers_decide_what_is_sent(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Compositor, "render_update", DRAW_AT_ONCE)
     asked, written, ended = list[str](), list[str](), list[int]()
     async with opened(data_dir, ready=True) as game:
         await game.later(1)
