@@ -108,7 +108,7 @@ def test_what_has_too_many_items_or_levels_is_too_large(
 ) -> None:
     values = f"(SELECT sensor AS x FROM Sensor WHERE robot_name = '{value}')"
     with pytest.raises(TooMuchError, match="a value became too large"):
-        database.ask(f"SELECT {call} FROM {values}", most=1)
+        database.ask(f"SELECT {call} FROM {values}", max_rows=1)
 
 
 LIKE = [
