@@ -14,7 +14,7 @@ from typing import Self
 from tests.installed import clean_environment
 from tests.waiting import PATIENCE, until
 
-__all__ = ["SSHD", "Line", "Server"]
+__all__ = ["SSHD", "Line", "Server", "is_listening"]
 
 SSHD = shutil.which("sshd", path=os.pathsep.join((os.environ.get("PATH", ""), "/usr/sbin")))
 
@@ -80,7 +80,7 @@ class Server:
                 stderr=log,
                 env=clean_environment(),
             )
-        until(self._is_listening, self.log.read_text)
+        until(lambda: is_listening(self.port), self.log.read_text)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -97,12 +97,13 @@ class Server:
             f"{getpass.getuser()}@127.0.0.1",
         ]
 
-    def _is_listening(self) -> bool:
-        try:
-            socket.create_connection(("127.0.0.1", self.port), 1).close()
-        except OSError:
-            return False
-        return True
+
+def is_listening(port: int) -> bool:
+    try:
+        socket.create_connection(("127.0.0.1", port), 1).close()
+    except OSError:
+        return False
+    return True
 
 
 class Line:

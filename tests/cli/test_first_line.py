@@ -5,10 +5,9 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.game.replay import load_replay
-from logical_robots_tui.lab import engines
 from tests.cli.running import Command
 from tests.game.playing import HALL
-from tests.lab.laboratory import InlineEngine, rows, write_files
+from tests.lab.laboratory import write_files
 
 PLAIN = """\
 Speed() = 1;
@@ -16,18 +15,6 @@ Robot(robot_name:, desire: {left_engine: Speed(), right_engine: Speed()}, memory
   Sensor(robot_name:);
 """
 LIKE_TEAMS = f'# teams: {{"red": 1, "blue": {PLAIN.count(chr(10))}}}\n{PLAIN}'
-EXPERIMENT = """
-[experiment]
-title = "speeds"
-level = "hall.toml"
-program = "{program}.l"
-ticks = 100
-starts = 1
-
-[[vary]]
-constant = "Speed"
-values = [0.5, 1]
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -60,17 +47,3 @@ def test_it_is_recorded_verified_and_shown_as_one(command: Command) -> None:
     assert "program   teams from tick 1, " in command("replay", "show", "a.replay").out
     (program,) = command("replay", "show", "a.replay", "--json").data["programs"]
     assert (program["team"], program["text"]) == ("", LIKE_TEAMS)
-
-
-@pytest.mark.slow
-def test_it_is_swept_as_one(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engines, "LocalEngine", InlineEngine)
-    for program in ("plain", "teams"):
-        Path("speeds.toml").write_text(EXPERIMENT.format(program=program), "utf-8")
-        assert command("sweep", "speeds.toml", "-o", program).success
-    plain, teams = (
-        [list(row.values())[3:10] for row in rows(Path(program) / "runs.csv")]
-        for program in ("plain", "teams")
-    )
-    assert plain == teams
-    assert any("won" in row for row in teams)

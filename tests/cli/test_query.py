@@ -1,11 +1,10 @@
 """``logical-robots query``: any question about one tick."""
 
-import signal
 from pathlib import Path
 
 import pytest
 
-from tests.cli.running import Ask, in_terminal, shown
+from tests.cli.running import Ask, shown
 
 
 def test_a_question_is_answered_for_its_tick(short: Ask, level: Path, ahead: Path) -> None:
@@ -37,14 +36,3 @@ def test_a_wrong_question_is_told_with_its_place_and_a_failing_one_with_why(shor
     assert "Did you mean robot_name?" in refusal
     failure = short("query", "--tick", 1, 'x in ["a"], x.field == 2').refusal
     assert "neither a record nor a list" in failure
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("words", [("query", "--tick", 10**6), ("when", "--ticks", 10**6)])
-def test_a_long_way_is_interrupted(words: tuple[object, ...], level: Path, still: Path) -> None:
-    name, *more = words
-    with in_terminal(name, level, still, "Robot", *more) as terminal:
-        terminal.wait_for("of 1000000")
-        terminal.process.send_signal(signal.SIGINT)
-        assert terminal.finish() == 130
-        assert "Traceback" not in terminal.everything

@@ -74,8 +74,18 @@ def test_a_terminal_shows_the_outcome_in_words_and_not_as_markup(level: Path, ah
     assert "won at tick" not in told.text
 
 
-def test_a_bar_shows_progress_until_control_c_ends_the_run(level: Path, still: Path) -> None:
-    with in_terminal("run", level, still, "--ticks", 10**9) as terminal:
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("run", ["--ticks"]),
+        pytest.param("query", ["Robot", "--tick"], marks=pytest.mark.slow),
+        pytest.param("when", ["Robot", "--ticks"], marks=pytest.mark.slow),
+    ],
+)
+def test_a_bar_shows_progress_until_control_c_ends_the_run(
+    name: str, words: list[str], level: Path, still: Path
+) -> None:
+    with in_terminal(name, level, still, *words, 10**9) as terminal:
         terminal.wait_for("ticks/s")
         terminal.process.send_signal(signal.SIGINT)
         assert terminal.finish() == 130

@@ -18,7 +18,7 @@ import pytest
 
 from tests.crowd import Crowd
 from tests.installed import CHECKOUT, Installed
-from tests.sshd import SSHD, Server
+from tests.sshd import SSHD, Server, is_listening
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE, until
 
@@ -321,7 +321,7 @@ def leads_anywhere(school: School, option: str, way: str) -> bool:
     target = b"\x05\x01\x00\x01\x7f\x00\x00\x01" + sshd.to_bytes(2, "big")
     with subprocess.Popen(ssh, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as client:
         try:
-            until(lambda: is_open(free))
+            until(lambda: is_listening(free))
             with socket.create_connection(("127.0.0.1", free), 10) as end:
                 if option == "-D":
                     end.sendall(b"\x05\x01\x00")  # a greeting
@@ -332,11 +332,3 @@ def leads_anywhere(school: School, option: str, way: str) -> bool:
             return False
         finally:
             client.kill()  # ssh may overlook a wish to end until the server writes again
-
-
-def is_open(port: int) -> bool:
-    try:
-        socket.create_connection(("127.0.0.1", port), 1).close()
-    except OSError:
-        return False
-    return True

@@ -1,21 +1,13 @@
 """The installed game, played, edited and interrupted in a real terminal."""
 
-import os
-import signal
-
 import pytest
 
 from logical_robots_tui import list_levels, load_level
-from tests.e2e.conftest import TYPED, Player, Seat, tick_on
+from tests.e2e.conftest import Player, tick_on
 from tests.e2e.tmux import PROMPT, place_of
+from tests.game.playing import SLOW
 from tests.waiting import until
 
-SLOW = """\
-N(x) :- x in Range(3000);
-Big(s? += a * b) distinct :- N(a), N(b), N(c);
-Robot(robot_name:, desire: {left_engine: s, right_engine: 0}, memory: 1) :-
-  Sensor(robot_name:), Big(s:);
-"""
 PASTED = '\n# pasted\nThought(robot_name:, idea: "left") :- Sensor(robot_name:);\n'
 
 
@@ -107,23 +99,6 @@ def test_a_level_is_edited_with_the_mouse_saved_and_survives_a_hangup(player: Pl
     tmux.press("y", sees="● not saved")
     tmux.press("Escape", sees="What should happen to your changes")
     tmux.press("t", sees="q Quit")
-
-
-@pytest.mark.slow
-def test_the_text_is_offered_after_a_kill_and_when_the_terminal_was_gone(seat: Seat) -> None:
-    with seat() as player:
-        player.play_short_way()
-        player.type_an_idea()
-        until(lambda: any(TYPED in f.read_text() for f in player.folder.rglob("data/**/*.json")))
-        os.kill(player.tmux.game, signal.SIGKILL)
-        until(lambda: not player.tmux.is_running)
-        player.tmux.mend()
-        player.is_offered_the_idea()
-        player.type_an_idea()  # what was continued with is applied, and so kept as a version
-        player.tmux.close()
-        until(lambda: not player.tmux.is_running, lambda: "the process ends")
-    with seat() as player:
-        player.is_offered_the_idea()
 
 
 @pytest.mark.slow

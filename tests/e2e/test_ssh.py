@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from tests.e2e.conftest import TYPED
 from tests.e2e.tmux import PROMPT, Tmux, runs
 from tests.installed import Installed
 from tests.sshd import SSHD, Line, Server
@@ -24,7 +25,6 @@ pytestmark = pytest.mark.skipif(
 
 THREE_ROBOTS = ("07-station-management", "station-management")
 SIX_ROBOTS = ("10-distributed-mapping", "distributed-mapping")
-TYPED = "# an idea worth keeping"
 FRAMES = 60
 BEFORE_A_KEY = 6_000  # bytes, of which the slowest line carries 20,000 a second
 
