@@ -34,7 +34,7 @@ async def sql(screen: MainScreen) -> None:
     from logical_robots_tui.game import Superseded
     from logical_robots_tui.tui.inspector.predicate_graph import query_plan_text
     from logical_robots_tui.tui.inspector.questions import NO_PROGRAM
-    from logical_robots_tui.tui.learning.reader import Reader
+    from logical_robots_tui.tui.learning.reader import TextReader
 
     inspector, frame = screen.inspector, screen.session.frame
     try:
@@ -44,7 +44,7 @@ async def sql(screen: MainScreen) -> None:
         plans = []
     if plans:
         text = query_plan_text(plans, inspector.inspected)
-        screen.app.push_screen(Reader(f"How it is computed · tick {frame.tick}", text))
+        screen.app.push_screen(TextReader(f"How it is computed · tick {frame.tick}", text))
     else:
         screen.tell(NO_PROGRAM)
 

@@ -28,27 +28,29 @@ class LearningController:
             self._ui.show(dialog, lambda wish: self.lesson() if wish else None)
 
     def lesson(self) -> None:
-        from logical_robots_tui.tui.learning.reader import Reader, markdown
+        from logical_robots_tui.tui.learning.reader import TextReader, markdown
 
         learning, title = self._learning, self._session.level.title
         if text := learning.lesson():
-            dialog = Reader(f"Lesson · {title}", markdown(text), learning.answered)
+            dialog = TextReader(f"Lesson · {title}", markdown(text), learning.answered)
             self._ui.show(dialog, lambda wish: self.questions() if wish else None)
 
     def questions(self) -> None:
-        from logical_robots_tui.tui.learning.questions import Questions
+        from logical_robots_tui.tui.learning.questions import LevelQuestions
 
         level = self._session.level
         if level.questions:
-            self._ui.show(Questions(level, self._learning, self._session.clock))
+            self._ui.show(LevelQuestions(level, self._learning, self._session.clock))
         else:
             self._ui.tell("This level has no questions.")
 
     async def solution(self) -> None:
-        from logical_robots_tui.tui.learning.reader import Reader, colour_code
+        from logical_robots_tui.tui.learning.reader import TextReader, colour_code
 
         if text := await self._learning.solution():
-            self._ui.show(Reader(f"References · {self._session.level.title}", colour_code(text)))
+            self._ui.show(
+                TextReader(f"References · {self._session.level.title}", colour_code(text))
+            )
 
     async def choose_version(self) -> None:
         from logical_robots_tui.tui.library.chooser import Chooser, VersionShelf
@@ -56,9 +58,9 @@ class LearningController:
         versions = await self._learning.versions()
         if not versions:
             return
-        here = [version for version in versions if version.text == self._program.text]
+        matches = [version for version in versions if version.text == self._program.text]
         shelf = VersionShelf(versions, self._program.text)
-        name = shelf.names()[versions.index(here[0])] if here else ""
+        name = shelf.names()[versions.index(matches[0])] if matches else ""
         version = await self._ui.ask(Chooser[Version](shelf, name))
         if version is not None:
             self._learning.restore(version)

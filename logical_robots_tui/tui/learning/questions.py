@@ -30,16 +30,16 @@ from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import LevelQuestion
 
 
-class Questions(Dialog[None]):
+class LevelQuestions(Dialog[None]):
     """Asks the questions of a level, at first one that is not answered yet."""
 
     DEFAULT_CSS = """
-    Questions > #box { height: 90%; max-width: 88; padding: 1 2 0 2; }
-    Questions #ask, Questions #where { height: auto; }
-    Questions #where { color: $ink-dim; margin-bottom: 1; }
-    Questions QueryLine { margin-bottom: 0; }
-    Questions #verdict { height: auto; max-height: 6; margin-bottom: 1; }
-    Questions ValueTable { height: 1fr; margin: 0; }
+    LevelQuestions > #box { height: 90%; max-width: 88; padding: 1 2 0 2; }
+    LevelQuestions #ask, LevelQuestions #where { height: auto; }
+    LevelQuestions #where { color: $ink-dim; margin-bottom: 1; }
+    LevelQuestions QueryLine { margin-bottom: 0; }
+    LevelQuestions #verdict { height: auto; max-height: 6; margin-bottom: 1; }
+    LevelQuestions ValueTable { height: 1fr; margin: 0; }
     """
 
     BINDINGS = [
@@ -115,7 +115,7 @@ class Questions(Dialog[None]):
         where = f"About {where}, in the rows of all robots"
         self.query_one("#where", Static).update(Content(f"{where}."))
         try:
-            names = [each.name for each in await self._examiner.predicates(question)]
+            names = [predicate.name for predicate in await self._examiner.predicates(question)]
         except LogicalRobotsError as error:
             self._say(Content.styled(one_line(str(error)), INK.bad))
             return
@@ -141,9 +141,9 @@ class Questions(Dialog[None]):
     async def _check(self, question: LevelQuestion, query: str) -> None:
         tick = question.ticks[0]
 
-        def reach(reached: int) -> None:
+        def reach(reached_tick: int) -> None:
             nonlocal tick
-            tick = reached
+            tick = reached_tick
 
         self._table.show(None)
         try:
@@ -168,12 +168,12 @@ class Questions(Dialog[None]):
     def _refuse(self, query: str, error: ProgramError) -> None:
         line, caret, words = mistake_lines(query, error)
         width = max(self._line.size.width - 2, 20)
-        shown = Content(f"{caret}\n")
+        mistake = Content(f"{caret}\n")
         if len(line) > width:  # the line above may show another part of it
             start = max(caret.index("^") - width // 2, 0)
             part = clip(visible(line[start:]), width)
-            shown = Content(f"{part}\n{caret[start:][:width]}\n")
-        self._say(Content.assemble(shown.stylize(INK.bad), (one_line(words), INK.warn)))
+            mistake = Content(f"{part}\n{caret[start:][:width]}\n")
+        self._say(Content.assemble(mistake.stylize(INK.bad), (one_line(words), INK.warn)))
 
     def _say(self, words: Content | str) -> None:
         self.query_one("#verdict", Static).update(words)

@@ -22,19 +22,19 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
 
 
-class Reader(Dialog[Literal["questions"]]):
+class TextReader(Dialog[Literal["questions"]]):
     """Shows a text; after it there may be questions, of which `answered` says how many are."""
 
     DEFAULT_CSS = """
-    Reader > #box { height: 90%; max-width: 88; }
-    Reader VerticalScroll { height: 1fr; scrollbar-gutter: stable; padding: 1 1 0 1; }
-    Reader Markdown { background: $surface; padding: 0; margin: 0; }
-    Reader MarkdownH1, Reader MarkdownH2, Reader MarkdownH3 {
+    TextReader > #box { height: 90%; max-width: 88; }
+    TextReader VerticalScroll { height: 1fr; scrollbar-gutter: stable; padding: 1 1 0 1; }
+    TextReader Markdown { background: $surface; padding: 0; margin: 0; }
+    TextReader MarkdownH1, TextReader MarkdownH2, TextReader MarkdownH3 {
         color: $ink-title; text-style: bold; background: $surface; margin: 1 0; padding: 0;
         content-align: left middle; border: none;
     }
-    Reader MarkdownFence { background: $panel; margin: 0 0 1 0; padding: 0 1; max-height: 30; }
-    Reader MarkdownParagraph { margin: 0 0 1 0; }
+    TextReader MarkdownFence { background: $panel; margin: 0 0 1 0; padding: 0 1; max-height: 30; }
+    TextReader MarkdownParagraph { margin: 0 0 1 0; }
     """
 
     BINDINGS = [("q,t,W,K", "leave"), ("space", "page"), ("enter", "questions")]
@@ -74,13 +74,13 @@ def markdown(text: str) -> Markdown:
 
 def colour_code(text: str) -> Static:
     lines = [visible(line) for line in text.splitlines()]
-    states, told = LineStates(), []
+    states, coloured_lines = LineStates(), []
     for number, line in enumerate(lines):
-        shown = Content(line)
+        content = Content(line)
         for start, end, kind in pieces(line, states.at(number, lines.__getitem__)):
-            shown = shown.stylize(SYNTAX[kind], start, end)
-        told.append(shown)
-    return Static(Content("\n").join(told))
+            content = content.stylize(SYNTAX[kind], start, end)
+        coloured_lines.append(content)
+    return Static(Content("\n").join(coloured_lines))
 
 
 class Hints(Dialog[Literal["lesson"]]):
@@ -125,11 +125,11 @@ class Hints(Dialog[Literal["lesson"]]):
         lines: list[Content] = []
         revealed = self._learning.revealed
         for number, hint in enumerate(revealed, start=1):
-            first, *rest = wrap(one_line(hint), max(width - 4, 1)) or [""]
+            first, *continuation = wrap(one_line(hint), max(width - 4, 1)) or [""]
             if lines:
                 lines.append(Content(""))
             lines.append(Content.assemble((f"{number:>2}. ", INK.key), (first, INK.text)))
-            lines += [Content.styled(f"    {line}", INK.text) for line in rest]
+            lines += [Content.styled(f"    {line}", INK.text) for line in continuation]
         self.query_one("#hints", Static).update(Content("\n").join(lines))
         left = self._of_all - len(revealed)
         keys = ["h next hint"] * bool(left) + ["t lesson"] * self._has_lesson + ["esc close"]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class TourStop:
     """One stop of the tour; commands in braces in its text stand for their keys."""
 
     place: str
@@ -27,25 +27,25 @@ class Stop:
 
 
 STOPS = (
-    Stop(
+    TourStop(
         "map",
         "The map",
         "Your robots from above, and the rays that they sense with. "
         "Bring them into the green area. The briefing explains the task.",
     ),
-    Stop(
+    TourStop(
         "editor",
         "The program",
         "Every robot runs this program in every tick. {editor} goes there; edit it, "
         "{apply} applies it, and esc leaves it.",
     ),
-    Stop(
+    TourStop(
         "inspector",
         "The inspector",
         "What the robots sense, want and remember at the current tick: "
         "everything that the program knows, row by row.",
     ),
-    Stop(
+    TourStop(
         "commands",
         "The commands",
         "{run} runs the robots, {restart} restarts, {hint} gives a hint. "
@@ -74,7 +74,7 @@ class Tour(Static, can_focus=True):
         self._ended = ended
 
     @property
-    def stop(self) -> Stop:
+    def stop(self) -> TourStop:
         return STOPS[self._at]
 
     def on_mount(self) -> None:

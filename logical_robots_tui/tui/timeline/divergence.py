@@ -14,7 +14,7 @@ from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.inspector.questions import BackgroundQuery
-from logical_robots_tui.tui.learning.reader import Reader
+from logical_robots_tui.tui.learning.reader import TextReader
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Desire
 from logical_robots_tui.wording import clip, one_line, visible
@@ -35,7 +35,7 @@ _BRANCHES = {
 """The branch that a line of a diff belongs to, and how the line is shown."""
 
 
-class DivergencePage(Reader):
+class DivergencePage(TextReader):
     """Shows all differences, and before them what differs in the proofs once they are compared."""
 
     def __init__(self, game: Game, divergence: Divergence) -> None:

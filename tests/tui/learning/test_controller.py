@@ -10,7 +10,7 @@ from logical_robots_tui.game import load_program, measuring
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
 from logical_robots_tui.tui.commands.general import copy_result
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
-from logical_robots_tui.tui.learning.reader import Hints, Reader
+from logical_robots_tui.tui.learning.reader import Hints, TextReader
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import list_levels, load_level
 from tests.short import AHEAD
@@ -88,7 +88,7 @@ async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, sho
         await game.press("t", sees="A rule with one case", sees_no="Further")
         await game.press("enter")
         await game.settled()
-        assert isinstance(game.app.screen, Reader)
+        assert isinstance(game.app.screen, TextReader)
         await game.sees_no("questions")
         await stay(game)
         for answer in "ny":
@@ -104,10 +104,10 @@ async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, sho
         copied = game.app.clipboard
         assert copied.startswith("Logical Robots · A short way · 49 ticks · 11 symbols · ")
         await game.press("t", sees="Be there in fewer ticks.")
-        assert isinstance(game.app.screen, Reader)
+        assert isinstance(game.app.screen, TextReader)
         await game.press("space", until=lambda: game.app.screen is game.main)
         await game.press("W", sees=solution[:40])
-        assert isinstance(game.app.screen, Reader)
+        assert isinstance(game.app.screen, TextReader)
 
 
 @pytest.mark.usefixtures("trials")
