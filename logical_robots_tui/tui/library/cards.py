@@ -41,7 +41,7 @@ _UNMEASURED: dict[State, str] = {"new": "", "started": "not won yet", "won": "wo
 _PAPER = "on $surface"
 
 
-class _Frame(NamedTuple):
+class _CardFrame(NamedTuple):
     left: str
     flat: str
     right: str
@@ -50,7 +50,7 @@ class _Frame(NamedTuple):
     low_right: str
 
 
-_FRAMES = {False: _Frame(*"╭─╮│╰╯"), True: _Frame(*"┏━┓┃┗┛")}
+_FRAMES = {False: _CardFrame(*"╭─╮│╰╯"), True: _CardFrame(*"┏━┓┃┗┛")}
 
 
 @dataclass(frozen=True)
@@ -70,8 +70,8 @@ class LevelCard:
             return "Labyrinth of the day"
         if self.file is not None:
             return one_line(self.level.title) if self.level else self.name
-        number, _, rest = self.name.partition("-")
-        title = one_line(self.level.title) if self.level else rest.replace("-", " ")
+        number, _, slug = self.name.partition("-")
+        title = one_line(self.level.title) if self.level else slug.replace("-", " ")
         return f"{int(number)} {title}" if number.isdecimal() else title or self.name
 
     @property
@@ -102,16 +102,16 @@ class LevelCard:
         return _UNMEASURED[self.record.state]
 
     def matches(self, words: list[str]) -> bool:
-        told = f"{self.name} {self.title} {self.idea} {self.sign[2:]}".casefold()
-        return all(word in told for word in words)
+        text = f"{self.name} {self.title} {self.idea} {self.sign[2:]}".casefold()
+        return all(word in text for word in words)
 
 
 def card_strips(
-    card: LevelCard, picture: Cells | None, width: int, rows: int, chosen: bool
+    card: LevelCard, picture: Cells | None, width: int, rows: int, is_chosen: bool
 ) -> list[Strip]:
     """Return a card's lines; the picture, if drawn, is `width - 2` by `rows` cells."""
-    frame = _FRAMES[chosen]
-    ink = _style(INK.key if chosen else INK.faint, bold=chosen)
+    frame = _FRAMES[is_chosen]
+    ink = _style(INK.key if is_chosen else INK.faint, bold=is_chosen)
     room = width - 2
 
     def inside(strip: Strip) -> Strip:
@@ -130,15 +130,15 @@ def card_strips(
     return lines
 
 
-def _head(card: LevelCard, width: int, frame: _Frame, ink: Style) -> Strip:
+def _head(card: LevelCard, width: int, frame: _CardFrame, ink: Style) -> Strip:
     sign = card.sign
     title = _cut(f"{'▸ ' * card.is_here}{card.title}", width - len(sign) - 8)
-    rest = width - cell_len(title) - len(sign) - 7
+    gap = width - cell_len(title) - len(sign) - 7
     return Strip(
         [
             Segment(f"{frame.left}{frame.flat} ", ink),
             Segment(title, _style(INK.title, bold=True)),
-            Segment(f" {frame.flat * rest} ", ink),
+            Segment(f" {frame.flat * gap} ", ink),
             Segment(sign, _style(_COLOURS[card.record.state], bold=True)),
             Segment(f" {frame.right}", ink),
         ]
@@ -197,7 +197,7 @@ class LevelCards(ScrollView, can_focus=False):
     """
     ALLOW_SELECT: ClassVar[bool] = False
 
-    class Chosen(Message):
+    class CardChosen(Message):
         """Another card was chosen, or a card needs its picture."""
 
     class Taken(Message):
@@ -237,12 +237,12 @@ class LevelCards(ScrollView, can_focus=False):
         """The number of visible cards, at least one row."""
         return max(self.size.height // self._card_height, 1) * self.across
 
-    def show(self, cards: Sequence[LevelCard], chosen: int) -> None:
+    def show(self, cards: Sequence[LevelCard], index: int) -> None:
         self._cards = cards
-        self.chosen = chosen if 0 <= chosen < len(cards) else -1
+        self.chosen = index if 0 <= index < len(cards) else -1
         self._lay_out()
         self._reveal()
-        self.post_message(self.Chosen())
+        self.post_message(self.CardChosen())
 
     def replace(self, index: int, cards: Sequence[LevelCard]) -> None:
         self._cards = cards
@@ -265,12 +265,12 @@ class LevelCards(ScrollView, can_focus=False):
             self.choose(min(max(self.chosen + steps, 0), len(self._cards) - 1))
 
     def choose(self, index: int) -> None:
-        for each in {self.chosen, index}:
-            self._strips.pop(each, None)
-            self._refresh_card(each)
+        for card_index in {self.chosen, index}:
+            self._strips.pop(card_index, None)
+            self._refresh_card(card_index)
         self.chosen = index
         self._reveal()
-        self.post_message(self.Chosen())
+        self.post_message(self.CardChosen())
 
     def seen_first(self) -> list[int]:
         first = self.scroll_offset.y // self._card_height * self.across
@@ -285,8 +285,8 @@ class LevelCards(ScrollView, can_focus=False):
     def render_line(self, y: int) -> Strip:
         row, line = divmod(y + self.scroll_offset.y, self._card_height)
         first = row * self.across
-        shown = range(first, min(first + self.across, len(self._cards)))
-        parts = [self._card(index)[line] for index in shown]
+        indices = range(first, min(first + self.across, len(self._cards)))
+        parts = [self._card(index)[line] for index in indices]
         paper = rich_style("on $surface")
         return Strip.join(parts).adjust_cell_length(self.size.width, paper)
 
@@ -298,8 +298,8 @@ class LevelCards(ScrollView, can_focus=False):
             picture = self._pictures.get(card.name)
             if picture is not None and picture.text.shape != (rows, width - 2):
                 picture = None
-            chosen = index == self.chosen
-            strips = self._strips[index] = card_strips(card, picture, width, rows, chosen)
+            is_chosen = index == self.chosen
+            strips = self._strips[index] = card_strips(card, picture, width, rows, is_chosen)
         return strips
 
     def _lay_out(self) -> None:

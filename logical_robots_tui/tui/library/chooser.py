@@ -143,7 +143,7 @@ class Chooser(Dialog[T], Generic[T]):
         highlighted = self._entries.highlighted
         return None if highlighted is None else self._shown[highlighted]
 
-    def _list(self, wanted: str | None) -> None:
+    def _list(self, highlighted: str | None) -> None:
         text = pasted_path(self._filter.value)
         words = text.casefold().split()
         self._shown = [
@@ -155,7 +155,9 @@ class Chooser(Dialog[T], Generic[T]):
         self._entries.clear_options()
         self._entries.add_options([Option(self._entry(name), id=name) for name in self._shown])
         if self._shown:
-            self._entries.highlighted = self._shown.index(wanted) if wanted in self._shown else 0
+            self._entries.highlighted = (
+                self._shown.index(highlighted) if highlighted in self._shown else 0
+            )
         else:
             self._preview(None)
 
@@ -166,11 +168,11 @@ class Chooser(Dialog[T], Generic[T]):
     def _entry(self, name: str) -> Content:
         if name not in self._all:
             return Content.assemble(("Open the file ", INK.dim), (one_line(name), INK.key))
-        here = ("▸ ", INK.key) if name == self._current else ("  ", INK.dim)
+        marker = ("▸ ", INK.key) if name == self._current else ("  ", INK.dim)
         card = self._cards.get(name)
         headline = clip(one_line(card.headline), 60) if card else ""
         style = INK.bad if card and card.is_error else INK.dim
-        return Content.assemble(here, (one_line(name), INK.text), "  ", (headline, style))
+        return Content.assemble(marker, (one_line(name), INK.text), "  ", (headline, style))
 
     def _preview(self, name: str | None) -> None:
         card = self._cards.get(name) if name else None
@@ -212,30 +214,30 @@ def is_path(text: str) -> bool:
 class ProgramShelf:
     """The shipped programs, the player's own, and any program file."""
 
-    own: Path
+    folder: Path
     title: str = "Choose a program"
     placeholder: str = "type to filter, or the path of a .l file"
     does: str = "open"
 
     def names(self) -> Sequence[str]:
-        return list_programs(self.own)
+        return list_programs(self.folder)
 
     def card(self, name: str) -> Card:
-        source = load_program(name, self.own)
+        source = load_program(name, self.folder)
         return Card(_first_comment(source) or ("" if source.shipped else "your own"), source.text)
 
     def take(self, name_or_path: str) -> Source:
         """Load a program; raises `InputError`."""
-        wanted = typed_path(name_or_path) if "/" in name_or_path else name_or_path
-        return load_program(wanted, self.own)
+        source_name = typed_path(name_or_path) if "/" in name_or_path else name_or_path
+        return load_program(source_name, self.folder)
 
 
 @dataclass(frozen=True)
 class VersionShelf:
-    """The player's versions for a level, with what would change if one came back."""
+    """The player's versions for a level, and what restoring each would change in `text`."""
 
     versions: Sequence[Version]
-    now: str
+    text: str
     title: str = "Earlier versions"
     placeholder: str = "type to filter"
     does: str = "restore"
@@ -246,12 +248,12 @@ class VersionShelf:
 
     def card(self, name: str) -> Card:
         version = self.take(name)
-        rows = list(_changes(self.now, version.text))
+        rows = list(_changes(self.text, version.text))
         added, removed = (sum(row.startswith(sign) for row in rows) for sign in "+-")
         headline = f"{version_result(version)}   +{added} -{removed}" if rows else "as it is now"
         ink = {"+": INK.good, "-": INK.bad, "@": INK.faint}
-        told = [Content.styled(visible(row), ink.get(row[:1], INK.dim)) for row in rows]
-        return Card(headline, Content("\n").join(told) if rows else version.text)
+        lines = [Content.styled(visible(row), ink.get(row[:1], INK.dim)) for row in rows]
+        return Card(headline, Content("\n").join(lines) if rows else version.text)
 
     def take(self, name_or_path: str) -> Version:
         """Return the version of that name; raises `InputError`."""
@@ -278,9 +280,9 @@ class ReplayShelf:
 
     def card(self, name: str) -> Card:
         replay = self.take(name)
-        told = count_of(replay.last - replay.first, "tick")
+        length = count_of(replay.last - replay.first, "tick")
         texts = [text for texts in replay.programs.values() for text in texts.values()]
-        return Card(f"{replay.levels[-1].title}, {told}", texts[-1])
+        return Card(f"{replay.levels[-1].title}, {length}", texts[-1])
 
     def take(self, name_or_path: str) -> Replay:
         """Load a replay; raises `InputError`."""
@@ -289,10 +291,10 @@ class ReplayShelf:
         return load_replay(path)
 
 
-def _changes(now: str, then: str) -> Iterator[str]:
+def _changes(current: str, restored: str) -> Iterator[str]:
     """Yield the lines that restoring a text adds and removes, with some around them."""
-    found = difflib.unified_diff(now.splitlines(), then.splitlines(), n=2, lineterm="")
-    for row in islice(found, 2, None):
+    diff = difflib.unified_diff(current.splitlines(), restored.splitlines(), n=2, lineterm="")
+    for row in islice(diff, 2, None):
         yield f"@ line {row.split()[1][1:].partition(',')[0]}" if row.startswith("@@") else row
 
 

@@ -70,11 +70,11 @@ class LevelScreen(Dialog["Level | Wish"]):
     keys = "enter play   ←↑↓→ choose   ^N new level   esc close"
 
     def __init__(
-        self, here: Level, recorder: ProgressRecorder, drawing: Drawing, own: Path
+        self, level: Level, recorder: ProgressRecorder, drawing: Drawing, folder: Path
     ) -> None:
         super().__init__()
-        self._own = own
-        self._here = here
+        self._folder = folder
+        self._level = level
         self._recorder = recorder
         self._drawing = drawing
         self._all: list[LevelCard] = []
@@ -115,15 +115,15 @@ class LevelScreen(Dialog["Level | Wish"]):
         self._cards.move({**steps, "page_up": -page, "page_down": page}[motion])
 
     def _list(self) -> None:
-        shipped, own = list_shipped(), own_levels(self._own)
-        here = self._here.name
-        self._all = [LevelCard(name, is_here=name == here) for name in shipped] + [
-            LevelCard(name, is_here=str(file) == self._here.source, file=file)
-            for name, file in own.items()
+        shipped, own_files = list_shipped(), own_levels(self._folder)
+        current_name = self._level.name
+        self._all = [LevelCard(name, is_here=name == current_name) for name in shipped] + [
+            LevelCard(name, is_here=str(file) == self._level.source, file=file)
+            for name, file in own_files.items()
             if name not in shipped
         ]
         self._all.insert(len(list_levels()), LevelCard(DAILY))
-        self._filter(here)
+        self._filter(current_name)
 
     async def _read_all(self) -> None:
         painted = asyncio.Event()
@@ -160,19 +160,19 @@ class LevelScreen(Dialog["Level | Wish"]):
                 self._cards.set_picture(name, drawn)
 
     def _update(self, name: str, card: LevelCard) -> None:
-        for index, shown in enumerate(self._shown):
-            if shown.name == name:
+        for index, old_card in enumerate(self._shown):
+            if old_card.name == name:
                 self._shown[index] = card
                 self._cards.replace(index, self._shown)
                 if index == self._cards.chosen:
                     self._tell_detail()
 
-    def _filter(self, wanted: str | None) -> None:
+    def _filter(self, highlighted: str | None) -> None:
         text = self._typed
         words = [] if is_path(text) else text.casefold().split()
         self._shown = [card for card in self._all if not is_path(text) and card.matches(words)]
         names = [card.name for card in self._shown]
-        self._cards.show(self._shown, names.index(wanted) if wanted in names else 0)
+        self._cards.show(self._shown, names.index(highlighted) if highlighted in names else 0)
         self._tell_head()
         self._tell_detail()
 
@@ -182,8 +182,8 @@ class LevelScreen(Dialog["Level | Wish"]):
 
     @property
     def _chosen(self) -> LevelCard | None:
-        at = self._cards.chosen
-        return self._shown[at] if 0 <= at < len(self._shown) else None
+        index = self._cards.chosen
+        return self._shown[index] if 0 <= index < len(self._shown) else None
 
     def _tell_head(self) -> None:
         arenas = set(list_arenas())
@@ -200,19 +200,19 @@ class LevelScreen(Dialog["Level | Wish"]):
     def _tell_detail(self) -> None:
         card, text = self._chosen, self._typed
         if is_path(text):
-            told = Content.assemble(("Open the file ", INK.dim), (one_line(text), INK.key))
+            detail = Content.assemble(("Open the file ", INK.dim), (one_line(text), INK.key))
         elif card is None:
-            told = Content.styled("Nothing has this name.", INK.dim)
+            detail = Content.styled("Nothing has this name.", INK.dim)
         else:
             count = len(card.level.robots) if card.level else 0
             robots = f"{count_of(count, 'robot')} · " if count else ""
-            told = Content.assemble((robots, INK.dim), (card.idea, INK.text))
+            detail = Content.assemble((robots, INK.dim), (card.idea, INK.text))
             if card.level is not None:
                 bests = card.record.bests
                 scales = scale_lines(references_for(card.level).values(), bests)
                 goals = Content("   ").join(goal_lines(card.level.second_goals, bests.goals))
-                told = Content("\n").join([told, *scales, goals])
-        self.query_one("#detail", Static).update(told)
+                detail = Content("\n").join([detail, *scales, goals])
+        self.query_one("#detail", Static).update(detail)
 
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:
@@ -221,20 +221,20 @@ class LevelScreen(Dialog["Level | Wish"]):
         if self._is_read:
             in_background(self, self._draw_all, "pictures", exclusive=True)
 
-    @on(LevelCards.Chosen)
+    @on(LevelCards.CardChosen)
     def _another_chosen(self) -> None:
         self._tell_detail()
 
     @on(Input.Submitted, "#filter")
     @on(LevelCards.Taken)
     def _take(self) -> None:
-        wanted, card = self._typed, self._chosen
-        if not is_path(wanted):
-            wanted = "" if card is None else str(card.file or card.name)
-        if wanted == DAILY:
+        choice, card = self._typed, self._chosen
+        if not is_path(choice):
+            choice = "" if card is None else str(card.file or card.name)
+        if choice == DAILY:
             self.dismiss("daily")
-        elif wanted:
-            in_background(self, partial(self.leave_with, _load, wanted), "take", exclusive=True)
+        elif choice:
+            in_background(self, partial(self.leave_with, _load, choice), "take", exclusive=True)
 
 
 def _level_of(card: LevelCard) -> Level:

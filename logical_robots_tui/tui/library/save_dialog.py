@@ -95,14 +95,14 @@ class SaveDialog(Dialog[Result]):
 class SaveAs(SaveDialog[Source]):
     heading = "Save the program as"
 
-    def __init__(self, source: Source, text: str, own: Path) -> None:
-        super().__init__(_proposal(source, own))
+    def __init__(self, source: Source, text: str, folder: Path) -> None:
+        super().__init__(_proposal(source, folder))
         self._source = source
         self._text = text
-        self._own = own
+        self._folder = folder
 
     def file(self, name: str) -> Path:
-        return target(name, self._own)
+        return target(name, self._folder)
 
     def replaces(self, path: Path) -> bool:
         return path != self._source.path and super().replaces(path)
@@ -112,10 +112,10 @@ class SaveAs(SaveDialog[Source]):
         return await asyncio.to_thread(load_program, path)
 
 
-def _proposal(source: Source, own: Path) -> str:
+def _proposal(source: Source, folder: Path) -> str:
     if source.shipped:
         return f"my-{source.name}"
-    return source.name if source.path.parent == own else str(source.path)
+    return source.name if source.path.parent == folder else str(source.path)
 
 
 class SaveLevel(SaveDialog[Level]):
@@ -128,10 +128,10 @@ class SaveLevel(SaveDialog[Level]):
     heading = "Save the level as"
     keys = "enter save   tab title   esc close"
 
-    def __init__(self, level: Level, name: str, own: Path, file: Path | None) -> None:
+    def __init__(self, level: Level, name: str, folder: Path, file: Path | None) -> None:
         super().__init__(name)
         self._level = level
-        self._own = own
+        self._folder = folder
         self._file = file
 
     def content_widgets(self) -> ComposeResult:
@@ -141,7 +141,7 @@ class SaveLevel(SaveDialog[Level]):
         yield Input(self._level.title, id="title")
 
     def file(self, name: str) -> Path:
-        return target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
+        return target(name, self._folder, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
 
     async def save(self, path: Path) -> Level:
         title = self.query_one("#title", Input).value.strip()

@@ -25,7 +25,7 @@ async def test_saves_and_choices_come_late(data_dir: Path, monkeypatch: pytest.M
 
     def take(shelf: ProgramShelf, name: str) -> Source:
         choice.here()
-        return load_program(name, shelf.own)
+        return load_program(name, shelf.folder)
 
     monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
     monkeypatch.setattr(ProgramShelf, "take", take)
