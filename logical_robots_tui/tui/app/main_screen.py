@@ -58,7 +58,7 @@ from logical_robots_tui.tui.program.controller import FileWatch, ProgramControll
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
 from logical_robots_tui.tui.theme.themes import palette_of
-from logical_robots_tui.tui.timeline.controller import Replays, Search, TimelineController
+from logical_robots_tui.tui.timeline.controller import Replays, TickSearch, TimelineController
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import Level
 
@@ -149,7 +149,7 @@ class MainScreen(Screen[None], SessionListener):
             session, ui, data_dir / "replays", library.programs, library.open_with
         )
         self.ghost = GhostController(session, ui, view, self.player.best_runs, data_dir / "replays")
-        self.search = Search(
+        self.search = TickSearch(
             session,
             ui,
             self.timeline_controller.go_to,
@@ -353,8 +353,8 @@ class MainScreen(Screen[None], SessionListener):
     def _briefing_closed(self) -> None:
         self.briefing.close()
 
-    @on(Timeline.Pointed)
-    def _tick_pointed(self, event: Timeline.Pointed) -> None:
+    @on(Timeline.TickPointed)
+    def _tick_pointed(self, event: Timeline.TickPointed) -> None:
         self.timeline_controller.go_to(event.tick)
 
     @on(Pane.Pulled)

@@ -87,12 +87,12 @@ class TickPrompt(Prompt[int]):
 
     keys = "enter go   esc close"
 
-    def __init__(self, title: str, here: int, problem: Callable[[int], str]) -> None:
+    def __init__(self, title: str, current_tick: int, problem: Callable[[int], str]) -> None:
         super().__init__(title, "", "such as 120, +50 or -50")
-        self._here, self._problem = here, problem
+        self._current_tick, self._problem = current_tick, problem
 
     def take(self, text: str) -> None:
-        tick = tick_of(text, self._here)
+        tick = tick_of(text, self._current_tick)
         if tick is None:
             self.complain("A tick is a number, such as 120.")
         elif problem := self._problem(tick):
@@ -101,13 +101,13 @@ class TickPrompt(Prompt[int]):
             self.dismiss(tick)
 
 
-def tick_of(text: str, here: int) -> int | None:
+def tick_of(text: str, current_tick: int) -> int | None:
     """Return the typed tick, or None if it is invalid; a sign makes it relative to `here`."""
-    found = re.fullmatch(r"([+-]?)([0-9]{1,12})", text.replace(" ", "").replace(",", ""))
-    if found is None:
+    match = re.fullmatch(r"([+-]?)([0-9]{1,12})", text.replace(" ", "").replace(",", ""))
+    if match is None:
         return None
-    number = int(found[1] + found[2])
-    return here + number if found[1] else number
+    number = int(match[1] + match[2])
+    return current_tick + number if match[1] else number
 
 
 _NONE = "No breakpoints yet. A run stops at a breakpoint; press a to add one."
@@ -144,19 +144,19 @@ class BreakpointList(Dialog[None]):
         self._entries.focus()
         self._list(0)
 
-    def _list(self, at: int) -> None:
+    def _list(self, index: int) -> None:
         self._shown = tuple(self._session.breakpoints)
         self._entries.clear_options()
-        self._entries.add_options([Option(self._entry(each)) for each in self._shown])
+        self._entries.add_options([Option(self._entry(breakpoint_)) for breakpoint_ in self._shown])
         self._entries.display, self._none.display = bool(self._shown), not self._shown
         if self._shown:
-            self._entries.highlighted = min(at, len(self._shown) - 1)
+            self._entries.highlighted = min(index, len(self._shown) - 1)
 
-    def _entry(self, each: Breakpoint) -> Content:
-        is_on = self._session.breakpoints.is_on(each)
+    def _entry(self, breakpoint_: Breakpoint) -> Content:
+        is_on = self._session.breakpoints.is_on(breakpoint_)
         sign = ("◉ ", f"bold {INK.bad}") if is_on else ("○ ", INK.dim)
-        line = Content.assemble(sign, (one_line(each.words), INK.text if is_on else INK.dim))
-        trouble = one_line(self._session.problem_with(each))
+        line = Content.assemble(sign, (one_line(breakpoint_.words), INK.text if is_on else INK.dim))
+        trouble = one_line(self._session.problem_with(breakpoint_))
         if not trouble:
             return line
         return line.append(Content.assemble(("\n  ! ", f"bold {INK.warn}"), (trouble, INK.warn)))
@@ -178,10 +178,10 @@ class BreakpointList(Dialog[None]):
         self._change(self._session.breakpoints.remove)
 
     def _change(self, change: Callable[[Breakpoint], object]) -> None:
-        at = self._entries.highlighted
-        if at is not None:
-            change(self._shown[at])
-            self._list(at)
+        index = self._entries.highlighted
+        if index is not None:
+            change(self._shown[index])
+            self._list(index)
 
 
 _SUBJECTS: dict[Event, str] = {
@@ -268,25 +268,25 @@ class BreakpointForm(Dialog[Breakpoint]):
     @on(Input.Changed)
     def _list_names(self) -> None:
         _forget(self)
-        among = subjects(self._event, self._level, self._program), self._robots
+        candidates = subjects(self._event, self._level, self._program), self._robots
         fields = self._subject, self._robot
-        for field, names, shown in zip(fields, among, self._names, strict=True):
+        for field, names, listing in zip(fields, candidates, self._names, strict=True):
             typed = _value(field).casefold()
             fitting = [name for name in names if name.casefold().startswith(typed)]
-            shown.update(Content(one_line(" ".join(fitting))))
-            shown.display = field.display
+            listing.update(Content(one_line(" ".join(fitting))))
+            listing.display = field.display
 
     @on(Input.Submitted)
     def _submitted(self) -> None:
         values = map(_value, (self._subject, self._robot, self._column))
-        made = Breakpoint(self._event, *values)
-        mistake = mistake_in(made, self._level, self._program)
+        breakpoint_ = Breakpoint(self._event, *values)
+        mistake = mistake_in(breakpoint_, self._level, self._program)
         if mistake:
             self.complain(mistake)
-        elif made.is_named:
-            self.dismiss(made)
+        elif breakpoint_.is_named:
+            self.dismiss(breakpoint_)
         else:
-            _check(self, self._program, made.subject, lambda: self.dismiss(made))
+            _check(self, self._program, breakpoint_.subject, lambda: self.dismiss(breakpoint_))
 
 
 def _value(field: Input) -> str:

@@ -56,13 +56,13 @@ class TimelineController(SessionListener):
             return
         robot = self._selected()
         tick = self._session.frame.tick
-        found = self._history.marks.nearest(tick, steps, _SOUGHT, robot)
-        if found is not None and found >= self._history.first:
-            self.go_to(found)
+        mark_tick = self._history.marks.nearest(tick, steps, _SOUGHT, robot)
+        if mark_tick is not None and mark_tick >= self._history.first:
+            self.go_to(mark_tick)
         else:
-            what = "Nothing happened after" if steps > 0 else "Nothing happened before"
+            opening = "Nothing happened after" if steps > 0 else "Nothing happened before"
             hint = "" if robot else " Select a robot to find changes of its memory, too."
-            self._ui.tell(f"{what} tick {tick} in the ticks kept so far.{hint}")
+            self._ui.tell(f"{opening} tick {tick} in the ticks kept so far.{hint}")
 
     async def ask_for_tick(self) -> None:
         history = self._history
@@ -73,27 +73,27 @@ class TimelineController(SessionListener):
         def complaint(tick: int) -> str:
             if history.first <= tick <= history.last:
                 return ""
-            kept = f"The history holds ticks {history.first} to {history.last}, not {tick}."
+            sentence = f"The history holds ticks {history.first} to {history.last}, not {tick}."
             if history.dropped > tick:
-                kept += " There was no room for more."
-            return f"{kept}{self._elsewhere(tick)}"
+                sentence += " There was no room for more."
+            return f"{sentence}{self._elsewhere(tick)}"
 
-        found = await self._ask("Go to tick", complaint)
-        if found is not None:
-            self.go_to(found)
+        chosen_tick = await self._ask("Go to tick", complaint)
+        if chosen_tick is not None:
+            self.go_to(chosen_tick)
 
     async def ask_how_far(self) -> None:
-        here = self._session.frame.tick
+        current_tick = self._session.frame.tick
 
         def complaint(tick: int) -> str:
-            return "" if tick > here else f"The robots are already at tick {here}."
+            return "" if tick > current_tick else f"The robots are already at tick {current_tick}."
 
         if self._history is None:
             self._ui.tell(_NO_PROGRAM)
             return
-        found = await self._ask("Run until tick", complaint)
-        if found is not None:
-            self._session.run_until(found)
+        last_tick = await self._ask("Run until tick", complaint)
+        if last_tick is not None:
+            self._session.run_until(last_tick)
 
     async def _ask(self, title: str, problem: Callable[[int], str]) -> int | None:
         from logical_robots_tui.tui.timeline.breakpoints import TickPrompt
@@ -114,8 +114,10 @@ class TimelineController(SessionListener):
             self._say_there_is_none()
             return
         if history.divergence is None:
-            known = min(history.last, history.other[-1])
-            self._ui.tell(f"The two branches are equal as far as both are known, up to {known}.")
+            common_tick = min(history.last, history.other[-1])
+            self._ui.tell(
+                f"The two branches are equal as far as both are known, up to {common_tick}."
+            )
             return
         from logical_robots_tui.tui.timeline.divergence import DivergencePage
 
@@ -129,8 +131,10 @@ class TimelineController(SessionListener):
         )
 
     def _elsewhere(self, tick: int) -> str:
-        other = self._history.other if self._history is not None else None
-        return " The other branch holds it." if other is not None and tick in other else ""
+        other_ticks = self._history.other if self._history is not None else None
+        return (
+            " The other branch holds it." if other_ticks is not None and tick in other_ticks else ""
+        )
 
     def breakpoints(self) -> None:
         from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
@@ -154,7 +158,7 @@ class TimelineController(SessionListener):
 _PATIENCE = 0.5  # seconds of a search before a message
 
 
-class Search:
+class TickSearch:
     """Goes to the next or previous tick in which a question holds.
 
     `inspected` returns the breakpoint that what is inspected would give.
@@ -187,12 +191,12 @@ class Search:
             self._ui.tell(_NO_PROGRAM)
             return
         prompt = QuestionPrompt("Go to the next tick in which…", self._question, program)
-        found = await self._ui.ask(prompt)
-        if found is not None:
-            self._question = found
+        question = await self._ui.ask(prompt)
+        if question is not None:
+            self._question = question
             await self.go(1)
 
-    async def go(self, way: Literal[-1, 1]) -> None:
+    async def go(self, direction: Literal[-1, 1]) -> None:
         """Go to the nearest later (1) or earlier (-1) tick in which the question holds."""
         session = self._session
         if not self._question:
@@ -206,7 +210,7 @@ class Search:
         about, patient_until = self._about(game), session.clock.now() + _PATIENCE
         inspected, self._ended = self._inspected(), None
 
-        def told(tick: int) -> None:
+        def report(tick: int) -> None:
             nonlocal patient_until
             if about != self._about(session.game):
                 raise Superseded  # the player has moved on
@@ -217,7 +221,7 @@ class Search:
         from logical_robots_tui.game import search_ticks
 
         try:
-            sought = await search_ticks(game, self._question, way, told)
+            sought = await search_ticks(game, self._question, direction, report)
         except Superseded:
             return
         except ProgramError as error:
@@ -229,20 +233,20 @@ class Search:
         if sought.tick is not None:
             self._go_to(sought.tick)
         else:
-            self._say_there_is_none(sought, way)
+            self._say_there_is_none(sought, direction)
         self._ended = session.frame.tick, inspected
 
-    def _say_there_is_none(self, sought: SearchResult, way: Literal[-1, 1]) -> None:
+    def _say_there_is_none(self, sought: SearchResult, direction: Literal[-1, 1]) -> None:
         from logical_robots_tui.tui.commands.keymap import with_keys
 
-        side = "after" if way > 0 else "before"
+        side = "after" if direction > 0 else "before"
         tick = self._session.frame.tick
         question = one_line(self._question)
-        here = "It holds here. " if sought.holds_here else ""
-        words = f"{here}No {'other ' * bool(here)}tick {side} {tick} is known in which it holds"
+        holds = "It holds here. " if sought.holds_here else ""
+        words = f"{holds}No {'other ' * bool(holds)}tick {side} {tick} is known in which it holds"
         trouble = f" It failed in some: {one_line(sought.problem)}" if sought.problem else ""
-        more = with_keys(" {search_ticks} asks for another query.")
-        self._ui.tell(f"{words}: {question}.{trouble or more}")
+        hint = with_keys(" {search_ticks} asks for another query.")
+        self._ui.tell(f"{words}: {question}.{trouble or hint}")
 
     def _about(self, game: Game | None) -> object:
         """Return everything that a search depends on; a change voids its result."""

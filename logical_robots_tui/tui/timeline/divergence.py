@@ -75,33 +75,36 @@ def describe_comparison(comparison: Comparison) -> Content:
         indent = " " * (len(line) - 1 - len(statement))
         text = indent + clip(one_line(statement), _LONGEST_TEXT)
         lines.append(Content.assemble((f"  {branch}  ", INK.dim), (text, style)))
-    if (more := len(comparison.lines) - _MOST_LINES) > 0:
-        lines.append(Content.styled(f"  and {more:,} more lines", INK.dim))
+    if (remainder := len(comparison.lines) - _MOST_LINES) > 0:
+        lines.append(Content.styled(f"  and {remainder:,} more lines", INK.dim))
     return Content("\n").join(lines)
 
 
 def describe_divergence(divergence: Divergence) -> Content:
-    robots = dict.fromkeys(each.robot_name for each in divergence.differences)
+    robots = dict.fromkeys(difference.robot_name for difference in divergence.differences)
     lines = [] if robots else [Content("No robot differs, but an area does.")]
     for robot in robots:
         lines.append(Content.styled(one_line(robot), f"bold {INK.title}"))
-        for each in divergence.differences:
-            if each.robot_name == robot:
-                lines.append(Content.styled(f"  {each.matter}", INK.key))
-                for where, said in zip(("here ", "there"), _sides(each), strict=True):
-                    lines.append(Content.assemble((f"    {where}  ", INK.dim), (said, INK.text)))
+        for difference in divergence.differences:
+            if difference.robot_name == robot:
+                lines.append(Content.styled(f"  {difference.matter}", INK.key))
+                for where, text in zip(("here ", "there"), _sides(difference), strict=True):
+                    lines.append(Content.assemble((f"    {where}  ", INK.dim), (text, INK.text)))
         lines.append(Content(""))
     return Content("\n").join(lines)
 
 
-def _sides(each: Difference) -> list[str]:
+def _sides(difference: Difference) -> list[str]:
     """Return both values, with enough digits to see the difference."""
-    said: list[str] = []
+    texts: list[str] = []
     for digits in (6, 17):
-        said = [_describe_matter(each.matter, side, digits) for side in (each.here, each.there)]
-        if said[0] != said[1]:
+        texts = [
+            _describe_matter(difference.matter, side, digits)
+            for side in (difference.here, difference.there)
+        ]
+        if texts[0] != texts[1]:
             break
-    return said
+    return texts
 
 
 def _describe_matter(matter: Matter, value: Any, digits: int) -> str:

@@ -48,7 +48,7 @@ TRACKS = (
 """The signs of the track, with colours and meanings."""
 
 
-class Span(NamedTuple):
+class TimelineSpan(NamedTuple):
     """The content of the timeline; None in `other_last` and `diverged` is no other branch."""
 
     first: int
@@ -62,40 +62,40 @@ class Scale(NamedTuple):
     """The first tick, and ticks per column: 1, 2, 5, 10, 20, 50 and so on."""
 
     first: int
-    each: int
+    ticks_per_column: int
 
     @classmethod
-    def to_hold(cls, span: Span, width: int) -> Scale:
+    def to_hold(cls, span: TimelineSpan, width: int) -> Scale:
         ticks = max(span.last, span.other_last or 0) - span.first + 1
-        each, factors = 1, [2, 2.5, 2]
-        while each * width < ticks:
-            each = round(each * factors[0])
+        ticks_per_column, factors = 1, [2, 2.5, 2]
+        while ticks_per_column * width < ticks:
+            ticks_per_column = round(ticks_per_column * factors[0])
             factors.append(factors.pop(0))
-        return cls(span.first, each)
+        return cls(span.first, ticks_per_column)
 
     def column(self, tick: int) -> int:
-        return (tick - self.first) // self.each
+        return (tick - self.first) // self.ticks_per_column
 
     def ticks(self, column: int) -> tuple[int, int]:
-        begin = self.first + column * self.each
-        return begin, begin + self.each - 1
+        begin = self.first + column * self.ticks_per_column
+        return begin, begin + self.ticks_per_column - 1
 
 
-def track(span: Span, width: int, has: Callable[[MarkKind, int, int], bool]) -> Content:
+def track(span: TimelineSpan, width: int, has: Callable[[MarkKind, int, int], bool]) -> Content:
     scale = Scale.to_hold(span, width)
-    here = scale.column(span.tick)
+    current_column = scale.column(span.tick)
     signs, styles = [], []
     for column in range(width):
-        sign, style = _at(span, *scale.ticks(column), has)
+        sign, style = _sign_at(span, *scale.ticks(column), has)
         signs.append(sign)
-        styles.append(f"{style} reverse" if column == here else style)
+        styles.append(f"{style} reverse" if column == current_column else style)
     text = iter(signs)
     runs = ((style, len(list(run))) for style, run in groupby(styles))
     return Content.assemble(*[("".join(islice(text, length)), style) for style, length in runs])
 
 
-def _at(
-    span: Span, begin: int, end: int, has: Callable[[MarkKind, int, int], bool]
+def _sign_at(
+    span: TimelineSpan, begin: int, end: int, has: Callable[[MarkKind, int, int], bool]
 ) -> tuple[str, str]:
     if span.diverged is not None and begin <= span.diverged <= end:
         return DIVERGENCE[:2]
@@ -111,17 +111,17 @@ _NOTE_SHARE = 3  # the note's share of the width is one in so many
 _NOTE_WIDTHS = (18, 48)
 
 
-def _arrived(session: Session) -> str:
+def _goal_note(session: Session) -> str:
     """Return how many robots are in the goal that has most of those it is for, or ""."""
     inside = {area.name: set(area.visitors) for area in session.frame.after.areas}
-    found = [
+    counts = [
         (len(inside.get(area.name, set()) & set(area.victory_robots)), area)
         for area in session.level.areas
         if len(area.victory_robots) > 1
     ]
-    if not found:
+    if not counts:
         return ""
-    number, goal = max(found, key=lambda each: each[0])
+    number, goal = max(counts, key=lambda pair: pair[0])
     return f" · {number}/{len(goal.victory_robots)} in {one_line(goal.name)}"
 
 
@@ -147,7 +147,7 @@ class Timeline(Widget, can_focus=True):
     ALLOW_SELECT = False
 
     @dataclass
-    class Pointed(Message):
+    class TickPointed(Message):
         """The pointer is over a column; `tick` is its first tick."""
 
         tick: int
@@ -155,9 +155,9 @@ class Timeline(Widget, can_focus=True):
     def __init__(self) -> None:
         super().__init__(id="timeline")
         self._history: History | None = None
-        self._span = Span(0, 0, 0)
+        self._span = TimelineSpan(0, 0, 0)
         self._robot: str | None = None
-        self._arrived = ""
+        self._goal_note = ""
         self._decisions: Sequence[Decision] = ()
         self._line = Content("")
         self._is_dragged = False
@@ -170,14 +170,16 @@ class Timeline(Widget, can_focus=True):
         """
         history = self._history = session.history
         self._robot = robot
-        self._arrived = "" if robot is not None else _arrived(session)
+        self._goal_note = "" if robot is not None else _goal_note(session)
         self._decisions = session.frame.decisions
-        self._span = Span(0, 0, session.frame.tick)
+        self._span = TimelineSpan(0, 0, session.frame.tick)
         if history is not None:
-            other = history.other[-1] if history.other else None
+            other_last = history.other[-1] if history.other else None
             diverged = history.divergence.tick if history.divergence else None
-            self._span = Span(history.first, history.last, self._span.tick, other, diverged)
-        line = self._drawn()
+            self._span = TimelineSpan(
+                history.first, history.last, self._span.tick, other_last, diverged
+            )
+        line = self._content_line()
         if line != self._line:
             self._line = line
             repaint(self)
@@ -186,16 +188,16 @@ class Timeline(Widget, can_focus=True):
         return self._line
 
     def on_resize(self) -> None:
-        self._line = self._drawn()
+        self._line = self._content_line()
         self.refresh()
 
     @property
     def _width(self) -> int:
-        least, most = _NOTE_WIDTHS
-        note = min(max(self.size.width // _NOTE_SHARE, least), most)
+        low, high = _NOTE_WIDTHS
+        note = min(max(self.size.width // _NOTE_SHARE, low), high)
         return max(self.size.width - note - 2, 1)
 
-    def _drawn(self) -> Content:
+    def _content_line(self) -> Content:
         width, robot = self._width, self._robot
         marks = self._history.marks if self._history is not None else None
 
@@ -208,27 +210,29 @@ class Timeline(Widget, can_focus=True):
     def _note(self, width: int) -> Content:
         span, history = self._span, self._history
         marks = history.marks.at(span.tick) if history is not None else ()
-        said = [(mark.kind, part) for mark in marks if (part := self._said(mark))]
+        remarks = [(mark.kind, part) for mark in marks if (part := self._describe_mark(mark))]
         short = text = f"tick {span.tick}"
         if span.last > span.first:
             text += f" of {span.last}" if not span.first else f" of {span.first} to {span.last}"
-        if not said:
+        if not remarks:
             if history is not None and history.dropped and history.dropped <= span.first:
                 text += ", no room for earlier ones"
-            if len(text + self._arrived) > width:
+            if len(text + self._goal_note) > width:
                 text = short
-            text += self._arrived
+            text += self._goal_note
             return Content.styled(clip(text, width), INK.dim)
-        every = [part for _, part in said]
-        most = [part for kind, part in said if kind != "memory"]  # memories change all the time
-        for tick, parts in ((text, every), (short, every), (short, most)):
+        every = [part for _, part in remarks]
+        lasting = [
+            part for kind, part in remarks if kind != "memory"
+        ]  # memories change all the time
+        for tick, parts in ((text, every), (short, every), (short, lasting)):
             note = Content("  ").join([Content.styled(tick, INK.dim), *parts])
-            if note.cell_length + len(self._arrived) <= width:
-                return note.append(Content.styled(self._arrived, INK.dim))
+            if note.cell_length + len(self._goal_note) <= width:
+                return note.append(Content.styled(self._goal_note, INK.dim))
         note = Content("  ").join([Content.styled(short, INK.dim), *every])
         return note if note.cell_length <= width else note.truncate(width - 1).append("…")
 
-    def _said(self, mark: Mark) -> Content:
+    def _describe_mark(self, mark: Mark) -> Content:
         sign, style, _ = SIGNS[mark.kind]
         words = ", ".join(map(one_line, mark.names))
         if mark.kind == "breakpoint" and self._history is not None:
@@ -275,4 +279,4 @@ class Timeline(Widget, can_focus=True):
             tick = self._span.last
         if tick != self._pointed:  # what is shown may be older than the last move
             self._pointed = tick
-            self.post_message(self.Pointed(tick))
+            self.post_message(self.TickPointed(tick))

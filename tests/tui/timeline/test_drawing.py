@@ -5,7 +5,14 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.game import MARK_KINDS, MarkKind
 from logical_robots_tui.tui.timeline.breakpoints import tick_of
-from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS, Scale, Span, track
+from logical_robots_tui.tui.timeline.widget import (
+    DIVERGENCE,
+    SIGNS,
+    TRACKS,
+    Scale,
+    TimelineSpan,
+    track,
+)
 
 
 def test_the_signs_can_be_told_apart_without_colours_and_are_one_column_wide() -> None:
@@ -15,9 +22,9 @@ def test_the_signs_can_be_told_apart_without_colours_and_are_one_column_wide() -
 
 
 def test_the_past_the_known_and_the_other_future_look_different_and_where_one_stands() -> None:
-    line = track(Span(0, 5, 2, other_last=8, diverged=None), 12, lambda *_: False)
+    line = track(TimelineSpan(0, 5, 2, other_last=8, diverged=None), 12, lambda *_: False)
     assert line.plain == "━━━───┄┄┄   "
-    line = track(Span(0, 5, 2), 12, lambda *_: False)
+    line = track(TimelineSpan(0, 5, 2), 12, lambda *_: False)
     (reversed_,) = [span for span in line.spans if "reverse" in str(span.style)]
     assert (reversed_.start, reversed_.end) == (2, 3)
     # Of several marks in a column the most telling is shown.
@@ -26,9 +33,9 @@ def test_the_past_the_known_and_the_other_future_look_different_and_where_one_st
     def has(kind: MarkKind, first: int, last: int) -> bool:
         return any(first <= tick <= last for tick in marks.get(kind, ()))
 
-    assert track(Span(0, 5, 5), 8, has).plain == "┷!◉┷★━  "
-    assert track(Span(0, 5, 5, diverged=1), 8, has).plain == "┷≠◉┷★━  "
-    assert track(Span(0, 5, 5), 3, has).plain == "!◉★"
+    assert track(TimelineSpan(0, 5, 5), 8, has).plain == "┷!◉┷★━  "
+    assert track(TimelineSpan(0, 5, 5, diverged=1), 8, has).plain == "┷≠◉┷★━  "
+    assert track(TimelineSpan(0, 5, 5), 3, has).plain == "!◉★"
 
 
 OTHER = st.none() | st.integers(0, 90_000)
@@ -37,8 +44,8 @@ OTHER = st.none() | st.integers(0, 90_000)
 @given(st.integers(0, 50_000), st.integers(0, 40_000), OTHER, st.integers(1, 300))
 def test_every_tick_has_its_column(first: int, ticks: int, other: int | None, width: int) -> None:
     last = first + ticks
-    scale = Scale.to_hold(Span(first, last, last, other), width)
-    assert str(scale.each).rstrip("0") in ("1", "2", "5")
+    scale = Scale.to_hold(TimelineSpan(first, last, last, other), width)
+    assert str(scale.ticks_per_column).rstrip("0") in ("1", "2", "5")
     for tick in {first, last, first + ticks // 3, max(other or 0, first)}:
         column = scale.column(tick)
         begin, end = scale.ticks(column)

@@ -114,7 +114,7 @@ class DiagnosisPage(Page):
         event.stop()
         if event.option_id != _START:
             if (finding := self._finding(event.option_id)) is not None:
-                self.post_message(Timeline.Pointed(finding.tick))
+                self.post_message(Timeline.TickPointed(finding.tick))
         elif self._worker is not None and self.is_diagnosing:
             self._worker.cancel()
             self._worker = self._shown = None

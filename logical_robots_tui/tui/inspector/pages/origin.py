@@ -75,7 +75,7 @@ class LinksView(CursorView):
     def action_open(self) -> None:
         if self.pointed is not None:
             self.post_message(RobotChosen(self.pointed.robot))
-            self.post_message(Timeline.Pointed(self.pointed.tick))
+            self.post_message(Timeline.TickPointed(self.pointed.tick))
             self.post_message(CommandChosen("why"))
 
 
@@ -151,7 +151,7 @@ class OriginPage(Page):
             return
         page, tick = self._came_from
         if tick != self._session.frame.tick:
-            self.post_message(Timeline.Pointed(tick))
+            self.post_message(Timeline.TickPointed(tick))
         self.post_message(self.Left(page))
 
 

@@ -87,7 +87,7 @@ class WatchView(CursorView):
     def clicked(self, x: int, line: int, *, again: bool) -> None:
         place = x - _INDENT
         if line and 0 <= place < len(self.ticks):
-            self.post_message(Timeline.Pointed(self.ticks[place]))
+            self.post_message(Timeline.TickPointed(self.ticks[place]))
 
     def action_change(self, way: int) -> None:
         if self.pointed is None:
@@ -100,7 +100,7 @@ class WatchView(CursorView):
             if tick - 1 in known and known[tick] != known[tick - 1]:
                 break
         if tick != self._tick:
-            self.post_message(Timeline.Pointed(tick))
+            self.post_message(Timeline.TickPointed(tick))
 
     def action_open(self) -> None:
         if self.pointed is not None:
