@@ -56,13 +56,18 @@ class LevelController(SessionListener):
         self,
         session: Session,
         ui: Dialogs,
-        own: Path,
+        folder: Path,
         drafts: Drafts,
         open_level: Callable[[Level], Awaitable[None]],
         changed: Callable[[], None],
     ) -> None:
         self.session, self.ui = session, ui
-        self._own, self._drafts, self._open_level, self.changed = own, drafts, open_level, changed
+        self._folder, self._drafts, self._open_level, self.changed = (
+            folder,
+            drafts,
+            open_level,
+            changed,
+        )
         self.units: Callable[[], float] = lambda: 1.0
         self._saving = asyncio.Lock()
         self._autosave = Autosave(
@@ -74,9 +79,9 @@ class LevelController(SessionListener):
             what="The edited level",
         )
         self.levels = session.levels
-        self._rest()
+        self._reset()
 
-    def _rest(self) -> None:
+    def _reset(self) -> None:
         self.is_on = self.is_testing = False
         self.file: Path | None = None
         self.findings: list[LevelFinding] | None = None
@@ -156,9 +161,9 @@ class LevelController(SessionListener):
     async def make_level(self) -> None:
         from logical_robots_tui.tui.level_editor.forms import ask_for_level
 
-        made = await ask_for_level(self.ui, self.session.level.name, self._own)
-        if made is not None:
-            await self._open_level(made)
+        level = await ask_for_level(self.ui, self.session.level.name, self._folder)
+        if level is not None:
+            await self._open_level(level)
             self.open()
 
     def level_opened(self, level: Level) -> None:
@@ -166,7 +171,7 @@ class LevelController(SessionListener):
         if self.has_begun:
             self.editor.finish()
             self._autosave.stop()
-            self._rest()
+            self._reset()
             self.changed()
         self.levels = self.session.levels
 
@@ -187,12 +192,12 @@ class LevelController(SessionListener):
 
     def undo(self) -> None:
         if not self.editor.cancel():
-            what = self.editor.undo()
-            self.ui.tell(f"Undone: {what}." if what else "There is nothing to undo.")
+            operation = self.editor.undo()
+            self.ui.tell(f"Undone: {operation}." if operation else "There is nothing to undo.")
 
     def redo(self) -> None:
-        what = self.editor.redo()
-        self.ui.tell(f"Redone: {what}." if what else "There is nothing to redo.")
+        operation = self.editor.redo()
+        self.ui.tell(f"Redone: {operation}." if operation else "There is nothing to redo.")
 
     def take(self, tool: str) -> None:
         from logical_robots_tui.editing.editor import Tool
@@ -286,7 +291,7 @@ class LevelController(SessionListener):
 
         self.editor.finish()
         levels, path = self.levels, self._path
-        dialog = SaveLevel(levels.edited, self._proposal(), self._own, self.file)
+        dialog = SaveLevel(levels.edited, self._proposal(), self._folder, self.file)
         saved = await self.ui.ask(dialog)
         if saved is None:
             return False
@@ -296,8 +301,8 @@ class LevelController(SessionListener):
 
     def _proposal(self) -> str:
         if self.file is not None:
-            other = self.file.with_stem(f"{self.file.stem}-2")
-            return other.stem if other.parent == self._own else str(other)
+            sibling = self.file.with_stem(f"{self.file.stem}-2")
+            return sibling.stem if sibling.parent == self._folder else str(sibling)
         saved = self.levels.saved
         if not saved.source:  # a new level is named after its title
             words = re.findall(r"[^\W_]+", self.levels.edited.title.lower())
@@ -430,19 +435,19 @@ class LevelController(SessionListener):
 
         await asyncio.sleep(_CHECK_DELAY)
         level = self.levels.edited
-        found = await asyncio.to_thread(check, level)
+        findings = await asyncio.to_thread(check, level)
         if level is self.levels.edited:
-            self._checked, self.findings = level, found
+            self._checked, self.findings = level, findings
             self.changed()
 
     def _change_game_soon(self) -> None:
         """Let the game follow a change: at once, or a little later if only walls changed."""
-        before, after = self.levels.shown, self.levels.edited
+        old_level, new_level = self.levels.shown, self.levels.edited
         only_walls = (
-            before.robots is after.robots
-            and before.beacons is after.beacons
-            and before.areas is after.areas
-            and before.walls.shape == after.walls.shape
+            old_level.robots is new_level.robots
+            and old_level.beacons is new_level.beacons
+            and old_level.areas is new_level.areas
+            and old_level.walls.shape == new_level.walls.shape
         )
         if not only_walls:
             self.change_game()
@@ -459,22 +464,22 @@ class LevelController(SessionListener):
 
     def change_game(self) -> None:
         """Let the game have the edited level, which the picture may precede."""
-        before, after = self.levels.shown, self.levels.edited
-        if after is before:
+        old_level, new_level = self.levels.shown, self.levels.edited
+        if new_level is old_level:
             return
-        began = self.session.clock.now()
-        self.session.change_level(after, self.editor.poses.between(before, after))
-        now = self.session.clock.now()
-        self._change_from = now + max(_AGAIN_AFTER, _SHARE * (now - began))
+        start = self.session.clock.now()
+        self.session.change_level(new_level, self.editor.poses.between(old_level, new_level))
+        end = self.session.clock.now()
+        self._change_from = end + max(_AGAIN_AFTER, _SHARE * (end - start))
 
 
 def _on_disk(saved: Level) -> Literal["same", "another", "none"]:
     """Compare a level's file with what was last read or saved. Blocks."""
     try:
-        found = load_level(Path(saved.source))
+        disk_level = load_level(Path(saved.source))
     except LevelError:
         return "none"  # there is no level that could be lost
-    return "same" if alike(found, saved) else "another"
+    return "same" if alike(disk_level, saved) else "another"
 
 
 def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:

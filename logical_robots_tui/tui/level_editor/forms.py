@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.editor import LevelEditor
 
 
-class Text(Input):
+class TextField(Input):
     def __init__(self, name: str, value: str) -> None:
         super().__init__(value, id=name)
 
@@ -53,22 +53,22 @@ class Text(Input):
         return self.value.strip()
 
 
-class Number(Input):
-    def __init__(self, name: str, value: float, said: str, *, whole: bool = False) -> None:
+class NumberField(Input):
+    def __init__(self, name: str, value: float, subject: str, *, whole: bool = False) -> None:
         super().__init__(f"{value:.10g}", id=name)
-        self._said, self._whole = said, whole
+        self._subject, self._whole = subject, whole
 
     def read(self) -> float:
         typed = self.value.strip()
         try:
-            found = float(typed)
+            number = float(typed)
         except ValueError:
-            found = math.nan
-        if not math.isfinite(found):
-            raise LevelError(f"{self._said} must be a number, not “{typed}”.")
-        if self._whole and not found.is_integer():
-            raise LevelError(f"{self._said} must be an integer, not {found:g}.")
-        return int(found) if self._whole else found
+            number = math.nan
+        if not math.isfinite(number):
+            raise LevelError(f"{self._subject} must be a number, not “{typed}”.")
+        if self._whole and not number.is_integer():
+            raise LevelError(f"{self._subject} must be an integer, not {number:g}.")
+        return int(number) if self._whole else number
 
 
 class Lines(TextArea):
@@ -79,7 +79,7 @@ class Lines(TextArea):
         return self.text.strip()
 
 
-class Choice(Select[str]):
+class ChoiceField(Select[str]):
     """One of several names, even a missing one; space and down list them.
 
     `nothing` is the label for no name, or "" if one must be chosen.
@@ -91,7 +91,7 @@ class Choice(Select[str]):
         """Enter was pressed while the list was closed."""
 
     def __init__(self, name: str, labels: Mapping[str, str], value: str, nothing: str = "") -> None:
-        options = [(Content(one_line(label)), each) for each, label in labels.items()]
+        options = [(Content(one_line(label)), option_name) for option_name, label in labels.items()]
         if value and value not in labels:
             options.append((Content(f"{one_line(value)} (missing)"), value))
         super().__init__(
@@ -131,9 +131,9 @@ class Flag(Checkbox):
 class Ticks(Listing):
     """Any number of names, with checkboxes; ticked ones are listed even if missing."""
 
-    def __init__(self, name: str, known: Sequence[str], ticked: Sequence[str]) -> None:
-        self._names = list(dict.fromkeys([*known, *ticked]))
-        self._known, self._ticked = set(known), set(ticked)
+    def __init__(self, name: str, choices: Sequence[str], ticked: Sequence[str]) -> None:
+        self._names = list(dict.fromkeys([*choices, *ticked]))
+        self._choices, self._ticked = set(choices), set(ticked)
         super().__init__(*map(self._line, self._names), id=name, markup=False, compact=True)
 
     def read(self) -> tuple[str, ...]:
@@ -148,13 +148,13 @@ class Ticks(Listing):
         self.toggle(self._names[event.option_index])
 
     def _line(self, name: str) -> Content:
-        gone = "" if name in self._known else " (missing)"
+        suffix = "" if name in self._choices else " (missing)"
         return Content.assemble(
-            (_box(name in self._ticked), INK.key), one_line(name), (gone, INK.dim)
+            (_box(name in self._ticked), INK.key), one_line(name), (suffix, INK.dim)
         )
 
 
-Field: TypeAlias = Text | Number | Lines | Choice | Flag | Ticks
+Field: TypeAlias = TextField | NumberField | Lines | ChoiceField | Flag | Ticks
 """A widget whose id names a value, which `read` returns; an invalid one raises `LevelError`."""
 
 
@@ -215,7 +215,7 @@ class Form(Dialog[bool]):
             line.cursor_blink = False
 
     @on(Input.Submitted)
-    @on(Choice.Submitted)
+    @on(ChoiceField.Submitted)
     def _submitted(self) -> None:
         self.field_entered()
 
@@ -254,21 +254,23 @@ _POSE = ("x", "y", "angle")
 class ThingForm(Form):
     """Edits one thing's attributes; a robot under way has extra fields for its start."""
 
-    def __init__(self, editor: LevelEditor, ref: Ref, put: Callable[[str, Pose], None]) -> None:
-        self._editor, self._ref, self._put = editor, ref, put
+    def __init__(
+        self, editor: LevelEditor, ref: Ref, place_robot: Callable[[str, Pose], None]
+    ) -> None:
+        self._editor, self._ref, self._place_robot = editor, ref, place_robot
         self._thing = thing_of(editor.level, ref)
         super().__init__(type(self._thing).__name__)
         self._is_moving = ref.kind == "robots" and editor.is_under_way
 
     def fields(self) -> Iterator[tuple[str, Field]]:
         thing = self._thing
-        yield "Name", Text("name", thing.name)
-        now = thing_of(self._editor.standing, self._ref)
-        yield "x", _measure("x", now.x, "x")
-        yield "y", _measure("y", now.y, "y")
+        yield "Name", TextField("name", thing.name)
+        standing = thing_of(self._editor.standing, self._ref)
+        yield "x", _measure("x", standing.x, "x")
+        yield "y", _measure("y", standing.y, "y")
         if isinstance(thing, Robot):
-            assert isinstance(now, Robot)
-            yield "Heading", _measure("angle", math.degrees(now.angle), "The heading")
+            assert isinstance(standing, Robot)
+            yield "Heading", _measure("angle", math.degrees(standing.angle), "The heading")
             if self._is_moving:
                 yield "Start x", _measure("start_x", thing.x, "The start")
                 yield "Start y", _measure("start_y", thing.y, "The start")
@@ -276,11 +278,14 @@ class ThingForm(Form):
                 yield "Start heading", _measure("start_angle", heading, "The heading at the start")
             yield "Colour", _colour(thing.color)
             if teams := {team.name: team.name for team in self._editor.level.teams}:
-                yield "Team", Choice("team", teams, thing.team)
+                yield "Team", ChoiceField("team", teams, thing.team)
             yield "Battery", Flag("has_battery", "its engines need charge", thing.has_battery)
-            yield "Capacity", Number("battery_capacity", thing.battery_capacity, "The capacity")
+            yield (
+                "Capacity",
+                NumberField("battery_capacity", thing.battery_capacity, "The capacity"),
+            )
             rate = thing.battery_consumption_rate
-            yield "Consumption", Number("battery_consumption_rate", rate, "The consumption")
+            yield "Consumption", NumberField("battery_consumption_rate", rate, "The consumption")
             yield "Charging", Flag("can_charge", "charges other robots", thing.can_charge)
         elif isinstance(thing, Beacon):
             station = thing.charging_station
@@ -292,8 +297,8 @@ class ThingForm(Form):
             yield "Solid", Flag("impenetrable", "robots can't drive into it", solid)
             names = {beacon.name: beacon.name for beacon in self._editor.level.beacons}
             always = "no beacon: on from start"
-            yield "Switched on by", Choice("on_beacon", names, thing.on_beacon, always)
-            yield "Switched off by", Choice("off_beacon", names, thing.off_beacon, "no beacon")
+            yield "Switched on by", ChoiceField("on_beacon", names, thing.on_beacon, always)
+            yield "Switched off by", ChoiceField("off_beacon", names, thing.off_beacon, "no beacon")
             yield "Sticky", Flag("sticky_switch", "stays as it was switched", thing.sticky_switch)
             robots = [robot.name for robot in self._editor.level.robots]
             yield "Goal for", Ticks("victory_robots", robots, thing.victory_robots)
@@ -310,19 +315,19 @@ class ThingForm(Form):
             change(editor.level, ref, **moved)  # refuses what is out of range
         editor.set_values(ref, values)
         if moved:
-            now = thing_of(editor.standing, ref)
-            assert isinstance(now, Robot)
-            x, y, angle = (moved.get(name, getattr(now, name)) for name in _POSE)
-            self._put(now.name, (x, y, angle))
+            robot = thing_of(editor.standing, ref)
+            assert isinstance(robot, Robot)
+            x, y, angle = (moved.get(name, getattr(robot, name)) for name in _POSE)
+            self._place_robot(robot.name, (x, y, angle))
 
 
-def _measure(name: str, value: float, said: str) -> Number:
+def _measure(name: str, value: float, subject: str) -> NumberField:
     """A field with as many digits as matter; the value stays exact unless it is changed."""
-    return Number(name, round(value, 2), said)
+    return NumberField(name, round(value, 2), subject)
 
 
-def _colour(value: str) -> Text:
-    line = Text("color", value)
+def _colour(value: str) -> TextField:
+    line = TextField("color", value)
     line.suggester = SuggestFromList(_COLOURS, case_sensitive=False)
     return line
 
@@ -340,15 +345,15 @@ class LevelForm(Form):
 
     def fields(self) -> Iterator[tuple[str, Field]]:
         level = self._level
-        yield "Title", Text("title", level.title)
-        yield "Idea", Text("idea", level.idea)
-        yield "Width", Number("width", level.width, "The width", whole=True)
-        yield "Height", Number("height", level.height, "The height", whole=True)
-        yield "Add or cut at", Choice("place", _PLACES, "0")
+        yield "Title", TextField("title", level.title)
+        yield "Idea", TextField("idea", level.idea)
+        yield "Width", NumberField("width", level.width, "The width", whole=True)
+        yield "Height", NumberField("height", level.height, "The height", whole=True)
+        yield "Add or cut at", ChoiceField("place", _PLACES, "0")
         yield "New space", Flag("wall", "is wall", False)
-        yield "Robot sees", Choice("sensor", _SENSORS, level.visibility.sensor)
-        yield "Robot knows", Choice("memory", _MEMORIES, level.visibility.memory)
-        yield "Shared names", Text("shared_names", ", ".join(level.shared_names))
+        yield "Robot sees", ChoiceField("sensor", _SENSORS, level.visibility.sensor)
+        yield "Robot knows", ChoiceField("memory", _MEMORIES, level.visibility.memory)
+        yield "Shared names", TextField("shared_names", ", ".join(level.shared_names))
         yield "Briefing", Lines("briefing", level.briefing)
         yield "Hints", Lines("hints", "\n\n".join(level.hints))
 
@@ -358,12 +363,12 @@ class LevelForm(Form):
         left = int((width - level.width) * share)
         top = int((height - level.height) * share)
         resized = resize(level, width, height, left=left, top=top, wall=values["wall"])
-        wanted = self.changed()
+        changes = self.changed()
         for name, separator in (("shared_names", ","), ("hints", "\n\n")):
-            if name in wanted:
-                parts = (part.strip() for part in wanted[name].split(separator))
-                wanted[name] = tuple(part for part in parts if part)
-        words = {name: wanted[name] for name in _TEXTS if name in wanted}
+            if name in changes:
+                parts = (part.strip() for part in changes[name].split(separator))
+                changes[name] = tuple(part for part in parts if part)
+        words = {name: changes[name] for name in _TEXTS if name in changes}
         words["visibility"] = Visibility(values["memory"], values["sensor"])
         self._editor.change_level("level", set_words(resized, **words))
 
@@ -377,30 +382,33 @@ _OF = {
 
 
 class NewLevelForm(Form):
-    """Asks for a new level, which is then in `made`."""
+    """Asks for a new level, which is then in `level`."""
 
     keys = "tab or enter next   F2 create   esc cancel"
     verb = "Create"
 
-    def __init__(self, names: list[str], here: str, own: Path) -> None:
+    def __init__(self, names: list[str], current_name: str, folder: Path) -> None:
         super().__init__("New level")
-        self._names, self._own = names, own
-        self._here = here if here in names else names[0]
-        self.made: Level | None = None
+        self._names, self._folder = names, folder
+        self._current_name = current_name if current_name in names else names[0]
+        self.level: Level | None = None
 
     def fields(self) -> Iterator[tuple[str, Field]]:
-        yield "Kind", Choice("kind", _KINDS, "room")
-        yield "Title", Text("title", "")
-        yield "Width", Number("width", 600, "The width", whole=True)
-        yield "Height", Number("height", 400, "The height", whole=True)
-        yield "Columns", Number("columns", 8, "The number of columns", whole=True)
-        yield "Rows", Number("rows", 6, "The number of rows", whole=True)
-        yield "Corridor width", Number("corridor", 60, "The corridor", whole=True)
-        yield "Wall thickness", Number("wall", 10, "The wall", whole=True)
-        yield "Loops, 0 to 1", Number("loops", 0.1, "The share of loops")
+        yield "Kind", ChoiceField("kind", _KINDS, "room")
+        yield "Title", TextField("title", "")
+        yield "Width", NumberField("width", 600, "The width", whole=True)
+        yield "Height", NumberField("height", 400, "The height", whole=True)
+        yield "Columns", NumberField("columns", 8, "The number of columns", whole=True)
+        yield "Rows", NumberField("rows", 6, "The number of rows", whole=True)
+        yield "Corridor width", NumberField("corridor", 60, "The corridor", whole=True)
+        yield "Wall thickness", NumberField("wall", 10, "The wall", whole=True)
+        yield "Loops, 0 to 1", NumberField("loops", 0.1, "The share of loops")
         seed = randrange(1000)  # noqa: S311 - no secret is made of it
-        yield "Seed", Number("seed", seed, "The seed", whole=True)
-        yield "Copy of", Choice("original", {name: name for name in self._names}, self._here)
+        yield "Seed", NumberField("seed", seed, "The seed", whole=True)
+        yield (
+            "Copy of",
+            ChoiceField("original", {name: name for name in self._names}, self._current_name),
+        )
 
     def on_mount(self) -> None:
         self._arrange()
@@ -411,28 +419,28 @@ class NewLevelForm(Form):
 
     @on(Select.Changed, "#kind")
     def _arrange(self) -> None:
-        wanted = _OF[self.values("kind")["kind"]]
-        for name in {each for names in _OF.values() for each in names}:
-            self.rows[name].display = name in wanted
+        field_names = _OF[self.values("kind")["kind"]]
+        for name in {field_name for names in _OF.values() for field_name in names}:
+            self.rows[name].display = name in field_names
 
     def take(self) -> None:
         kind, title = self.values("kind", "title").values()
         makers: dict[str, Callable[..., Level]]
         makers = {"room": empty_room, "labyrinth": labyrinth, "copy": self._copy}
-        made = makers[kind](**self.values(*_OF[kind]))
-        self.made = set_words(made, title=title) if title else made
+        level = makers[kind](**self.values(*_OF[kind]))
+        self.level = set_words(level, title=title) if title else level
 
     def _copy(self, original: str) -> Level:
-        level = load_level(own_levels(self._own).get(original, original))
+        level = load_level(own_levels(self._folder).get(original, original))
         return replace(level, name=f"{original}-copy", title=f"{level.title} (copy)", source="")
 
 
-async def ask_for_level(ui: Dialogs, here: str, own: Path) -> Level | None:
-    own_names = await asyncio.to_thread(own_levels, own)
+async def ask_for_level(ui: Dialogs, current_name: str, folder: Path) -> Level | None:
+    own_names = await asyncio.to_thread(own_levels, folder)
     shipped = await asyncio.to_thread(list_shipped)
     names = list(dict.fromkeys([*shipped, *own_names]))
-    form = NewLevelForm(names, here, own)
-    return form.made if await ui.ask(form) else None
+    form = NewLevelForm(names, current_name, folder)
+    return form.level if await ui.ask(form) else None
 
 
 class FindingList(Dialog[LevelFinding]):

@@ -47,9 +47,9 @@ class ToolLine(Labels):
 
     def follow(self) -> None:
         editor = self._controller.editor
-        now = editor.settings, editor.edits.can_undo, editor.edits.can_redo
-        if now != self._shown:
-            self._shown = now
+        state = editor.settings, editor.edits.can_undo, editor.edits.can_redo
+        if state != self._shown:
+            self._shown = state
             self.refresh(layout=True)
 
     def get_content_height(self, container: object, viewport: object, width: int) -> int:
@@ -73,17 +73,17 @@ class ToolLine(Labels):
 
     def _labels(self) -> list[tuple[str, Content]]:
         settings = self._controller.editor.settings
-        found = [(tool.value, self._tool(tool)) for tool in Tool]
+        labels = [(tool.value, self._tool(tool)) for tool in Tool]
         if settings.tool in PAINTING:
             width = settings.width * settings.grid
-            found.append(("wider_brush", _setting("[ ]", f"{count_of(width, 'unit')} wide")))
+            labels.append(("wider_brush", _setting("[ ]", f"{count_of(width, 'unit')} wide")))
         if settings.tool in (Tool.LINE, Tool.RECTANGLE, Tool.FILL):
-            found.append(("ink", _setting(_key("ink"), "wall" if settings.is_wall else "floor")))
+            labels.append(("ink", _setting(_key("ink"), "wall" if settings.is_wall else "floor")))
         if settings.tool is Tool.RECTANGLE:
             filled = "filled" if settings.is_filled else "border"
-            found.append(("outline", _setting(_key("outline"), filled)))
-        found.append(("grid_size", _setting(_key("grid_size"), f"grid {settings.grid}")))
-        return found
+            labels.append(("outline", _setting(_key("outline"), filled)))
+        labels.append(("grid_size", _setting(_key("grid_size"), f"grid {settings.grid}")))
+        return labels
 
     def _tool(self, tool: Tool) -> Content:
         entry = command(tool.value)
@@ -114,19 +114,19 @@ class InfoLine(Static):
         editor, levels = self._controller.editor, self._controller.levels
         findings, thing = self._controller.findings, editor.thing
         x, y = editor.cursor
-        told = [Content.styled(f"{x:.0f}, {y:.0f}", f"bold {INK.number}")]
+        parts = [Content.styled(f"{x:.0f}, {y:.0f}", f"bold {INK.number}")]
         if not levels.saved.source or levels.edits.changed:
-            told.append(Content.styled("● not saved", INK.title))
+            parts.append(Content.styled("● not saved", INK.title))
         if findings:
             forbids = any(finding.forbids for finding in findings)
             style = f"bold {INK.bad}" if forbids else INK.warn
-            told.append(Content.styled(f"! {count_of(len(findings), 'finding')}", style))
+            parts.append(Content.styled(f"! {count_of(len(findings), 'finding')}", style))
         elif findings is not None:
-            told.append(Content.styled("✓ no problems", INK.good))
+            parts.append(Content.styled("✓ no problems", INK.good))
         ink = INK.text if thing else INK.dim
-        for more in (2, 1, 0):
-            what = Content.styled(_describe(thing, more), ink)
-            line = Content(" ").append(Content("   ").join([*told, what]))
+        for detail in (2, 1, 0):
+            selection = Content.styled(_describe(thing, detail), ink)
+            line = Content(" ").append(Content("   ").join([*parts, selection]))
             if not self.size.width or line.cell_length <= self.size.width:
                 break
         if not line.is_same(self._line):
@@ -134,16 +134,16 @@ class InfoLine(Static):
             self.update(line, layout=False)
 
 
-def _describe(thing: Thing | None, more: int) -> str:
+def _describe(thing: Thing | None, detail: int) -> str:
     """Name a thing, with its place and, if it has one, its radius as far as `more` goes."""
     if thing is None:
         return "nothing selected"
-    what = f"{type(thing).__name__} {clip(one_line(thing.name), 24)}"
-    if more:
-        what += f" at {round(thing.x, 1):g}, {round(thing.y, 1):g}"
-    if more > 1 and isinstance(thing, Area):
-        what += f", radius {round(thing.radius, 1):g}"
-    return what
+    text = f"{type(thing).__name__} {clip(one_line(thing.name), 24)}"
+    if detail:
+        text += f" at {round(thing.x, 1):g}, {round(thing.y, 1):g}"
+    if detail > 1 and isinstance(thing, Area):
+        text += f", radius {round(thing.radius, 1):g}"
+    return text
 
 
 def _key(name: str) -> str:
@@ -184,11 +184,11 @@ class EditPanel:
 
     def follow(self) -> None:
         is_on, pane = self._controller.is_on, self._pane
-        if (now := (is_on, self._controller.is_testing)) != self._shown:
+        if (state := (is_on, self._controller.is_testing)) != self._shown:
             if not self._tools.is_attached:
                 pane.mount(self._tools, self._info)
             self._tools.display = self._info.display = is_on
-            self._shown = now
+            self._shown = state
             self._switch()
         if is_on:
             session, editor = self._controller.session, self._controller.editor
@@ -359,8 +359,8 @@ def _cells_of(
     length: int, spacing: int, first: float, units: float, count: int
 ) -> NDArray[np.intp]:
     places = np.arange(spacing, length, spacing)
-    found = np.floor((places - first) / units).astype(np.intp)
-    return np.unique(found[(found >= 0) & (found < count)])
+    cells = np.floor((places - first) / units).astype(np.intp)
+    return np.unique(cells[(cells >= 0) & (cells < count)])
 
 
 def _cover(view: Viewport, editor: LevelEditor) -> NDArray[np.bool_] | None:
@@ -407,7 +407,7 @@ def _rectangle(
 def _tint(cells: Cells, where: NDArray[np.bool_], colour: RGB) -> None:
     style = cells.style[where]
     mixed = style & BOLD
-    for shift, wanted in zip((40, 32, 24, 16, 8, 0), colour * 2, strict=True):
+    for shift, target in zip((40, 32, 24, 16, 8, 0), colour * 2, strict=True):
         channel = style >> shift & 0xFF
-        mixed |= (channel + (wanted - channel) * 2 // 5) << shift
+        mixed |= (channel + (target - channel) * 2 // 5) << shift
     cells.style[where] = mixed
