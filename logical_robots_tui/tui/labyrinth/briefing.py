@@ -27,7 +27,7 @@ _EDGES = 3  # columns of the border and the padding
 _FOLDED = re.compile(r"(?<=[^.:!?\n])\n(?=\S)")  # line ends within a sentence
 
 
-class Task(NamedTuple):
+class BriefingTask(NamedTuple):
     """What a briefing says: a title, lines of text, goals, and keys."""
 
     title: str
@@ -36,7 +36,7 @@ class Task(NamedTuple):
     keys: Sequence[str]
 
     @classmethod
-    def of(cls, level: Level) -> Task:
+    def of(cls, level: Level) -> BriefingTask:
         offers = {"run": "runs", "briefing": "hides this"}
         if level.hints:
             offers["hint"] = "gives a hint"
@@ -46,25 +46,25 @@ class Task(NamedTuple):
             one_line(level.title),
             [visible(line) for line in level.briefing.strip().splitlines()],
             [f"☐ {goal.words}" for goal in level.second_goals],
-            [f"{command(name).key_name} {said}" for name, said in offers.items()],
+            [f"{command(name).key_name} {effect}" for name, effect in offers.items()],
         )
 
     def stacked(self, width: int) -> Content:
         """Return the text in lines of a width, with the goals and the keys below it."""
-        rows = [*self._text(width), ("", ""), *self._rest()]
+        rows = [*self._text(width), ("", ""), *self._goals_and_keys()]
         return Content("\n").join(Content.styled(text, ink) for text, ink in rows)
 
     def side_by_side(self, width: int, rows: int) -> Content:
         """Return the text with the goals and the keys beside it, in so much room."""
-        right = self._rest(is_apart=True)
+        right = self._goals_and_keys(is_apart=True)
         if len(right) > rows:
-            right = self._rest()
+            right = self._goals_and_keys()
         needed = max((len(text) for text, _ in right), default=0)
         left = self._text(max(width - _GAP - needed, 1))
         across = max(len(text) for text, _ in left) + _GAP
         pairs = zip_longest(left, right, fillvalue=("", ""))
         return Content("\n").join(
-            Content.assemble((f"{one:<{across}}", ink), other) for (one, ink), other in pairs
+            Content.assemble((f"{line:<{across}}", ink), side) for (line, ink), side in pairs
         )
 
     def _text(self, width: int) -> list[tuple[str, str]]:
@@ -75,7 +75,7 @@ class Task(NamedTuple):
             lines = [piece for line in folded for piece in wrap(line, width) or [""]]
         return [(self.title, f"bold {INK.title}"), *((line, INK.text) for line in lines)]
 
-    def _rest(self, *, is_apart: bool = False) -> list[tuple[str, str]]:
+    def _goals_and_keys(self, *, is_apart: bool = False) -> list[tuple[str, str]]:
         goals = [(goal, INK.record) for goal in self.goals]
         return [*goals, *[("", "")] * is_apart, *((key, INK.dim) for key in self.keys)]
 
@@ -98,17 +98,17 @@ class BriefingCard(Widget):
     def __init__(self, *, is_over: bool) -> None:
         super().__init__(classes="-over" if is_over else "-beside")
         self._is_over = is_over
-        self._told: Task | None = None
+        self._shown_task: BriefingTask | None = None
 
     @property
     def content(self) -> Content:
         assert isinstance(self.parent, Widget)
         return self._in(self.parent.content_size - self.gutter.totals)
 
-    def show(self, task: Task | None) -> None:
+    def show(self, task: BriefingTask | None) -> None:
         self.display = task is not None
-        if task != self._told:
-            self._told = task
+        if task != self._shown_task:
+            self._shown_task = task
             self.refresh(layout=True)
 
     def on_click(self, event: events.Click) -> None:
@@ -124,13 +124,13 @@ class BriefingCard(Widget):
 
     def _in(self, room: Size) -> Content:
         """Return the text for so many columns and rows."""
-        if self._told is None:
+        if self._shown_task is None:
             return Content("")
         if self._is_over:
-            return self._told.side_by_side(*room)
+            return self._shown_task.side_by_side(*room)
         content = Content("")
         for width in range(_NARROWEST, max((room.width + _EDGES) // 2, _NARROWEST + 1)):
-            content = self._told.stacked(width)
+            content = self._shown_task.stacked(width)
             if content.plain.count("\n") < room.height:
                 break
         return content
@@ -148,11 +148,11 @@ class Briefing:
         """`is_over` tells whether the inspector can be seen beside the labyrinth."""
         self.beside, self.over = BriefingCard(is_over=False), BriefingCard(is_over=True)
         self._is_over = is_over
-        self._task: Task | None = None
+        self._task: BriefingTask | None = None
         self.is_open = False
 
     def tell(self, level: Level) -> None:
-        self._task = Task.of(level) if level.briefing.strip() else None
+        self._task = BriefingTask.of(level) if level.briefing.strip() else None
         self.is_open = self._task is not None
         self.place()
 

@@ -71,8 +71,8 @@ class GhostController(SessionListener):
         history = self._session.history
         if history is not None and history.turns != self._turns:
             self._turns = history.turns
-            known = self._reached.items()
-            self._reached = {area: tick for area, tick in known if tick < frame.tick}
+            reached_ticks = self._reached.items()
+            self._reached = {area: tick for area, tick in reached_ticks if tick < frame.tick}
         for area, name in reached(self._session.level, frame.after):
             if area not in self._reached:
                 self._reached[area] = frame.tick
@@ -83,7 +83,7 @@ class GhostController(SessionListener):
         ghost = self._view.ghost
         if ghost is not None:
             place = self._session.level.areas[area].name
-            who, where = (clip(one_line(each), 30) for each in (name, place))
+            who, where = (clip(one_line(text), 30) for text in (name, place))
             compared = ghost.comparison(area, tick)
             comma = "," * compared.startswith("which")
             self._ui.tell(f"{who} reached {where or 'an area'}{comma} {compared}.")

@@ -70,8 +70,8 @@ class LabyrinthPane(Pane, can_focus=True):
         level, frame = self._shown
         pointed = None if self.view.overlay is not None else self.view.pointed
         name = robot_name if pointed is None else pointed
-        shown = None if self.view.camera.sight is Sight.SENSES else name
-        self.card.show(level, frame, shown, self.view.view.middle[0] if self.view.view else 0.0)
+        card_name = None if self.view.camera.sight is Sight.SENSES else name
+        self.card.show(level, frame, card_name, self.view.view.middle[0] if self.view.view else 0.0)
 
     @on(RobotPointed)
     def _robot_pointed(self) -> None:
@@ -89,8 +89,8 @@ class LabyrinthPane(Pane, can_focus=True):
         }
         note, ghost = words[camera.sight], self.view.ghost
         if ghost is not None:
-            told = f"ghost: {count_of(ghost.last, 'tick')}"
-            note = f"{note} · {told}" if note else told
+            ghost_note = f"ghost: {count_of(ghost.last, 'tick')}"
+            note = f"{note} · {ghost_note}" if note else ghost_note
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
         self.select(self.view.selected)
 
@@ -133,13 +133,13 @@ class RobotCard(Static):
     def show(self, level: Level, frame: Frame, name: str | None, middle: float) -> None:
         """Show a robot, or hide; robots to the left of the `middle` get the card on the right."""
         robots = zip(level.robots, frame.after.robots, strict=True)
-        found = next((pair for pair in robots if pair[0].name == name), None)
-        self.display = found is not None
-        if found is None:
+        selection = next((pair for pair in robots if pair[0].name == name), None)
+        self.display = selection is not None
+        if selection is None:
             return
-        self.set_class(found[1].x < middle, "-right")
-        ink = robot_ink(found[0].color, palette_of(self.app.current_theme))
-        content = _content(*found, frame.decision_of(found[0].name), frame, ink)
+        self.set_class(selection[1].x < middle, "-right")
+        ink = robot_ink(selection[0].color, palette_of(self.app.current_theme))
+        content = _content(*selection, frame.decision_of(selection[0].name), frame, ink)
         if not content.is_same(self._content):
             self._content = content
             self.update(content)
@@ -158,7 +158,9 @@ def _content(
     }
     name = clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"
     lines = [Content.assemble(("● ", colour), name, "  ", _trouble(robot, state, decision))]
-    lines += [Content.assemble((f"{label:<8}", INK.dim), said) for label, said in rows.items()]
+    lines += [
+        Content.assemble((f"{label:<8}", INK.dim), content) for label, content in rows.items()
+    ]
     return Content("\n").join(lines)
 
 

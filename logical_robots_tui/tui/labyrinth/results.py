@@ -47,8 +47,8 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
         rows.append(_row("reference", _numbers(next(iter(references))), INK.dim))
     rows += scale_lines(references, bests)
     if recorder.trial is not None:
-        told = f"varied starts tried: {recorder.trial.tried} …"
-        rows.append(Content.styled(f"{told:^{_LABEL + sum(_WIDTHS)}}", INK.dim))
+        trial_line = f"varied starts tried: {recorder.trial.tried} …"
+        rows.append(Content.styled(f"{trial_line:^{_LABEL + sum(_WIDTHS)}}", INK.dim))
     width = max(row.cell_length for row in rows)
     return [row.pad_right(width - row.cell_length) for row in rows]
 
@@ -66,33 +66,33 @@ _LEGEND = {
 
 def scale_lines(references: Iterable[Measures], bests: Bests) -> Iterator[Content]:
     """Yield a scale, from best to worst, of ticks, size and distance, with references' marks."""
-    for title, mine, *others in zip(
-        _TITLES, bests[:3], *(each[:3] for each in references), strict=False
+    for title, best, *amounts in zip(
+        _TITLES, bests[:3], *(reference[:3] for reference in references), strict=False
     ):
-        known = sorted({round(value) for value in others})
-        if known:
-            yield _scale(title, known, None if mine is None else round(mine))
+        scale_values = sorted({round(value) for value in amounts})
+        if scale_values:
+            yield _scale(title, scale_values, None if best is None else round(best))
 
 
-def _scale(title: str, known: list[int], mine: int | None) -> Content:
-    values = sorted({*known, *([] if mine is None else [mine])})
+def _scale(title: str, references: list[int], best: int | None) -> Content:
+    values = sorted({*references, *([] if best is None else [best])})
     low, high = values[0], max(values[-1], values[0] + 1)
     places = {value: (value - low) * (_SCALE - 1) // (high - low) for value in values}
-    marks = dict.fromkeys((places[value] for value in known), _REFERENCE)
-    if mine is not None:
-        marks[places[mine]] = _MINE
+    marks = dict.fromkeys((places[value] for value in references), _REFERENCE)
+    if best is not None:
+        marks[places[best]] = _MINE
     line = Content.styled(f"{title:<{_LABEL}}", INK.dim)
     for place in range(_SCALE):
         line = line.append(_ink(marks.get(place, "─")))
     for value in values:
-        line = line.append(_ink(f"  {value:,}{_MINE * (value == mine)}"))
+        line = line.append(_ink(f"  {value:,}{_MINE * (value == best)}"))
     return line
 
 
-def goal_lines(goals: Iterable[SecondGoal], reached: Collection[str]) -> Iterator[Content]:
+def goal_lines(goals: Iterable[SecondGoal], reached_words: Collection[str]) -> Iterator[Content]:
     """Yield a line for each goal, ticked if it is reached."""
     for goal in goals:
-        if goal.words in reached:
+        if goal.words in reached_words:
             yield Content.styled(f"{_REACHED} {goal.words}", f"bold {INK.good}")
         else:
             yield Content.styled(f"{OPEN} {goal.words}", INK.text)
@@ -100,9 +100,9 @@ def goal_lines(goals: Iterable[SecondGoal], reached: Collection[str]) -> Iterato
 
 def legend(rows: Iterable[Content]) -> Content:
     """Return what the signs in some lines mean."""
-    shown = "".join(row.plain for row in rows)
-    told = [f"{sign} {meaning}" for sign, meaning in _LEGEND.items() if sign in shown]
-    return Content.styled("   ".join(told), INK.dim)
+    text = "".join(row.plain for row in rows)
+    meanings = [f"{sign} {meaning}" for sign, meaning in _LEGEND.items() if sign in text]
+    return Content.styled("   ".join(meanings), INK.dim)
 
 
 def _ink(text: str) -> Content:
@@ -135,10 +135,10 @@ def _row(label: str, cells: tuple[str, ...], style: str) -> Content:
     return Content.assemble((f"{label:<{_LABEL}}", INK.dim), (numbers, style))
 
 
-def _numbers(found: Bests | Measures) -> tuple[str, str, str, str]:
-    distance = "·" if found.distance is None else f"{found.distance:,.0f}"
-    wins = "·" if found.wins is None else f"{found.wins} of {found.starts}"
-    return _number(found.ticks), _number(found.size), distance, wins
+def _numbers(measures: Bests | Measures) -> tuple[str, str, str, str]:
+    distance = "·" if measures.distance is None else f"{measures.distance:,.0f}"
+    wins = "·" if measures.wins is None else f"{measures.wins} of {measures.starts}"
+    return _number(measures.ticks), _number(measures.size), distance, wins
 
 
 def _number(value: int | None) -> str:
@@ -168,7 +168,7 @@ _DENSITY = 0.14
 _ROOMY = 30  # lines of the terminal from which confetti falls above and below as well
 
 
-class Results(QuestionDialog):
+class ResultsDialog(QuestionDialog):
     """What was won and how well, and what to do next: each answer is a command, with its key.
 
     Args:
@@ -182,17 +182,17 @@ class Results(QuestionDialog):
     """
 
     DEFAULT_CSS = """
-    Results > #box { width: auto; max-width: 100%; max-height: 100%; padding: 0 2; }
-    Results Static { width: auto; }
-    Results #story { margin-top: 1; color: $ink-dim; }
-    Results Miniature { margin-top: 1; }
-    Results #answers { width: auto; margin: 1 0; }
+    ResultsDialog > #box { width: auto; max-width: 100%; max-height: 100%; padding: 0 2; }
+    ResultsDialog Static { width: auto; }
+    ResultsDialog #story { margin-top: 1; color: $ink-dim; }
+    ResultsDialog Miniature { margin-top: 1; }
+    ResultsDialog #answers { width: auto; margin: 1 0; }
     """
 
     def __init__(
         self,
         recorder: ProgressRecorder,
-        said: str,
+        headline: str,
         answers: Sequence[tuple[str, str]],
         *,
         seed: int = 0,
@@ -201,8 +201,8 @@ class Results(QuestionDialog):
         picture: Cells | None = None,
     ) -> None:
         keyed = [(name, f"{label}  {command(name).key_name}") for name, label in answers]
-        super().__init__("Victory" if said else "Results", "", keyed, noticing=noticing)
-        self._recorder, self._said, self._seed = recorder, said, seed
+        super().__init__("Victory" if headline else "Results", "", keyed, noticing=noticing)
+        self._recorder, self._headline, self._seed = recorder, headline, seed
         self._story, self._picture = story, picture
         self._rows = self._table()
         self._parts = [Static(id=name) for name in ("said", "goals", "table")]
@@ -231,22 +231,22 @@ class Results(QuestionDialog):
     def _table(self) -> list[Content]:
         recorder = self._recorder
         rows = [*results_lines(recorder), *goal_lines(recorder.goals, recorder.record.bests.goals)]
-        if self._said and recorder.is_reference:
+        if self._headline and recorder.is_reference:
             return [Content.styled("Won by a reference program: not counted.", INK.dim), *rows]
         return rows
 
     def _tell(self) -> None:
         number = len(self._recorder.goals)
         table, goals = self._rows[: len(self._rows) - number], self._rows[-number:][:number]
-        meant = legend(self._rows)
-        width = max(each.cell_length for each in (meant, *self._rows))
-        lines = [Content.styled(self._said, f"bold {INK.key}")] if self._said else []
+        legend_line = legend(self._rows)
+        width = max(row.cell_length for row in (legend_line, *self._rows))
+        lines = [Content.styled(self._headline, f"bold {INK.key}")] if self._headline else []
         if lines and self.app.size.height >= _ROOMY:
             lines = [Content(""), *lines, Content("")]
         chance = random.Random(self._seed)  # noqa: S311 - confetti
-        said = [_with_confetti(line, width, chance) for line in lines]
+        headline_lines = [_with_confetti(line, width, chance) for line in lines]
         for part, rows in zip(
-            self._parts, (said, goals, [*table, Content(""), meant]), strict=True
+            self._parts, (headline_lines, goals, [*table, Content(""), legend_line]), strict=True
         ):
             part.update(Content("\n").join(rows))
             part.display = bool(rows)

@@ -81,9 +81,9 @@ def _area(area: Area) -> str:
     if area.victory_robots and area.radius > 6:
         rings.append((area.radius - 5, 'fill="none"'))
     return "".join(
-        f'<circle cx="{_number(area.x)}" cy="{_number(area.y)}" r="{_number(radius)}" {each}'
+        f'<circle cx="{_number(area.x)}" cy="{_number(area.y)}" r="{_number(radius)}" {attributes}'
         f' stroke="{_hex(colour)}" stroke-width="2"/>'
-        for radius, each in rings
+        for radius, attributes in rings
     ) + _name(area.name, area.x, area.y + 4, DARK.strong(parse(area.color)))
 
 
@@ -124,8 +124,8 @@ def _path(robot: Robot, points: Sequence[Point]) -> str:
 
 
 def _name(name: str, x: float, y: float, colour: RGB) -> str:
-    shown = escape("".join(char for char in name if char.isprintable()))
-    return f'<text x="{_number(x)}" y="{_number(y)}" fill="{_hex(colour)}">{shown}</text>'
+    text = escape("".join(char for char in name if char.isprintable()))
+    return f'<text x="{_number(x)}" y="{_number(y)}" fill="{_hex(colour)}">{text}</text>'
 
 
 def _number(value: float) -> str:

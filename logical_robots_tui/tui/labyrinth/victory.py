@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.briefing import Briefing
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, Palette
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-    from logical_robots_tui.tui.labyrinth.results import Results
+    from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
 _PICTURE_ROWS = 9
 _PAUSE = 1.0
@@ -62,7 +62,7 @@ class VictoryAnnouncer(SessionListener):
         self._pause, self._is_test, self._look = pause, is_test, look
         self._following, self._run = following, run
         self._waiting: Victory | None = None
-        self._results: Results | None = None
+        self._results: ResultsDialog | None = None
         self._is_held = False
         self._tick = 0
 
@@ -75,13 +75,13 @@ class VictoryAnnouncer(SessionListener):
 
     def tick_shown(self, frame: Frame) -> None:
         """Show the briefing whenever the start is shown, and hide it afterwards."""
-        before, self._tick = self._tick, frame.tick
-        if before and not frame.tick:
+        previous_tick, self._tick = self._tick, frame.tick
+        if previous_tick and not frame.tick:
             self._brief()
-        elif frame.tick and not before:
+        elif frame.tick and not previous_tick:
             self._briefing.close()
         history = self._session.history
-        if frame.tick != before + 1 or history is None:
+        if frame.tick != previous_tick + 1 or history is None:
             return
         level = self._session.level
         if is_match_over(level, frame.tick):
@@ -110,10 +110,10 @@ class VictoryAnnouncer(SessionListener):
         if not is_held and self._session.won_at is not None:
             self._announce()
 
-    def measured(self, level: Level, found: Measures, is_here: bool) -> None:
+    def measured(self, level: Level, measures: Measures, is_here: bool) -> None:
         is_shown = self._results is not None and self._results.is_active
         if not (is_here and is_shown):
-            self._ui.tell(one_line(robustness_line(level, found)))
+            self._ui.tell(one_line(robustness_line(level, measures)))
 
     def follow(self) -> None:
         """Show in the results what is measured meanwhile."""
@@ -122,10 +122,10 @@ class VictoryAnnouncer(SessionListener):
 
     def results(self) -> None:
         """Show the best results of the level."""
-        from logical_robots_tui.tui.labyrinth.results import Results
+        from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
         answers = [("solution", "References"), ("versions", "Versions"), ("results", "Close")]
-        self._results = Results(self._recorder, "", answers)
+        self._results = ResultsDialog(self._recorder, "", answers)
         self._ui.show(self._results, self._obey)
 
     def _announce(self) -> None:
@@ -135,7 +135,7 @@ class VictoryAnnouncer(SessionListener):
 
     async def _celebrate(self) -> None:
         from logical_robots_tui.tui.app.ui import NOTICING
-        from logical_robots_tui.tui.labyrinth.results import Results
+        from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
         following = await self._following()
         picture = await self._picture_of(following)
@@ -148,7 +148,7 @@ class VictoryAnnouncer(SessionListener):
         if victory.refusal:
             self._ui.tell(victory.refusal)
         who = "You made it" if len(victory.level.robots) == 1 else "Everyone made it"
-        said = f"★ {clip(who, 50)} — {count_of(victory.tick, 'tick')} ★"
+        headline = f"★ {clip(who, 50)} — {count_of(victory.tick, 'tick')} ★"
         answers = [("restart", "Again"), ("leave", "Stay")]
         if self._is_test():
             answers[:0] = [("test", "Edit")]
@@ -156,9 +156,9 @@ class VictoryAnnouncer(SessionListener):
             answers[:0] = [("next_level", "Next level")] * (following is not None)
             answers[-1:-1] = [("lesson", "Lesson")] * bool(victory.level.lesson)
         noticing = NOTICING if pause < math.inf else 0.0
-        self._results = Results(
+        self._results = ResultsDialog(
             self._recorder,
-            said,
+            headline,
             answers,
             seed=victory.tick,
             noticing=noticing,
@@ -175,8 +175,8 @@ class VictoryAnnouncer(SessionListener):
         if level is None or (look := self._look()) is None:
             return None
         with suppress(LevelError):
-            found = await asyncio.to_thread(shipped_level, level)
-            return await asyncio.to_thread(miniature, found, STORY_WIDTH, _PICTURE_ROWS, *look)
+            next_level = await asyncio.to_thread(shipped_level, level)
+            return await asyncio.to_thread(miniature, next_level, STORY_WIDTH, _PICTURE_ROWS, *look)
         return None
 
     def _obey(self, answer: str | None) -> None:

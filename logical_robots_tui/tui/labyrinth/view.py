@@ -162,17 +162,17 @@ class LabyrinthView(Widget):
                 self.select_next()
             self.camera = self._followed(at_once=True)
 
-    def zoom(self, steps: int, at: tuple[float, float] | None = None) -> None:
+    def zoom(self, steps: int, point: tuple[float, float] | None = None) -> None:
         """Zoom (out if negative) around a map point, by default the cursor or followed robot."""
         if self.view is None:
             return
         if self.overlay is not None:
-            at = at or self.overlay.cursor
-        if at is None and steps > 0 and self.selected and self.camera.sight is Sight.WHOLE:
+            point = point or self.overlay.cursor
+        if point is None and steps > 0 and self.selected and self.camera.sight is Sight.WHOLE:
             self._look(Camera(Sight.FOLLOW, steps))
             self.camera = self._followed(at_once=True)
         else:
-            self.camera = self.camera.zoomed(steps, self.view, at)
+            self.camera = self.camera.zoomed(steps, self.view, point)
 
     def pan(self, columns: float, rows: float) -> None:
         if self.view is not None and self._level is not None:
@@ -182,8 +182,8 @@ class LabyrinthView(Widget):
         if self._level is None:
             return
         names = [robot.name for robot in self._level.robots]
-        at = names.index(self.selected) + 1 if self.selected in names else 0
-        self.selected = names[at % len(names)]
+        index = names.index(self.selected) + 1 if self.selected in names else 0
+        self.selected = names[index % len(names)]
         self.post_message(self.RobotPicked(self.selected))
 
     def _followed(self, *, at_once: bool = False) -> Camera:
@@ -205,7 +205,7 @@ class LabyrinthView(Widget):
         x, y = view.position(row, column)
         reach = max(_PICK_REACH * view.units, ROBOT_RADIUS + CELL_ASPECT * view.units / 2)
         robots = frame.after.robots
-        away = [(math.hypot(each.x - x, each.y - y), n) for n, each in enumerate(robots)]
+        away = [(math.hypot(robot.x - x, robot.y - y), n) for n, robot in enumerate(robots)]
         distance, nearest = min(away, default=(math.inf, 0))
         return robots[nearest].name if distance <= reach else None
 
@@ -250,12 +250,12 @@ class LabyrinthView(Widget):
         if self.camera.sight is Sight.SENSES:
             cells = draw_senses(self._level, self._frame, *self.size, look)
         else:
-            now, traces = self._frame, self._traces
+            frame, traces = self._frame, self._traces
             race, ghosts = self.ghost, None
             if race is not None and self.overlay is None and alike(race.level, self._level):
-                ghosts = race.at(now.tick)
+                ghosts = race.at(frame.tick)
             cells = self._picture.draw(
-                self._level, now, view, look, traces, ghosts=ghosts, hurried=self._hurried
+                self._level, frame, view, look, traces, ghosts=ghosts, hurried=self._hurried
             )
             if self.overlay is not None:
                 cells = cells.copy()
@@ -300,10 +300,10 @@ class LabyrinthView(Widget):
             self.post_message(self.RobotPicked(name))
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        if self.overlay is not None and event.button == 1 and (at := self._point(event)):
+        if self.overlay is not None and event.button == 1 and (point := self._point(event)):
             self._is_drawing = True
             self.capture_mouse()
-            self.overlay.press(*at)
+            self.overlay.press(*point)
             return
         self._held, self._is_dragged = event.screen_offset, False
         self._grip = self._grip_at(event) if self.drags_robots else None
@@ -319,8 +319,8 @@ class LabyrinthView(Widget):
     def on_mouse_move(self, event: events.MouseMove) -> None:
         if self._held is None:
             self._point_at(self.robot_at(event.x, event.y))
-            if self.overlay is not None and (at := self._point(event)):
-                self.overlay.hover(*at, is_held=self._is_drawing)
+            if self.overlay is not None and (point := self._point(event)):
+                self.overlay.hover(*point, is_held=self._is_drawing)
             return
         if event.screen_offset == self._held:
             return
@@ -328,8 +328,8 @@ class LabyrinthView(Widget):
         self._held, self._is_dragged = event.screen_offset, True
         if self._grip is None:
             self.pan(moved.x, moved.y)
-        elif (robot := self._robot(self._grip.name)) and (at := self._point(event)):
-            self.post_message(self._grip.put(robot, *at))
+        elif (robot := self._robot(self._grip.name)) and (point := self._point(event)):
+            self.post_message(self._grip.put(robot, *point))
 
     def on_leave(self) -> None:
         self._point_at(None)
@@ -344,11 +344,11 @@ class LabyrinthView(Widget):
         return next((robot for robot in robots if robot.name == name), None)
 
     def _grip_at(self, event: events.MouseDown) -> Grip | None:
-        robot, at = self._robot(self.robot_at(event.x, event.y)), self._point(event)
-        if robot is None or at is None:
+        robot, point = self._robot(self.robot_at(event.x, event.y)), self._point(event)
+        if robot is None or point is None:
             return None
         is_turned = event.button != 1 or event.ctrl
-        return Grip(robot.name, at[0] - robot.x, at[1] - robot.y, is_turned)
+        return Grip(robot.name, point[0] - robot.x, point[1] - robot.y, is_turned)
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         self._wheel(event, 1)

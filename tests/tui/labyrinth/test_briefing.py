@@ -9,7 +9,7 @@ from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.labyrinth.briefing import Task
+from logical_robots_tui.tui.labyrinth.briefing import BriefingTask
 from logical_robots_tui.world import list_levels, load_level
 from tests.player.test_session import table
 from tests.tui.conftest import STILL, Opened, Size, opened
@@ -75,7 +75,7 @@ async def test_the_briefing_finds_its_place_at_any_size(data_dir: Path, size: Si
 def test_each_shipped_briefing_fits_in_its_smallest_place() -> None:
     KEY_MAP.set(KeyMap(COMMANDS))
     for name in list_levels():
-        task = Task.of(load_level(name))
+        task = BriefingTask.of(load_level(name))
         assert len(task.side_by_side(105, 9).split("\n", allow_blank=True)) <= 9, name
         assert len(task.stacked(36).split("\n", allow_blank=True)) <= 20, name
 

@@ -8,7 +8,7 @@ from rich.cells import cell_len
 from logical_robots_tui.game.victory import references_for
 from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.progress import FILE_NAME, Bests, Measures, Progress
-from logical_robots_tui.tui.labyrinth.results import Results, goal_lines, scale_lines
+from logical_robots_tui.tui.labyrinth.results import ResultsDialog, goal_lines, scale_lines
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import list_levels, load_level
 from logical_robots_tui.world.level import SecondGoal
@@ -81,7 +81,7 @@ async def test_a_victory_ticks_the_goals_reached(data_dir: Path, short: Path, si
         await game.press("escape", until=lambda: game.app.screen is game.main)
 
         # What is measured before the results are mounted is shown.
-        results = Results(game.main.recorder, "Won", [("restart", "Once more")])
+        results = ResultsDialog(game.main.recorder, "Won", [("restart", "Once more")])
         results._rows = []
         game.app.push_screen(results)
         assert results.is_active

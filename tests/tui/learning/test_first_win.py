@@ -8,7 +8,7 @@ import pytest
 from logical_robots_tui.game.pace import FLAT_OUT
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.paths import shipped_folder
-from logical_robots_tui.tui.labyrinth.results import Results
+from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 from tests.tui.conftest import Size, opened
 
 
@@ -38,6 +38,6 @@ async def test_the_first_win_takes_few_keys(data_dir: Path, size: Size) -> None:
             await press("down")
         await press("end", "backspace", "6", "0", "ctrl+r")
         await game.until(lambda: "distance < 60" in (game.session.state.applied or ""))
-        await press("escape", "space", on=Results)
+        await press("escape", "space", on=ResultsDialog)
         assert game.session.won_at is not None
     assert len(pressed) <= 14, pressed

@@ -10,7 +10,7 @@ from logical_robots_tui.editing.editor import Tool
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
-from logical_robots_tui.tui.labyrinth.results import Results
+from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.level_editor.forms import FindingList
 from logical_robots_tui.tui.level_editor.panel import ToolLine
@@ -197,8 +197,8 @@ async def test_a_victory_while_editing_is_told_afterwards(data_dir: Path, room_f
         game = s.game
         await s.press("space", until=lambda: game.main.recorder.record.state == "won")
         assert game.main.editing.is_on
-        assert not isinstance(game.app.screen, Results)
-        await s.press("escape", on=Results)
+        assert not isinstance(game.app.screen, ResultsDialog)
+        await s.press("escape", on=ResultsDialog)
         assert not game.main.editing.is_on
 
 

@@ -47,10 +47,14 @@ class Palette(NamedTuple):
     alarm: RGB = (255, 92, 92)
 
     def legible(self, colour: RGB) -> RGB:
-        seen = luminance(colour)
+        brightness = luminance(colour)
         if self.light:
-            return mix((0, 0, 0), colour, 0.42 / seen) if seen > 0.42 else colour
-        return mix((255, 255, 255), colour, (1 - 0.42) / (1 - seen)) if seen < 0.42 else colour
+            return mix((0, 0, 0), colour, 0.42 / brightness) if brightness > 0.42 else colour
+        return (
+            mix((255, 255, 255), colour, (1 - 0.42) / (1 - brightness))
+            if brightness < 0.42
+            else colour
+        )
 
     def strong(self, colour: RGB) -> RGB:
         return mix(self.bright, self.legible(colour), 0.55)
@@ -94,13 +98,13 @@ def luminance(colour: RGB) -> float:
     return (0.2126 * red + 0.7152 * green + 0.0722 * blue) / 255
 
 
-def mix(one: RGB, other: RGB, share: float) -> RGB:
+def mix(first: RGB, second: RGB, share: float) -> RGB:
     """Mix two colours, with ``share`` (0 to 1) of the second."""
-    red, green, blue = one
+    red, green, blue = first
     return (
-        round(red + (other[0] - red) * share),
-        round(green + (other[1] - green) * share),
-        round(blue + (other[2] - blue) * share),
+        round(red + (second[0] - red) * share),
+        round(green + (second[1] - green) * share),
+        round(blue + (second[2] - blue) * share),
     )
 
 
@@ -172,7 +176,7 @@ class Cells:
         if self.text.shape != earlier.text.shape:
             return [(row, 0, self.text.shape[1]) for row in range(self.text.shape[0])]
         differs = (self.text != earlier.text) | (self.style != earlier.style)
-        found = []
+        changes = []
         width = differs.shape[1]
         for row in np.flatnonzero(differs.any(axis=1)).tolist():
             columns = np.flatnonzero(differs[row])
@@ -183,8 +187,8 @@ class Cells:
                 first -= 1
             while stop < width and halves[stop]:
                 stop += 1
-            found.append((row, first, stop))
-        return found
+            changes.append((row, first, stop))
+        return changes
 
     def strip(self, row: int) -> Strip:
         """Return a row to show, with as few style changes as possible."""
@@ -282,9 +286,11 @@ def fit(dots: NDArray[np.uint8]) -> tuple[NDArray[np.int64], Floats, Floats]:
     members = (patterns[:, None] >> np.arange(count) & 1).astype(np.float32)
     sizes = members.sum(axis=1)[:, None]
     sums = (members @ by_dot).reshape(len(patterns), cells, 3)
-    rest = total - sums
+    remainder = total - sums
     # What a colour explains is the squared sum over the number of its dots.
-    explained = (sums * sums).sum(axis=2) / sizes + (rest * rest).sum(axis=2) / (count - sizes)
+    explained = (sums * sums).sum(axis=2) / sizes + (remainder * remainder).sum(axis=2) / (
+        count - sizes
+    )
     best = explained.argmax(axis=0)
     every = np.arange(cells)
     flat = explained[best, every] - (total * total).sum(axis=1) / count < _FLAT
@@ -292,7 +298,7 @@ def fit(dots: NDArray[np.uint8]) -> tuple[NDArray[np.int64], Floats, Floats]:
     size = sizes[best]
     ink, paper, pattern = (
         sums[best, every] / size,
-        rest[best, every] / (count - size),
+        remainder[best, every] / (count - size),
         patterns[best],
     )
     swap = (ink - paper) @ _BRIGHTNESS < 0

@@ -71,10 +71,10 @@ def draw_ground(
 
     kinds = np.where(rock >= 0.55, _WALL, _FLOOR).astype(np.uint8)
     for number, (area, is_active) in enumerate(zip(level.areas, active, strict=False)):
-        found = _area_weights(raster, area, is_active, flash=number in switched)
-        if found is None:
+        weights = _area_weights(raster, area, is_active, flash=number in switched)
+        if weights is None:
             continue
-        window, disc, edge = found
+        window, disc, edge = weights
         over = 1 - 0.6 * rock[window]
         colour = palette.legible(parse(area.color))
         blend(image, window, colour, disc * over)
@@ -154,8 +154,8 @@ def _far_reach(raster: Raster) -> float:
 
 def _grid(raster: Raster) -> Floats:
     """Return 1 on the lines of a grid spaced by a round number of map units."""
-    wanted = raster.viewport.units * 5
-    spacing = next((s for s in (10, 20, 50, 100, 200, 500) if s >= wanted), 1000)
+    least_spacing = raster.viewport.units * 5
+    spacing = next((s for s in (10, 20, 50, 100, 200, 500) if s >= least_spacing), 1000)
     across = np.diff(np.floor(raster.x_edges / spacing)) > 0
     down = np.diff(np.floor(raster.y_edges / spacing)) > 0
     return (across[None, :] | down[:, None]).astype(np.float32)
@@ -187,14 +187,14 @@ class WallTable:
 
     def change(self, walls: NDArray[np.bool_]) -> tuple[int, int, int, int] | None:
         """Replace walls of the same size; return (left, right, top, bottom) of changes, or None."""
-        before, self._walls = self._walls, walls
+        old_walls, self._walls = self._walls, walls
         columns, rows = np.zeros(self.width, np.bool_), []
         for start in range(0, self.height, _BAND):
             band = slice(start, start + _BAND)
-            if before is walls or np.array_equal(before[band], walls[band]):
+            if old_walls is walls or np.array_equal(old_walls[band], walls[band]):
                 continue
             self._sum(start)
-            differs = before[band] != walls[band]
+            differs = old_walls[band] != walls[band]
             columns |= differs.any(axis=0)
             rows += [start + row for row in np.flatnonzero(differs.any(axis=1)).tolist()]
         if not rows:
@@ -237,8 +237,8 @@ class WallTable:
         self._within[start + 1 : start + 1 + len(inner), 1:] = inner
         if full:
             band = start // _BAND
-            more = sums[-1] + self._above[band, 1:] - self._above[band + 1, 1:]
-            self._above[band + 1 :, 1:] += more
+            increase = sums[-1] + self._above[band, 1:] - self._above[band + 1, 1:]
+            self._above[band + 1 :, 1:] += increase
 
     def _between(self, left: Floats, right: Floats, y: Floats) -> Floats:
         """Return the wall area above each y between pairs of x; shape (len(y), len(left))."""

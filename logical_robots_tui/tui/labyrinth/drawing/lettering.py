@@ -85,13 +85,16 @@ class Label(NamedTuple):
             return
         middle = min(max(self.column - width // 2, 0), columns - width)
         steps = [self.clear + 1, self.clear + 2, self.clear + 3]
-        wanted = [(self.row, middle)] if self.inside else []
-        wanted += [(self.row - steps[0], middle), (self.row + steps[0], middle)]
-        wanted += [(self.row, self.column + beside), (self.row, self.column - beside + 1 - width)]
+        candidates = [(self.row, middle)] if self.inside else []
+        candidates += [(self.row - steps[0], middle), (self.row + steps[0], middle)]
+        candidates += [
+            (self.row, self.column + beside),
+            (self.row, self.column - beside + 1 - width),
+        ]
         for step in steps:
             for row in (self.row - step, self.row + step):
-                wanted += [(row, self.column + 1), (row, self.column - width), (row, middle)]
-        for row, column in wanted:
+                candidates += [(row, self.column + 1), (row, self.column - width), (row, middle)]
+        for row, column in candidates:
             if 0 <= row < rows and 0 <= column <= columns - width:
                 yield row, column
 
@@ -100,29 +103,29 @@ class _FreeCells:
     """The cells that are free for names: one integer per row, with one bit per cell."""
 
     def __init__(self, rows: int, columns: int) -> None:
-        self._taken = [0] * rows
+        self._occupied = [0] * rows
         self._columns = columns
 
     def copy(self) -> _FreeCells:
-        other = _FreeCells(0, self._columns)
-        other._taken = self._taken.copy()
-        return other
+        duplicate = _FreeCells(0, self._columns)
+        duplicate._occupied = self._occupied.copy()
+        return duplicate
 
     def take(self, row: int, first: int, stop: int) -> None:
         first, stop = max(first, 0), min(stop, self._columns)
-        if 0 <= row < len(self._taken) and first < stop:
-            self._taken[row] |= (1 << stop) - (1 << first)
+        if 0 <= row < len(self._occupied) and first < stop:
+            self._occupied[row] |= (1 << stop) - (1 << first)
 
     def is_free(self, row: int, first: int, stop: int) -> bool:
         """Return whether cells of a row, and one to each side, are free."""
-        return not (self._taken[row] << 1 >> first) & ((1 << stop - first + 2) - 1)
+        return not (self._occupied[row] << 1 >> first) & ((1 << stop - first + 2) - 1)
 
     def place(self, plate: Label) -> tuple[int, int] | None:
         width = len(plate.cells)
-        taken, whole = self._taken, (1 << width + 2) - 1
-        for row, column in plate.places(len(taken), self._columns):
+        occupied, whole = self._occupied, (1 << width + 2) - 1
+        for row, column in plate.places(len(occupied), self._columns):
             # As `is_free` has it; this is the innermost loop of a crowded picture.
-            if not (taken[row] << 1 >> column) & whole:
+            if not (occupied[row] << 1 >> column) & whole:
                 self.take(row, column, column + width)
                 return row, column
         return None
@@ -265,7 +268,7 @@ def draw_labels(
             write(cells, row, column, plate.cells, style)
         else:
             moved.append((plate, style))
-    is_crowd = _NAMES_AT_MOST * sum(len(each[0].name) + 1 for each in placed) > cells.text.size
+    is_crowd = _NAMES_AT_MOST * sum(len(entry[0].name) + 1 for entry in placed) > cells.text.size
     for robot, sign, colour, cell in reversed(placed):
         if robot.name == look.selected or not is_crowd:
             _put_robot_name(canvas, room, robot, sign, colour, cell)
@@ -312,8 +315,8 @@ def _put_robot_name(
     name = _name_cells(robot.name, view, look)
     if not name:
         return
-    told = sign and not robot.dead
-    if told:
+    has_sign = sign and not robot.dead
+    if has_sign:
         name = (*name, sign)
     place = room.place(Label(name, *cell, clear=view.body_rows))
     if place is None:
@@ -322,7 +325,7 @@ def _put_robot_name(
     ink = _text_on(colour) if is_selected else palette.strong(colour)
     paper = colour if is_selected else mix(palette.plate, colour, 0.2)
     write(cells, *place, name, BOLD | rgb_number(ink) << 24 | rgb_number(paper))
-    if told and not is_selected:
+    if has_sign and not is_selected:
         canvas.put((place[0], place[1] + len(name) - 1), sign, palette.alarm, paper)
 
 

@@ -175,15 +175,15 @@ class Picture:
 
     def _take(self, level: Level) -> tuple[int, int, int, int] | None:
         """Set the level; return the region of changed walls, if only a region changed."""
-        before = self._level
-        if level is before:
+        old_level = self._level
+        if level is old_level:
             return None
         self._level = level
-        if before is None or before.walls.shape != level.walls.shape:
+        if old_level is None or old_level.walls.shape != level.walls.shape:
             self._walls, self._ground_key = WallTable(level.walls), None
             return None
         changed = self._walls.change(level.walls)
-        if (before.areas, before.beacons) != (level.areas, level.beacons):
+        if (old_level.areas, old_level.beacons) != (level.areas, level.beacons):
             self._ground_key = None
         return changed
 
@@ -195,13 +195,13 @@ class Picture:
             self._light = replace(self._light, left=self._light.left - 1)
             return self._light
         image, lit, left = self._ground.image, np.zeros(raster.shape, np.bool_), 0
-        seen = fans(frame) if look.rays or look.marks or look.lines else []
+        robot_fans = fans(frame) if look.rays or look.marks or look.lines else []
         if look.rays:
-            image, left = image.copy(), 1 + len(seen) // _CROWD
-            for fan in seen:
+            image, left = image.copy(), 1 + len(robot_fans) // _CROWD
+            for fan in robot_fans:
                 colour = colours.get(fan.name, look.palette.dead)
                 _add_light(image, lit, fan, colour, self._ground, raster, look)
-        self._light = _Light(look, image, lit, seen, left)
+        self._light = _Light(look, image, lit, robot_fans, left)
         return self._light
 
     def _fitted(self, image: Floats, raster: Raster, tolerance: int) -> Cells:
@@ -303,10 +303,10 @@ def _add_light(
     look: Look,
 ) -> None:
     """Add a fan's light to an image, or darken it in light themes, and record where."""
-    found = brightness_of(fan, raster)
-    if found is None:
+    weights = brightness_of(fan, raster)
+    if weights is None:
         return
-    window, brightness = found
+    window, brightness = weights
     lit[window] |= brightness > 0
     strength = _STRENGTH
     if look.selected is not None:
@@ -349,15 +349,15 @@ def draw_senses(level: Level, frame: Frame, columns: int, rows: int, look: Look)
     cells = Cells.blank(rows, columns)
     cells.style[:] = rgb_number(look.palette.void)
     cells.tone[:] = rgb_number(look.palette.void)
-    seen = fans(frame)
-    if not seen or columns < 3 or rows < 3:
+    robot_fans = fans(frame)
+    if not robot_fans or columns < 3 or rows < 3:
         return cells
-    across, down = tiles(len(seen), columns, rows)
-    room, names = across * down, [fan.name for fan in seen]
+    across, down = tiles(len(robot_fans), columns, rows)
+    room, names = across * down, [fan.name for fan in robot_fans]
     first = names.index(look.selected) // room * room if look.selected in names else 0
     colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
     width, height = columns // across, rows // down
-    for number, fan in enumerate(seen[first : first + room]):
+    for number, fan in enumerate(robot_fans[first : first + room]):
         tile = _tile(fan, colours.get(fan.name, look.palette.dead), width, height, look)
         left, top = number % across * width, number // across * height
         part = slice(top, top + height), slice(left, left + width)
@@ -371,7 +371,7 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     palette = look.palette
     middle = float(fan.headings[0] + fan.headings[-1]) / 2
     turn = middle + math.pi / 2
-    own = replace(fan, x=0.0, y=0.0, headings=fan.headings - turn, ahead=fan.ahead - turn)
+    turned_fan = replace(fan, x=0.0, y=0.0, headings=fan.headings - turn, ahead=fan.ahead - turn)
     view = _view(columns, rows - 1)
     raster = Raster(view, *look.drawing.dots)
     image = np.empty((*raster.shape, 3), np.float32)
@@ -381,12 +381,12 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     ring = np.clip(1 - np.abs(away - SENSOR_RANGE) / raster.dot, 0, 1)
     blend(image, (slice(None), slice(None)), palette.rock, ring)
     lit = np.zeros(raster.shape, np.bool_)
-    found = brightness_of(own, raster)
-    if found is not None:
-        window, brightness = found
+    light = brightness_of(turned_fan, raster)
+    if light is not None:
+        window, brightness = light
         lit[window] = brightness > 0
         blend(image, window, colour, np.float32(0.6) * brightness)
-    walls = _walls(own, raster)
+    walls = _walls(turned_fan, raster)
     image[walls] = palette.rim
     cells = Cells.blank(rows - 1, columns)
     if look.is_plain:
@@ -399,10 +399,10 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
         dots = split(coarse, raster.across, raster.down)
         refit(cells, dots, np.arange(len(dots)))
     canvas = Canvas(cells, view, look)
-    _put_ends(canvas, own)
+    _put_ends(canvas, turned_fan)
     if look.highlight is not None and look.highlight.robot == fan.name:
         if look.highlight.ray is not None:
-            draw_ray(canvas, own, look.highlight.ray)
+            draw_ray(canvas, turned_fan, look.highlight.ray)
         else:
             draw_ring(canvas, 0.0, 0.0)
     canvas.put(view.cell(0.0, 0.0), look.glyphs.heading(-math.pi / 2), colour)
@@ -418,7 +418,7 @@ def _view(columns: int, rows: int) -> Viewport:
 
 def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
     """Return which dots show a sensed wall; fills gaps between rays that end close together."""
-    found = np.zeros(raster.shape, np.bool_)
+    mask = np.zeros(raster.shape, np.bool_)
     x, y = fan.points()
     is_wall = np.array([kind == "wall" for kind in fan.objects])
     gap = np.hypot(np.diff(x), np.diff(y))
@@ -431,9 +431,9 @@ def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
     every_y = np.concatenate([along_y[joined].ravel(), y[is_wall]])
     rows = np.searchsorted(raster.y_edges, every_y) - 1
     columns = np.searchsorted(raster.x_edges, every_x) - 1
-    inside = (rows >= 0) & (rows < found.shape[0]) & (columns >= 0) & (columns < found.shape[1])
-    found[rows[inside], columns[inside]] = True
-    return found
+    inside = (rows >= 0) & (rows < mask.shape[0]) & (columns >= 0) & (columns < mask.shape[1])
+    mask[rows[inside], columns[inside]] = True
+    return mask
 
 
 def _put_ends(canvas: Canvas, fan: Fan) -> None:
@@ -443,10 +443,10 @@ def _put_ends(canvas: Canvas, fan: Fan) -> None:
         "beacon": (glyphs.beacon, palette.hit_beacon),
         "robot": (glyphs.hit_robot, palette.hit_robot),
     }
-    x_ends, y_ends = (each.tolist() for each in fan.points())
+    x_ends, y_ends = (ends.tolist() for ends in fan.points())
     for kind, sign in signs.items():  # the most important last
-        for x, y, what in zip(x_ends, y_ends, fan.objects, strict=True):
-            if what == kind:
+        for x, y, hit in zip(x_ends, y_ends, fan.objects, strict=True):
+            if hit == kind:
                 canvas.put(view.cell(x, y), *sign)
     for x, y, kind, label in fan.sighted():
         cell = view.cell(x, y)

@@ -68,9 +68,9 @@ class Fan:
     def sighted(self) -> Iterable[tuple[float, float, str, str]]:
         """Yield (x, y, object, label) of each sensed beacon and robot, by its middle ray."""
         rays: dict[tuple[str, str], list[int]] = {}
-        for ray, what in enumerate(zip(self.objects, self.labels, strict=True)):
-            if what[0] in ("beacon", "robot"):
-                rays.setdefault(what, []).append(ray)
+        for ray, hit in enumerate(zip(self.objects, self.labels, strict=True)):
+            if hit[0] in ("beacon", "robot"):
+                rays.setdefault(hit, []).append(ray)
         for (kind, label), hits in rays.items():
             ray = hits[len(hits) // 2]
             away, heading = float(self.distances[ray]), float(self.headings[ray])
@@ -95,14 +95,14 @@ class Fan:
 def fans(frame: Frame) -> list[Fan]:
     """Return the fan of each robot that sensed, from its position at that time."""
     poses = {robot.name: robot for robot in frame.before.robots}
-    found = []
+    robot_fans = []
     for row in frame.sensors:
         pose, radar = poses.get(row["robot_name"]), row["sensor"]["radar"]
         if pose is None or len(radar) < 2:
             continue
         if not all(map(math.isfinite, (pose.x, pose.y, pose.angle))):
             continue
-        found.append(
+        robot_fans.append(
             Fan(
                 name=pose.name,
                 x=pose.x,
@@ -114,7 +114,7 @@ def fans(frame: Frame) -> list[Fan]:
                 ahead=pose.angle,
             )
         )
-    return found
+    return robot_fans
 
 
 def brightness_of(fan: Fan, raster: Raster) -> tuple[tuple[slice, slice], Floats] | None:
@@ -140,8 +140,8 @@ def brightness_of(fan: Fan, raster: Raster) -> tuple[tuple[slice, slice], Floats
     cos, sin = np.float32(math.cos(middle)), np.float32(math.sin(middle))
     aside = np.arctan2(dy * cos - dx * sin, dx * cos + dy * sin)
     count = len(fan.distances)
-    at = aside * np.float32((count - 1) / (2 * half) * _FINE) + np.float32((count / 2) * _FINE)
-    slots = np.clip(at + 1, 0, count * _FINE + 1).astype(np.int32)
+    offset = aside * np.float32((count - 1) / (2 * half) * _FINE) + np.float32((count / 2) * _FINE)
+    slots = np.clip(offset + 1, 0, count * _FINE + 1).astype(np.int32)
 
     ends, solid, line = _shape(fan)
     end = ends[slots]
@@ -162,11 +162,11 @@ def _shape(fan: Fan) -> tuple[Floats, Floats, Floats]:
     """
     count = len(fan.distances)
     nearest, low, part, line = _slots(count)
-    one, other = fan.distances[low], fan.distances[low + 1]
+    first, second = fan.distances[low], fan.distances[low + 1]
     # Between rays that end on the same thing the end is nearly a straight line, and along one
     # the inverse of the distance grows evenly.
-    between = 1 / ((1 - part) / np.maximum(one, 1) + part / np.maximum(other, 1))
-    smooth = np.abs(one - other) < 0.3 * np.minimum(one, other) + 3
+    between = 1 / ((1 - part) / np.maximum(first, 1) + part / np.maximum(second, 1))
+    smooth = np.abs(first - second) < 0.3 * np.minimum(first, second) + 3
     ends = np.full(count * _FINE + 2, -1e9, np.float32)
     ends[1:-1] = np.where(smooth, between, fan.distances[nearest])
     solid = np.zeros(count * _FINE + 2, np.float32)
@@ -195,32 +195,32 @@ def mark_ends(
     if not fans:
         return
     cells, view, look = canvas
-    most = _ends(fans, view)
+    cell_kinds = _ends(fans, view)
     if view.shows_bodies:
         for robot, _ in robots:
-            _clear_body(most, robot, view)
+            _clear_body(cell_kinds, robot, view)
     glyphs, palette = look.glyphs, look.palette
     at_wall = glyphs.hit_wall_near if view.shows_bodies else glyphs.hit_wall
     texts = [text_id(text) for text in (at_wall, glyphs.hit_beacon, glyphs.hit_robot)]
     inks = [rgb_number(ink) for ink in (palette.hit_wall, palette.hit_beacon, palette.hit_robot)]
-    marked = most > 0
-    kinds = most[marked] - 1
+    marked = cell_kinds > 0
+    kinds = cell_kinds[marked] - 1
     cells.text[marked] = np.array(texts)[kinds]
     style = np.array(inks)[kinds] << 24 | np.where(kinds, BOLD, 0)
     cells.style[marked] = style | cells.tone[marked]
 
 
 def _ends(fans: Sequence[Fan], view: Viewport) -> NDArray[np.int64]:
-    kinds = np.array([_KINDS.get(what, 0) for fan in fans for what in fan.objects])
+    kinds = np.array([_KINDS.get(hit, 0) for fan in fans for hit in fan.objects])
     rows, columns, inside = view.dots(*np.concatenate([fan.points() for fan in fans], axis=1))
     kinds = kinds[inside]
     order = np.argsort(kinds, kind="stable")
-    most = np.zeros((view.rows, view.columns), np.int64)
-    most[rows[order], columns[order]] = kinds[order]
-    return most
+    cell_kinds = np.zeros((view.rows, view.columns), np.int64)
+    cell_kinds[rows[order], columns[order]] = kinds[order]
+    return cell_kinds
 
 
-def _clear_body(most: NDArray[np.int64], robot: RobotState, view: Viewport) -> None:
+def _clear_body(cell_kinds: NDArray[np.int64], robot: RobotState, view: Viewport) -> None:
     cell = view.cell(robot.x, robot.y)
     if cell is None:
         return
@@ -231,7 +231,7 @@ def _clear_body(most: NDArray[np.int64], robot: RobotState, view: Viewport) -> N
         for column in range(max(cell[1] - across, 0), min(cell[1] + across + 1, view.columns)):
             x, y = view.position(row, column)
             if math.hypot(x - robot.x, y - robot.y) < reach:
-                most[row, column] = 0
+                cell_kinds[row, column] = 0
 
 
 def draw_trails(canvas: Canvas, places: Floats, ages: Floats, colours: Sequence[RGB]) -> None:
@@ -240,7 +240,9 @@ def draw_trails(canvas: Canvas, places: Floats, ages: Floats, colours: Sequence[
         return
     floor = canvas.look.palette.floor
     shares = [_FAINTEST + step * _FADE for step in range(_FADES)]
-    inks = np.array([[rgb_number(mix(floor, each, share)) for share in shares] for each in colours])
+    inks = np.array(
+        [[rgb_number(mix(floor, colour, share)) for share in shares] for colour in colours]
+    )
     fresh = np.floor((1 - ages) * _FADES).clip(0, _FADES - 1).astype(np.int64)
     moments, robots = places.shape[:2]
     # Moments come oldest first, so that the newest has the last word on a cell's colour.
@@ -321,27 +323,29 @@ class Traces:
         if number != self._number:
             self.forget()  # robots or areas came or went
             self._number = number
-        known = self._places.get(tick)
-        if known is not None and not np.array_equal(known, places):
-            self._drop(lambda other: other >= tick)
-        self._drop(lambda other: abs(other - tick) > _TRAIL)
+        stored_places = self._places.get(tick)
+        if stored_places is not None and not np.array_equal(stored_places, places):
+            self._drop(lambda stored_tick: stored_tick >= tick)
+        self._drop(lambda stored_tick: abs(stored_tick - tick) > _TRAIL)
         self._places[tick] = places
         self._active[tick] = tuple(area.active for area in frame.after.areas)
 
     def trails(self, tick: int) -> tuple[Floats, Floats]:
         """Return places, (moments, robots, 2) in map units, and ages from 1 to 0, oldest first."""
-        ticks = sorted(then for then in self._places if tick - _TRAIL < then < tick)
+        ticks = sorted(past_tick for past_tick in self._places if tick - _TRAIL < past_tick < tick)
         if not ticks:
             return np.zeros((0, 0, 2)), np.zeros(0)
         ages = (tick - np.array(ticks)) / _TRAIL
-        return np.stack([self._places[then] for then in ticks]), ages
+        return np.stack([self._places[past_tick] for past_tick in ticks]), ages
 
     def switched(self, tick: int) -> frozenset[int]:
         """Return the numbers of the areas that were switched in the last few ticks."""
-        ticks = sorted(then for then in self._active if tick - _FLASH <= then <= tick)
-        states = [self._active[then] for then in ticks]
+        ticks = sorted(
+            past_tick for past_tick in self._active if tick - _FLASH <= past_tick <= tick
+        )
+        states = [self._active[past_tick] for past_tick in ticks]
         areas = enumerate(zip(*states, strict=True))
-        return frozenset(number for number, found in areas if len(set(found)) > 1)
+        return frozenset(number for number, activity in areas if len(set(activity)) > 1)
 
     def _drop(self, is_old: Callable[[int], bool]) -> None:
         for tick in [tick for tick in self._places if is_old(tick)]:

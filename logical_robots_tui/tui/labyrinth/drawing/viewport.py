@@ -252,18 +252,20 @@ class Camera(NamedTuple):
             return self
         return self._replace(x=self.x if is_calm_x else x, y=self.y if is_calm_y else y)
 
-    def zoomed(self, steps: int, view: Viewport, at: tuple[float, float] | None = None) -> Camera:
+    def zoomed(
+        self, steps: int, view: Viewport, point: tuple[float, float] | None = None
+    ) -> Camera:
         """Zoom (out if negative) around a point in map units, or around a followed robot."""
         if self.sight is Sight.SENSES:
             return self
-        before = 0 if self.sight is Sight.WHOLE else self.step
-        step = min(max(before + steps, 0), len(ZOOMS) - 1)
+        old_step = 0 if self.sight is Sight.WHOLE else self.step
+        step = min(max(old_step + steps, 0), len(ZOOMS) - 1)
         if step == 0 and self.sight is not Sight.FOLLOW:
             return Camera()
         if self.sight is Sight.FOLLOW:
             return self._replace(step=step)
-        x, y = at or view.middle
-        share, middle = ZOOMS[before] / ZOOMS[step], view.middle
+        x, y = point or view.middle
+        share, middle = ZOOMS[old_step] / ZOOMS[step], view.middle
         return Camera(Sight.FREE, step, x + (middle[0] - x) * share, y + (middle[1] - y) * share)
 
     def panned(self, columns: float, rows: float, view: Viewport, level: Level) -> Camera:
