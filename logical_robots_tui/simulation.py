@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import pandas
 
     from logical_robots_tui.explain import Explanation
-    from logical_robots_tui.mind import Decision, Limits, Mind, Question, Table
+    from logical_robots_tui.mind import CompiledQuery, Decision, Limits, Mind, ResultTable
     from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import RobotState
     from logical_robots_tui.world.world import Wanted
@@ -184,7 +184,7 @@ class Simulation:
         self._world.restore(self.frame.after)
         return self._world.look()
 
-    def query(self, query: str) -> Table:
+    def query(self, query: str) -> ResultTable:
         """Return the rows of a predicate, or the answer to a query, in the present tick.
 
         Raises:
@@ -195,7 +195,7 @@ class Simulation:
             return self._ask(self.program.question(query))
         return self._mind().query(query, self.frame.sensors, self.frame.memories_before)
 
-    def _ask(self, question: Question) -> Table:
+    def _ask(self, question: CompiledQuery) -> ResultTable:
         return self._mind().ask(question, self.frame.sensors, self.frame.memories_before)
 
     def why(self, robot: str, row: str = "Robot", **given: Value) -> Explanation:

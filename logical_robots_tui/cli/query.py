@@ -94,7 +94,7 @@ def query(options: argparse.Namespace) -> int:
     return FOUND if table.rows else NOTHING
 
 
-def table_lines(table: mind.Table) -> list[str]:
+def table_lines(table: mind.ResultTable) -> list[str]:
     rows = [tuple(cut(spell(value), _WIDEST_CELL) for value in row) for row in table.rows]
     head = table.columns
     if table.viewers:
@@ -103,7 +103,9 @@ def table_lines(table: mind.Table) -> list[str]:
     return columns([head, *rows])
 
 
-async def _ask(level: world.Level, program: mind.Program, query: str, tick: int) -> mind.Table:
+async def _ask(
+    level: world.Level, program: mind.Program, query: str, tick: int
+) -> mind.ResultTable:
     await asyncio.to_thread(program.question, query)  # reports mistakes before the run
     frame = await frame_at(level, program, tick)
     inquiry = game.Inquiry(level)
@@ -151,7 +153,10 @@ def when(options: argparse.Namespace) -> int:
 
 
 async def _search(
-    level: world.Level, program: mind.Program, question: mind.Question, options: argparse.Namespace
+    level: world.Level,
+    program: mind.Program,
+    question: mind.CompiledQuery,
+    options: argparse.Namespace,
 ) -> game.Matches:
     async with run_shown(level, program, options.ticks) as (run, show):
         return await game.find_matches(run, question, options.ticks, options.robot or "", show)

@@ -128,7 +128,7 @@ async def frame_at(level: world.Level, program: mind.Program, tick: int) -> game
         return await run.frame(tick, show)
 
 
-_Tables: TypeAlias = "dict[str, mind.Table | mind.QueryError]"
+_Tables: TypeAlias = "dict[str, mind.ResultTable | mind.QueryError]"
 
 WON, NOT_WON = 0, 1
 DEFAULT_TICKS = 5000
@@ -443,7 +443,7 @@ def _data(
     }
 
 
-def _rows(table: mind.Table | mind.QueryError, robot: str | None) -> dict[str, Any]:
+def _rows(table: mind.ResultTable | mind.QueryError, robot: str | None) -> dict[str, Any]:
     if isinstance(table, Exception):
         return {"error": str(table)}
     mine = table.in_mind_of(robot)

@@ -108,7 +108,7 @@ def scan(
             replayed = [thinker.replay(program, *each, limits) for each in same[at : at + most]]
             frames = [frame for frame, _ in replayed]
             seen = [(frame.sensors, frame.memories_before) for frame in frames]
-            for name, number, views in replayed[-1][1].each_at(probes, seen, stop=stop):
+            for name, number, views in replayed[-1][1].predicate_rows_at(probes, seen, stop=stop):
                 yield _Answer(frames[number].tick, name, views)
 
 
@@ -406,7 +406,9 @@ class _Diagnosing:
             program = tally.checkup.program
             frame, mind = self._thinker.replay(program, before, known, self._limits)
             sensors, memories = frame.sensors, frame.memories_before
-            for name, rows in mind.each([*names], sensors, memories, viewers=[robot], stop=stop):
+            for name, rows in mind.predicate_rows(
+                [*names], sensors, memories, viewers=[robot], stop=stop
+            ):
                 if rows is None:
                     tally.give_up(names[name])
                 else:

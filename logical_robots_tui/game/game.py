@@ -29,7 +29,7 @@ from logical_robots_tui.game.debugging.breakpoints import (
 from logical_robots_tui.game.frame import Frame, Superseded, ends
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH, History, Past
 from logical_robots_tui.game.pace import Pace
-from logical_robots_tui.mind import Limits, Stopped, Table
+from logical_robots_tui.mind import Limits, ResultTable, Stopped
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import Level, WorldState
 from logical_robots_tui.world.world import Pose, change_state, former_names
@@ -136,7 +136,7 @@ class Game:
         """
         return self._frame if tick == self._frame.tick else self._past.frame(tick)
 
-    async def query(self, predicate: str, frame: Frame | None = None) -> Table:
+    async def query(self, predicate: str, frame: Frame | None = None) -> ResultTable:
         """Return the rows of a predicate at a frame, by default the current one.
 
         The current program is evaluated, even for ticks that another program decided.
@@ -149,7 +149,7 @@ class Game:
         program, level = self.program, self.history.level_at(frame.tick)
         self._asker.stop()
 
-        def ask(stop: threading.Event) -> Table:
+        def ask(stop: threading.Event) -> ResultTable:
             mind = self._asker.mind(program, level, self.limits)
             return mind.query(predicate, frame.sensors, frame.memories_before, stop=stop)
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from logical_robots_tui.game.debugging.inquiry import Inquiry
 from logical_robots_tui.game.run import Run
 from logical_robots_tui.game.source import DEFAULT_PROGRAM, compile_program, load_program
-from logical_robots_tui.mind import Predicate, ProgramError, QueryError, Table
+from logical_robots_tui.mind import Predicate, ProgramError, QueryError, ResultTable
 from logical_robots_tui.values import Value, spell
 from logical_robots_tui.wording import clip, count_of
 from logical_robots_tui.world import Level, LevelError
@@ -29,7 +29,7 @@ class Verdict(NamedTuple):
     is_right: bool
     tick: int
     words: str
-    table: Table | None = None
+    table: ResultTable | None = None
 
 
 class Examiner:
@@ -75,7 +75,7 @@ class Examiner:
         query: str,
         tick: int,
         report: Callable[[int], object] = lambda _tick: None,
-    ) -> Table:
+    ) -> ResultTable:
         """Return a query's rows at a tick; raise as `check`, or QueryError if it failed."""
         run = await self._run(question)
         return await self._inquiry.ask(run.program, query, await run.frame(tick, report))
@@ -126,7 +126,7 @@ def mistake_lines(query: str, error: ProgramError) -> list[str]:
     return [line, caret[: len(line) + 1], f"{first.message}. {first.hint}".rstrip()]
 
 
-def difference(found: Table, right: Table) -> str:
+def difference(found: ResultTable, right: ResultTable) -> str:
     """Return in words how rows differ from the right ones, in any order, or "" if they don't.
 
     Columns are compared by name if both tables have the same names, and otherwise in the order in
@@ -171,13 +171,13 @@ def difference(found: Table, right: Table) -> str:
     return f"{_are(len(keys) - more)} right, {too_many}, and {missed}."
 
 
-def _without_robot(found: Table, right: Table) -> Table | None:
+def _without_robot(found: ResultTable, right: ResultTable) -> ResultTable | None:
     """Return a table without the column that a query about a sensor gets by itself."""
     if _ROBOT not in found.columns or _ROBOT in right.columns:
         return None
     kept = [place for place, name in enumerate(found.columns) if name != _ROBOT]
     rows = tuple(tuple(row[place] for place in kept) for row in found.rows)
-    narrower = Table(tuple(found.columns[place] for place in kept), rows)
+    narrower = ResultTable(tuple(found.columns[place] for place in kept), rows)
     return narrower if len(kept) == len(right.columns) else None
 
 
@@ -185,7 +185,7 @@ def _are(rows: int) -> str:
     return f"{count_of(rows, 'row')} {'is' if rows == 1 else 'are'}"
 
 
-def _orders(found: Table, right: Table) -> Iterator[tuple[int, ...]]:
+def _orders(found: ResultTable, right: ResultTable) -> Iterator[tuple[int, ...]]:
     if not found.rows:
         yield ()
     elif sorted(found.columns) == sorted(right.columns):

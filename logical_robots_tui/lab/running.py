@@ -28,15 +28,15 @@ from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import (
+    CompiledQuery,
     Diagnostic,
     Limits,
     Mind,
     Program,
     ProgramError,
     QueryError,
-    Question,
+    ResultTable,
     Stopped,
-    Table,
 )
 from logical_robots_tui.world import Level, WorldState
 from logical_robots_tui.world.levels.load import read_level
@@ -252,7 +252,7 @@ class _Prepared:
         self.level: Level = _level(task.level)
         self.limits = Limits(think_steps=task.steps, query_steps=max(task.steps, 200_000_000))
         self.mistakes: tuple[Diagnostic, ...] = ()
-        self.questions: dict[Asked, Question] = {}
+        self.questions: dict[Asked, CompiledQuery] = {}
         try:
             self.program = Program.compile(task.programs)
             self.size = sum(map(size_of, task.programs.values()))
@@ -456,14 +456,16 @@ class _Watcher:
             self._keep_at = 2 * state.tick
             self._kept = frame
 
-    def _answer(self, asked: Asked, question: Question, frame: Frame, mind: Mind) -> Table | None:
+    def _answer(
+        self, asked: Asked, question: CompiledQuery, frame: Frame, mind: Mind
+    ) -> ResultTable | None:
         try:
             return mind.ask(question, frame.sensors, frame.memories_before)
         except QueryError as error:
             self._failures.setdefault(asked, f"tick {frame.tick}: {error}")
             return None
 
-    def _ask(self, asked: Asked, question: Question, frame: Frame, mind: Mind) -> None:
+    def _ask(self, asked: Asked, question: CompiledQuery, frame: Frame, mind: Mind) -> None:
         tick, table = frame.tick, self._answer(asked, question, frame, mind)
         number = number_of(question, table) if table else None
         self._numbers.setdefault(asked, []).append((tick, number))

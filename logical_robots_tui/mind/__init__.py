@@ -1,7 +1,7 @@
 """Logica programs compiled to SQLite: sensors and memories in, decisions out.
 
 The compile process runs `compiling` (text to SQL) and `tuning` (faster SQL). In the main process,
-`sqlite` holds the rows of a moment, and `Mind` queries them.
+`sqlite` holds a mind's inputs, and `Mind` queries them.
 """
 
 from typing import TYPE_CHECKING
@@ -19,7 +19,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.mind import Mind
-    from logical_robots_tui.mind.program import Predicate, Program, QueryPlan, Question, Table
+    from logical_robots_tui.mind.program import (
+        CompiledQuery,
+        Predicate,
+        Program,
+        QueryPlan,
+        ResultTable,
+    )
 
 __getattr__ = lazy_exports(
     __name__,
@@ -29,6 +35,6 @@ __getattr__ = lazy_exports(
         "decision": "Decision Notice NoticeKind",
         "limits": "Limits",
         "mind": "Mind",
-        "program": "Predicate Program QueryPlan Question Table",
+        "program": "Predicate Program QueryPlan CompiledQuery ResultTable",
     },
 )

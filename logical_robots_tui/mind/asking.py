@@ -1,4 +1,4 @@
-"""Queries about a moment, tuned, or plain where the difference matters; their failures in words."""
+"""Queries over a mind's inputs, tuned, or plain where that matters; their failures in words."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Stopped, printable
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.program import TRUTH_MARK, Program, Question, Tuned
+from logical_robots_tui.mind.program import TRUTH_MARK, CompiledQuery, Program, Tuned
 from logical_robots_tui.mind.sqlite.budget import EvaluationBudget, TooHeavyError
 from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
 from logical_robots_tui.mind.sqlite.database import Scalar, TooMuchError, TooSlowError
@@ -25,7 +25,7 @@ from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables
 from logical_robots_tui.values import Value
 
 _PLAN = "EXPLAIN QUERY PLAN "
-_MOST_TOGETHER = 20_000  # rows for all views from one query
+_MAX_ROWS_TOGETHER = 20_000  # rows for all views from one query
 
 Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 """Column names and rows."""
@@ -34,16 +34,16 @@ Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 class FailureError(Exception):
     """A query failed; the message is for the player.
 
-    `slow` means that trying again would take too long, too; `late`, that a time limit ended it.
+    `is_slow`: trying again would take too long, too; `is_late`: a time limit ended it.
     """
 
-    def __init__(self, message: str, *, slow: bool = False, late: bool = False) -> None:
-        self.slow = slow
-        self.late = late
+    def __init__(self, message: str, *, is_slow: bool = False, is_late: bool = False) -> None:
+        self.is_slow = is_slow
+        self.is_late = is_late
         super().__init__(message)
 
 
-class _OrPlainly:
+class _SuppressFailure:
     """Ends a tuned query that fails; the plain query then determines the error."""
 
     def __enter__(self) -> None:
@@ -53,10 +53,10 @@ class _OrPlainly:
         return kind is not None and issubclass(kind, Exception) and not issubclass(kind, Stopped)
 
 
-_OR_PLAINLY = _OrPlainly()
+_SUPPRESS_FAILURE = _SuppressFailure()
 
 
-class Asking:
+class MindDatabases:
     """The databases of a mind.
 
     Tuned queries evaluate some expressions earlier than the program does. When one fails, the
@@ -71,66 +71,75 @@ class Asking:
         self._tuned: TunedTables | None = None
         if program.tuned and not plain:
             robot = program.tuned.get("Robot")
-            few = LISTS_LAYOUT if robot is not None and robot.crowd else COLUMNS_LAYOUT
-            self._tuned = TunedTables(limits, frozen=frozen, few_robots_layout=few)
-        self._deepest = limits.depth
+            few_robots_layout = (
+                LISTS_LAYOUT if robot is not None and robot.crowd else COLUMNS_LAYOUT
+            )
+            self._tuned = TunedTables(limits, frozen=frozen, few_robots_layout=few_robots_layout)
+        self._max_depth = limits.depth
         self._read_value = Interner().read if frozen else from_sql
 
-    def asked(self, predicate: str) -> Question:
-        """Return the question for the rows of a predicate of the program."""
-        of = self.program
-        sql, truths = of.statements.get(predicate, ""), of.truths.get(predicate, ())
-        labels, tuned = of.labels.get(predicate, {}), of.tuned.get(predicate)
-        return Question(predicate, sql, truths=truths, labels=labels, tuned=tuned)
+    def query_for(self, predicate: str) -> CompiledQuery:
+        """Return the query for the rows of a predicate of the program."""
+        program = self.program
+        sql, truths = program.statements.get(predicate, ""), program.truths.get(predicate, ())
+        labels, tuned = program.labels.get(predicate, {}), program.tuned.get(predicate)
+        return CompiledQuery(predicate, sql, truths=truths, labels=labels, tuned=tuned)
 
-    def each(
-        self, question: Question, moment: Inputs, within: EvaluationBudget, *, in_order: bool = True
+    def answers(
+        self,
+        question: CompiledQuery,
+        inputs: Inputs,
+        budget: EvaluationBudget,
+        *,
+        in_order: bool = True,
     ) -> Iterator[tuple[View, Answer | FailureError]]:
         """Yield each view's rows, truncated to the limits, or why there are none."""
-        # All at once: the caller may query something else in between.
-        answers = self._quick_answers(question.tuned, moment, within, in_order=in_order)
-        for view, answer in zip(moment.views, answers, strict=False):
+        # All at once, because the caller may query something else in between.
+        answers = self._tuned_answers(question.tuned, inputs, budget, in_order=in_order)
+        for view, answer in zip(inputs.views, answers, strict=False):
             yield view, _with_truths(question.truths, answer)
-        for view in moment.views[len(answers) :]:
+        for view in inputs.views[len(answers) :]:
             try:
-                yield view, self.rows(question, moment, view, within)
+                yield view, self.rows(question, inputs, view, budget)
             except FailureError as failure:
                 yield view, failure
 
     def rows(
-        self, question: Question, moment: Inputs, view: View, within: EvaluationBudget
+        self, question: CompiledQuery, inputs: Inputs, view: View, budget: EvaluationBudget
     ) -> Answer:
         """Return the rows for one view; raise FailureError, also for too many."""
         if not question.sql:
             raise FailureError(f"{question.text} can't be computed")
-        answer = self._quick_answer(question.tuned, moment, view, within)
+        answer = self._tuned_answer(question.tuned, inputs, view, budget)
         if answer is None:
-            answer = self.plainly(question.sql, moment, view, within)
-        if len(answer[1]) > within.rows and not within.truncates:
-            raise FailureError(f"{question.text} has more than {within.rows:,} rows")
+            answer = self.plain_rows(question.sql, inputs, view, budget)
+        if len(answer[1]) > budget.rows and not budget.truncates:
+            raise FailureError(f"{question.text} has more than {budget.rows:,} rows")
         return _with_truths(question.truths, answer)
 
     def plan(
-        self, predicate: str, moment: Inputs, view: View, within: EvaluationBudget
+        self, predicate: str, inputs: Inputs, view: View, budget: EvaluationBudget
     ) -> tuple[str, tuple[str, ...]]:
         """Return the tuned SQL, or "", and SQLite's plan for the SQL run; raise FailureError."""
         tuned = self.program.tuned.get(predicate)
         if self._tuned is not None and tuned is not None:
-            with _OR_PLAINLY:
-                tuned = self._tuned.variant_for(tuned, moment)
-                planned = replace(tuned, sql=f"{_PLAN}{tuned.sql}", result=())
-                return tuned.sql, plan_lines(self._tuned.ask(planned, moment, view, within)[1])
+            with _SUPPRESS_FAILURE:
+                tuned = self._tuned.variant_for(tuned, inputs)
+                plan_query = replace(tuned, sql=f"{_PLAN}{tuned.sql}", result=())
+                return tuned.sql, plan_lines(self._tuned.ask(plan_query, inputs, view, budget)[1])
         sql = self.program.statements[predicate]
-        return "", plan_lines(self.plainly(f"{_PLAN}{sql}", moment, view, within)[1])
+        return "", plan_lines(self.plain_rows(f"{_PLAN}{sql}", inputs, view, budget)[1])
 
-    def still_grew(
-        self, moment: Inputs, view: View, within: EvaluationBudget
+    def unfinished_recursions(
+        self, inputs: Inputs, view: View, budget: EvaluationBudget
     ) -> Iterator[tuple[str, int]]:
         """Yield each recursion that was cut off, with the number of its steps."""
         for predicate, (steps, sql) in self.program.recursions.items():
-            grows = Question("", sql, tuned=self.program.tuned.get(f"{predicate} grows"))
+            growth_query = CompiledQuery(
+                "", sql, tuned=self.program.tuned.get(f"{predicate} grows")
+            )
             try:
-                _, rows = self.rows(grows, moment, view, within)
+                _, rows = self.rows(growth_query, inputs, view, budget)
             except FailureError:
                 continue
             if rows[0][0]:
@@ -141,110 +150,112 @@ class Asking:
         if self._tuned is not None:
             self._tuned.close()
 
-    def plainly(
+    def plain_rows(
         self,
         sql: str,
-        moment: Inputs,
+        inputs: Inputs,
         view: View,
-        within: EvaluationBudget,
+        budget: EvaluationBudget,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
         """Return the rows of any query over ``Sensor`` and ``Memory``; raise FailureError."""
-        with failures_in_words(within):
-            columns, rows = self.plain_tables.ask_of(sql, moment, view, within, parameters)
-            return columns, self._read_all(rows, within)
+        with failures_in_words(budget):
+            columns, rows = self.plain_tables.ask_of(sql, inputs, view, budget, parameters)
+            return columns, self._read_all(rows, budget)
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _quick_answers(
-        self, tuned: Tuned | None, moment: Inputs, within: EvaluationBudget, *, in_order: bool
+    def _tuned_answers(
+        self, tuned: Tuned | None, inputs: Inputs, budget: EvaluationBudget, *, in_order: bool
     ) -> Sequence[Answer]:
         if self._tuned is None or tuned is None:
             return ()
-        if tuned.together and moment.has_private_sensors and len(moment.views) > 1:
+        if tuned.together and inputs.has_private_sensors and len(inputs.views) > 1:
             # With one query for all views, or not where that may lose the order of rows.
-            most = len(moment.views) if in_order else _MOST_TOGETHER
-            with _OR_PLAINLY:
-                columns, found = self._tuned.ask_together(tuned, moment, within, most + 1)
-                if len(found) <= most and (
-                    each := self._by_viewer(columns[:-1], found, tuned, moment, within, in_order)
+            max_rows = len(inputs.views) if in_order else _MAX_ROWS_TOGETHER
+            with _SUPPRESS_FAILURE:
+                columns, rows = self._tuned.ask_together(tuned, inputs, budget, max_rows + 1)
+                if len(rows) <= max_rows and (
+                    split_answers := self._split_by_viewer(
+                        columns[:-1], rows, tuned, inputs, budget, in_order
+                    )
                 ):
-                    return each
+                    return split_answers
         answers = []
-        for view in moment.views:
-            answer = self._quick_answer(tuned, moment, view, within)
-            if answer is None or (len(answer[1]) > within.rows and not within.truncates):
+        for view in inputs.views:
+            answer = self._tuned_answer(tuned, inputs, view, budget)
+            if answer is None or (len(answer[1]) > budget.rows and not budget.truncates):
                 break
             answers.append(answer)
         return answers
 
-    def _by_viewer(
+    def _split_by_viewer(
         self,
         columns: tuple[str, ...],
-        found: Sequence[tuple[Any, ...]],
+        raw_rows: Sequence[tuple[Any, ...]],
         tuned: Tuned,
-        moment: Inputs,
-        within: EvaluationBudget,
+        inputs: Inputs,
+        budget: EvaluationBudget,
         in_order: bool,
     ) -> list[Answer] | None:
         """Split rows that end with a viewer's number into answers; None if that isn't safe."""
-        numbers = [row[-1] for row in found]
+        numbers = [row[-1] for row in raw_rows]
         viewers = set(numbers)
-        if in_order and len(viewers) < len(found):
+        if in_order and len(viewers) < len(raw_rows):
             return None
-        if not viewers <= set(range(len(moment.views))):
+        if not viewers <= set(range(len(inputs.views))):
             return None
-        answer = self._finished((columns, [row[:-1] for row in found]), tuned, within)
+        answer = self._assemble((columns, [row[:-1] for row in raw_rows]), tuned, budget)
         if answer is None:
             return None
-        nothing: list[tuple[Value, ...]] = []
-        answers: list[Answer] = [(answer[0], nothing)] * len(moment.views)
+        no_rows: list[tuple[Value, ...]] = []
+        answers: list[Answer] = [(answer[0], no_rows)] * len(inputs.views)
         for number, row in zip(numbers, answer[1], strict=True):
-            if answers[number][1] is nothing:
+            if answers[number][1] is no_rows:
                 answers[number] = (answer[0], [])
             answers[number][1].append(row)
-        if not within.truncates and any(len(rows) > within.rows for _, rows in answers):
+        if not budget.truncates and any(len(rows) > budget.rows for _, rows in answers):
             return None
         return answers
 
-    def _quick_answer(
-        self, tuned: Tuned | None, moment: Inputs, view: View, within: EvaluationBudget
+    def _tuned_answer(
+        self, tuned: Tuned | None, inputs: Inputs, view: View, budget: EvaluationBudget
     ) -> Answer | None:
         if self._tuned is None or tuned is None:
             return None
-        with _OR_PLAINLY:
-            return self._finished(self._tuned.ask(tuned, moment, view, within), tuned, within)
+        with _SUPPRESS_FAILURE:
+            return self._assemble(self._tuned.ask(tuned, inputs, view, budget), tuned, budget)
         return None
 
-    def _finished(self, raw: RawAnswer, tuned: Tuned, within: EvaluationBudget) -> Answer | None:
+    def _assemble(self, raw: RawAnswer, tuned: Tuned, budget: EvaluationBudget) -> Answer | None:
         columns, rows = raw
         if not tuned.result:
-            return columns, self._read_all(rows, within)
+            return columns, self._read_all(rows, budget)
         names, places, truths = _places(tuned.result)
-        found = []
+        records = []
         for row in rows:
             if bytes in map(type, row):
                 return None  # no record holds such a value
-            values = self._read(row, within)
+            values = self._read(row, budget)
             for place in truths:
                 values[place] = None if values[place] is None else bool(values[place])
             parts = [
                 dict(zip(fields, values[first:last], strict=True)) if fields else values[first]
                 for fields, first, last in places
             ]
-            found.append(tuple(parts))
-        return names, found
+            records.append(tuple(parts))
+        return names, records
 
     def _read_all(
-        self, rows: Sequence[tuple[Any, ...]], within: EvaluationBudget
+        self, rows: Sequence[tuple[Any, ...]], budget: EvaluationBudget
     ) -> list[tuple[Value, ...]]:
-        return [tuple(self._read(row, within)) for row in rows]
+        return [tuple(self._read(row, budget)) for row in rows]
 
-    def _read(self, row: Sequence[Any], within: EvaluationBudget) -> list[Value]:
-        read, deepest = self._read_value, self._deepest
-        if within.is_large:
-            within.weigh(row)
-        return [v if v.__class__ in _READY else read(v, deepest) for v in row]
+    def _read(self, row: Sequence[Any], budget: EvaluationBudget) -> list[Value]:
+        read, max_depth = self._read_value, self._max_depth
+        if budget.is_large:
+            budget.weigh(row)
+        return [v if v.__class__ in _READY else read(v, max_depth) for v in row]
 
 
 _READY = frozenset({float, int, type(None)})
@@ -262,8 +273,8 @@ def _places(
         (tuple(f.removesuffix(TRUTH_MARK) for f in fields), last - (len(fields) or 1), last)
         for (_, fields), last in zip(result, ends, strict=True)
     ]
-    given = [field for _, fields in result for field in fields or ("",)]
-    truths = [place for place, field in enumerate(given) if field.endswith(TRUTH_MARK)]
+    result_fields = [field for _, fields in result for field in fields or ("",)]
+    truths = [place for place, field in enumerate(result_fields) if field.endswith(TRUTH_MARK)]
     return tuple(name for name, _ in result), places, truths
 
 
@@ -299,21 +310,21 @@ _logged: set[type[Exception]] = set()  # each class of our bugs is logged once
 
 
 @contextmanager
-def failures_in_words(within: EvaluationBudget) -> Iterator[None]:
+def failures_in_words(budget: EvaluationBudget) -> Iterator[None]:
     """Turn any exception of a query but `Stopped` into a `FailureError` for the player."""
     try:
         yield
     except TooSlowError:
         is_late, message = (
-            within.remainder.is_late,
-            f"thinking took more than {within.steps:,} steps",
+            budget.remainder.is_late,
+            f"thinking took more than {budget.steps:,} steps",
         )
         if is_late:
-            message = f"a time limit ended it after {within.seconds:g} seconds; "
+            message = f"a time limit ended it after {budget.seconds:g} seconds; "
             message += "another run may differ"
-        raise FailureError(message, slow=True, late=is_late) from None
+        raise FailureError(message, is_slow=True, is_late=is_late) from None
     except TooHeavyError as error:
-        raise FailureError(str(error), slow=True) from None
+        raise FailureError(str(error), is_slow=True) from None
     except (TooMuchError, TooDeepError) as error:
         raise FailureError(str(error)) from None
     except (sqlite3.Error, sqlite3.Warning) as error:
@@ -329,13 +340,13 @@ def failures_in_words(within: EvaluationBudget) -> Iterator[None]:
 
 def in_plain_words(error: Exception) -> str:
     text = str(error)
-    for pattern, words in _WORDS:
-        if found := re.search(pattern, text):
-            return found.expand(words)
+    for pattern, words in _PLAIN_WORDS:
+        if match := re.search(pattern, text):
+            return match.expand(words)
     return "it can't be computed"
 
 
-_WORDS = (
+_PLAIN_WORDS = (
     (r"malformed JSON", "a field was read from something that is neither a record nor a list"),
     (r"user-defined: '?utf", "a string holds half of a character, as Chr(55296) makes it"),
     (

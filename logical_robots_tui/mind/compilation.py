@@ -30,19 +30,19 @@ T = TypeVar("T")
 
 _log = logging.getLogger(__name__)
 
-_MOST_KEPT = 64  # results in memory
-_LOOK_SECONDS = 0.02
+_CACHED_RESULTS = 64
+_POLL_SECONDS = 0.02
 _PATIENCE = 20  # seconds to wait for each processor second, on a busy computer
-_LARGEST_ANSWER = 32_000_000  # bytes
+_MAX_ANSWER = 32_000_000  # bytes
 MAX_ENTRIES = 5_000
 MAX_BYTES = 50_000_000
-_LARGEST_ENTRY = 5_000_000  # bytes of one entry
+_MAX_ENTRY = 5_000_000  # bytes of one entry
 
 NO_MEMORY = 3
 """The exit status of a compile process that ran out of memory."""
 
 _LACKS_MEMORY = {NO_MEMORY, -signal.SIGSEGV, -signal.SIGBUS, -signal.SIGABRT, -signal.SIGKILL}
-"""Exit statuses: a stack that can't grow, a failed allocation, or the system's own choice."""
+"""Exit statuses: a stack that can't grow, a failed allocation, or a kill by the system."""
 
 
 class Task(msgspec.Struct, frozen=True, tag=True):
@@ -59,7 +59,7 @@ class CompileProgram(Task, frozen=True):
 
 
 class CompileQuestion(Task, frozen=True):
-    """Gives a `Question` about a program, for a memory table with these columns."""
+    """Gives a `CompiledQuery` about a program, for a memory table with these columns."""
 
     text: str
     query: str
@@ -97,20 +97,20 @@ _read_answer = msgspec.json.Decoder(Progress | Result | Refusal | Failure).decod
 
 def check_text(text: str, limits: Limits | None) -> None:
     """Raise ProgramError for text that is too long to compile, or that is not text."""
-    most = (limits or Limits()).program_characters
-    if len(text) > most:
+    limit = (limits or Limits()).program_characters
+    if len(text) > limit:
         raise _refusal(
-            f"The program has {len(text):,} characters, more than the {most:,} that a program may "
+            f"The program has {len(text):,} characters, more than the {limit:,} that a program may "
             "have",
             "A robot's program is a short text; is this the right file?",
         )
     try:
         text.encode()
-        at = text.find("\0")
+        offset = text.find("\0")
     except UnicodeEncodeError as error:  # a lone surrogate
-        at = error.start
-    if at >= 0:
-        line = text.count("\n", 0, at) + 1
+        offset = error.start
+    if offset >= 0:
+        line = text.count("\n", 0, offset) + 1
         raise _refusal("This is not text", "Is this the right file?", line)
 
 
@@ -118,8 +118,8 @@ class _Compiler:
     def __init__(self) -> None:
         self._process: Helper | None = None
         self._bounds = ("", "")
-        self._turn = threading.Lock()
-        self._kept: OrderedDict[bytes, Any] = OrderedDict()
+        self._lock = threading.Lock()
+        self._cache: OrderedDict[bytes, Any] = OrderedDict()
 
     def result(
         self,
@@ -140,24 +140,24 @@ class _Compiler:
         deadline = monotonic() + _PATIENCE * limits.compile_seconds
         request = msgspec.json.encode(task)
         key = hashlib.sha256(request).digest()
-        while not self._turn.acquire(timeout=_LOOK_SECONDS):
-            _check(stop)
+        while not self._lock.acquire(timeout=_POLL_SECONDS):
+            _raise_if_stopped(stop)
         try:
-            if key in self._kept:
-                self._kept.move_to_end(key)
+            if key in self._cache:
+                self._cache.move_to_end(key)
             else:
-                _check(stop)
+                _raise_if_stopped(stop)
                 result = find_result(task, kind)
                 if result is None:
                     result = self._compute(request, kind, limits, deadline, stop, report)
                     keep_result(task, result)
-                self._kept[key] = result
-                while len(self._kept) > _MOST_KEPT:
-                    self._kept.popitem(last=False)
-            kept: T = self._kept[key]
-            return kept
+                self._cache[key] = result
+                while len(self._cache) > _CACHED_RESULTS:
+                    self._cache.popitem(last=False)
+            cached: T = self._cache[key]
+            return cached
         finally:
-            self._turn.release()
+            self._lock.release()
 
     def close(self) -> None:
         process, self._process = self._process, None
@@ -186,14 +186,14 @@ class _Compiler:
                         raise ProgramError(diagnostics)
                     case Failure(trace=trace):
                         _log.error("The compiler failed on a program.\n%s", trace)
-                        raise _gave_up(is_unfinished=False)
+                        raise _compiler_failure(is_unfinished=False)
             raise OSError("the compile process sent no result")
         except ProgramError:
             raise
         except (OSError, ValueError, msgspec.DecodeError) as error:
             self.close()
             _log.warning("The compile process failed: %r", error)
-            raise _gave_up() from None
+            raise _compiler_failure() from None
         except BaseException:
             self.close()
             raise
@@ -201,39 +201,39 @@ class _Compiler:
     def _exchange(
         self, request: bytes, limits: Limits, deadline: float, stop: threading.Event | None
     ) -> Iterator[bytes]:
-        process = self._started(limits)
+        process = self._running_process(limits)
         assert process.stdin is not None
         assert process.stdout is not None
-        into, out_of = process.stdin.fileno(), process.stdout.fileno()
+        stdin, stdout = process.stdin.fileno(), process.stdout.fileno()
         answer = bytearray()
         while True:
             *lines, answer = answer.split(b"\n")
             yield from map(bytes, lines)
-            _check(stop)
+            _raise_if_stopped(stop)
             if monotonic() > deadline:
                 self.close()
-                raise _too_slow(limits)
+                raise _timeout_error(limits)
             readable, writable, _ = select.select(
-                [out_of], [into] if request else [], [], _LOOK_SECONDS
+                [stdout], [stdin] if request else [], [], _POLL_SECONDS
             )
             if writable:
                 try:
-                    request = request[os.write(into, request[: select.PIPE_BUF]) :]
+                    request = request[os.write(stdin, request[: select.PIPE_BUF]) :]
                 except BrokenPipeError:
-                    request = b""  # it has ended: its status is told below
+                    request = b""  # it has ended; its status is reported below
             if readable:
-                piece = os.read(out_of, 1 << 20)
-                if not piece:
+                chunk = os.read(stdout, 1 << 20)
+                if not chunk:
                     self.close()
-                    raise _ended(process.returncode, limits)
-                answer += piece
-                if len(answer) > _LARGEST_ANSWER:
+                    raise _exit_error(process.returncode, limits)
+                answer += chunk
+                if len(answer) > _MAX_ANSWER:
                     raise OSError("the compile process sent too much")
 
-    def _started(self, limits: Limits) -> Helper:
+    def _running_process(self, limits: Limits) -> Helper:
         bounds = str(limits.compile_bytes), str(limits.compile_seconds)
-        running = self._process is not None and self._process.poll() is None
-        if self._process is not None and running and bounds == self._bounds:
+        is_running = self._process is not None and self._process.poll() is None
+        if self._process is not None and is_running and bounds == self._bounds:
             return self._process
         self.close()
         self._bounds = bounds
@@ -241,12 +241,12 @@ class _Compiler:
         return self._process
 
 
-def _check(stop: threading.Event | None) -> None:
+def _raise_if_stopped(stop: threading.Event | None) -> None:
     if stop is not None and stop.is_set():
         raise Stopped("The compilation was stopped.")
 
 
-def _too_slow(limits: Limits) -> ProgramError:
+def _timeout_error(limits: Limits) -> ProgramError:
     return _refusal(
         f"Compiling took longer than {limits.compile_seconds:g} seconds",
         "Simplify the program: deep recursion and repeated long expressions take the most time.",
@@ -254,13 +254,13 @@ def _too_slow(limits: Limits) -> ProgramError:
     )
 
 
-def _ended(status: int, limits: Limits) -> ProgramError:
+def _exit_error(status: int, limits: Limits) -> ProgramError:
     """Return why the compile process ended with an exit status."""
     if status == -signal.SIGPROF:
-        return _too_slow(limits)
+        return _timeout_error(limits)
     if status not in _LACKS_MEMORY:
         _log.warning("The compile process ended with status %d.", status)
-        return _gave_up()
+        return _compiler_failure()
     return _refusal(
         "The program needs too much memory to compile",
         "Shorten it, or let a recursion take fewer steps: @Recursive(P, 8);",
@@ -268,7 +268,7 @@ def _ended(status: int, limits: Limits) -> ProgramError:
     )
 
 
-def _gave_up(*, is_unfinished: bool = True) -> ProgramError:
+def _compiler_failure(*, is_unfinished: bool = True) -> ProgramError:
     message = "The compiler gave up on this program"
     return _refusal(message, "Try a simpler one.", is_unfinished=is_unfinished)
 
@@ -288,7 +288,7 @@ compile_task, stop_compiling = _compiler.result, _compiler.close
 
 def find_result(task: Task, kind: type[T]) -> T | None:
     entries, name = compiled_programs(), _name(task)
-    content = entries.read(name, _LARGEST_ENTRY)
+    content = entries.read(name, _MAX_ENTRY)
     if content is None:
         return None
     digest, _, body = content.partition(b"\n")
@@ -310,7 +310,7 @@ def keep_result(task: Task, result: object) -> None:
         return
     body = msgspec.json.encode((task, result))
     content = _digest(body) + b"\n" + body
-    if len(content) <= min(_LARGEST_ENTRY, MAX_BYTES):
+    if len(content) <= min(_MAX_ENTRY, MAX_BYTES):
         entries.keep(_name(task), [content])
 
 

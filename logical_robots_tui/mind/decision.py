@@ -9,8 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from logical_robots_tui.mind.asking import Asking, FailureError
-from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, Limits, weight_of
+from logical_robots_tui.mind.asking import FailureError, MindDatabases
+from logical_robots_tui.mind.limits import MAX_CHARACTER_WEIGHT, Limits, weight_of
 from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
 from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.mind.sqlite.stored import size_of, to_json
@@ -74,66 +74,68 @@ def note_stranger(name: Value, notices: list[Notice]) -> None:
     if name is None:
         notices.append(Notice("null name", "Robot has a row whose robot_name is null."))
     else:
-        said = f"Robot has a row for {name!r}, which this program does not control."
-        notices.append(Notice("unknown robot", said))
+        message = f"Robot has a row for {name!r}, which this program does not control."
+        notices.append(Notice("unknown robot", message))
 
 
 def decide(
     name: str,
     rows: Sequence[Mapping[str, Value]],
     memory: Value,
-    known: Sequence[Notice],
+    prior_notices: Sequence[Notice],
     limits: Limits,
-    heaviest: int,
+    max_weight: int,
 ) -> Decision:
     """Return the decision from the rows of `Robot` for one robot; the last of several counts."""
-    notices = [*known]
+    notices = [*prior_notices]
     if not rows:
         if not any(n.kind in ("failed", "late") for n in notices):
             notices.append(Notice("no row", f"Robot has no row for {name}: engines stop."))
         return Decision(name, None, memory, tuple(notices))
     if len(rows) > 1:
-        notices.append(
-            Notice(
-                "several rows",
-                f"Robot has {len(rows)} rows for {name}{_unlike(*rows[-2:])}: the last one counts.",
-            )
-        )
+        difference = _difference(*rows[-2:])
+        message = f"Robot has {len(rows)} rows for {name}{difference}: the last one counts."
+        notices.append(Notice("several rows", message))
     row = rows[-1]
-    kept, weight = memory, 0
+    next_memory, weight = memory, 0
     if "memory" not in row:
         notices.append(Notice("no memory", "Robot has no memory column: the memory is unchanged."))
     else:
-        new, too_much = row["memory"], ""
-        size = size_of(new)
-        heavy = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
+        new_memory, excess = row["memory"], ""
+        size = size_of(new_memory)
+        upper_bound = size if isinstance(new_memory, str) else size * MAX_CHARACTER_WEIGHT
         if size > limits.memory_bytes:
-            too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
-        elif heavy > heaviest and (heavy := weight_of(new, heaviest)) > heaviest:
-            too_much = f"takes more than the {heaviest:,} bytes available to each robot, "
-            too_much += "counting its records and lists"
-        if too_much:
-            said = f"The new memory {too_much}: the memory is unchanged."
-            notices.append(Notice("no memory", said))
+            excess = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
+        elif (
+            upper_bound > max_weight
+            and (upper_bound := weight_of(new_memory, max_weight)) > max_weight
+        ):
+            excess = f"takes more than the {max_weight:,} bytes available to each robot, "
+            excess += "counting its records and lists"
+        if excess:
+            message = f"The new memory {excess}: the memory is unchanged."
+            notices.append(Notice("no memory", message))
         else:
-            kept, weight = new, heavy
-    return Decision(name, _desire(row.get("desire"), notices), kept, tuple(notices), weight)
+            next_memory, weight = new_memory, upper_bound
+    return Decision(name, _desire(row.get("desire"), notices), next_memory, tuple(notices), weight)
 
 
-def _unlike(one: Mapping[str, Value], other: Mapping[str, Value]) -> str:
+def _difference(first_row: Mapping[str, Value], second_row: Mapping[str, Value]) -> str:
     """Return in which columns two rows differ, or that they are equal."""
-    columns = [column for column in other if one.get(column) != other[column]]
+    columns = [column for column in second_row if first_row.get(column) != second_row[column]]
     return f", which differ in {' and '.join(columns)}" if columns else ", which are equal"
 
 
-def _advice(what: str) -> str:
-    return " An aggregation over nothing is null; Coalesce replaces it." if what == "null" else ""
+def _advice(fault: str) -> str:
+    return " An aggregation over nothing is null; Coalesce replaces it." if fault == "null" else ""
 
 
 def _desire(value: Value, notices: list[Notice]) -> Desire | None:
     if not isinstance(value, dict):
-        what = "null" if value is None else "not a record"
-        notices.append(Notice("bad engine", f"The desire is {what}: engines stop.{_advice(what)}"))
+        fault = "null" if value is None else "not a record"
+        notices.append(
+            Notice("bad engine", f"The desire is {fault}: engines stop.{_advice(fault)}")
+        )
         return None
     left, right = value.get("left_engine"), value.get("right_engine")
     if left.__class__ is float and right.__class__ is float and math.isfinite(left + right):
@@ -142,23 +144,23 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
     for engine in DESIRE.names:
         power = _power(value.get(engine))
         if power is None:
-            given = value.get(engine)
-            what = "null" if given is None else clip(to_json(given), 40)
-            if isinstance(given, float) and math.isinf(given):
-                what = "infinite"
-            what = what if engine in value else "missing"
-            notices.append(Notice("bad engine", f"{engine} is {what}: it stops.{_advice(what)}"))
+            engine_value = value.get(engine)
+            fault = "null" if engine_value is None else clip(to_json(engine_value), 40)
+            if isinstance(engine_value, float) and math.isinf(engine_value):
+                fault = "infinite"
+            fault = fault if engine in value else "missing"
+            notices.append(Notice("bad engine", f"{engine} is {fault}: it stops.{_advice(fault)}"))
         engines[engine] = power or 0.0
     return Desire(**engines)
 
 
-_SPELLED = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
+_NUMERAL = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
 
 def _power(value: Value) -> float | None:
     """Return a power as a finite number, or None; numeric text counts, as in JavaScript."""
     if not isinstance(value, (int, float)) and not (
-        isinstance(value, str) and _SPELLED.fullmatch(value)
+        isinstance(value, str) and _NUMERAL.fullmatch(value)
     ):
         return None
     with suppress(OverflowError):
@@ -168,46 +170,46 @@ def _power(value: Value) -> float | None:
 
 def blame(
     failure: FailureError,
-    asking: Asking,
-    needed: Iterable[str],
-    moment: Inputs,
+    databases: MindDatabases,
+    predicates: Iterable[str],
+    inputs: Inputs,
     view: View,
-    within: EvaluationBudget,
+    budget: EvaluationBudget,
 ) -> Notice:
-    """Find the predicate that failed first, and say so in a notice."""
+    """Return a notice that names the predicate that failed first."""
     whose = " and ".join(view.viewers[:3])
     if len(view.viewers) > 3:
         whose += " and others"
-    if failure.slow:
-        kind: NoticeKind = "late" if failure.late else "failed"
+    if failure.is_slow:
+        kind: NoticeKind = "late" if failure.is_late else "failed"
         return Notice(kind, f"The thought about {whose} failed: {failure}.")
 
-    def failure_of(predicate: str, seen: View) -> FailureError | None:
+    def failure_of(predicate: str, checked_view: View) -> FailureError | None:
         try:
-            asking.rows(asking.asked(predicate), moment, seen, within)
-        except FailureError as found:
-            return found
+            databases.rows(databases.query_for(predicate), inputs, checked_view, budget)
+        except FailureError as predicate_failure:
+            return predicate_failure
         return None
 
     culprit, reason = "Robot", str(failure)
-    for predicate in needed:
-        if found := failure_of(predicate, view):
-            if not found.slow:
-                culprit, reason = predicate, str(found)
+    for predicate in predicates:
+        if predicate_failure := failure_of(predicate, view):
+            if not predicate_failure.is_slow:
+                culprit, reason = predicate, str(predicate_failure)
             break
-    alone = [one.viewers[0] for one in moment.single_views(view) if failure_of(culprit, one)]
-    if 0 < len(alone) <= 3:
-        whose = " and ".join(alone)
+    names = [part.viewers[0] for part in inputs.single_views(view) if failure_of(culprit, part)]
+    if 0 < len(names) <= 3:
+        whose = " and ".join(names)
     return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
 
 
 def cut_offs(
-    asking: Asking, moment: Inputs, view: View, within: EvaluationBudget
+    databases: MindDatabases, inputs: Inputs, view: View, budget: EvaluationBudget
 ) -> Iterator[Notice]:
     """Yield a notice for each recursion that still changed at its last step."""
-    for predicate, steps in asking.still_grew(moment, view, within):
-        known = asking.program.predicate(predicate)
-        place = f"Line {known.line}: " if known and known.line else ""
+    for predicate, steps in databases.unfinished_recursions(inputs, view, budget):
+        definition = databases.program.predicate(predicate)
+        place = f"Line {definition.line}: " if definition and definition.line else ""
         yield Notice(
             "recursion",
             f"{place}The recursion of {predicate} was still growing after "

@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 
 from logical_robots_tui.values import Value
 
-_LEAST_WEIGHT = 8_000  # also for one of a thousand robots
+_MIN_WEIGHT = 8_000  # also for one of a thousand robots
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class Limits:
     def weight_of_each(self, robots: int) -> int:
         """Return the bytes that each robot's memory may take as objects, by number of robots."""
         part = self.memories_weight // max(robots, 1)
-        return min(self.memory_weight, max(part, _LEAST_WEIGHT))
+        return min(self.memory_weight, max(part, _MIN_WEIGHT))
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -70,7 +70,7 @@ class Limits:
                 raise ValueError(f"{field.name} can't be negative")
 
 
-HEAVIEST_CHARACTER = 44
+MAX_CHARACTER_WEIGHT = 44
 """Upper bound for the bytes of objects per character of JSON text."""
 
 _RECORD, _FIELD = 184, 28  # CPython's dict: its least size, and the size of a field
@@ -80,19 +80,19 @@ _NUMBER = 32
 _ROW, _COLUMN = 400, 64  # a row, and the same as a record of its columns
 
 
-def weight_of(value: Value, most: int) -> int:
-    """Return the bytes that a value takes as objects, or any number above `most`."""
+def weight_of(value: Value, limit: int) -> int:
+    """Return the bytes that a value takes as objects, or any number above `limit`."""
     weight = 0
-    left: list[Value] = [value]
-    while left and weight <= most:
-        value = left.pop()
+    pending: list[Value] = [value]
+    while pending and weight <= limit:
+        value = pending.pop()
         if isinstance(value, dict):
             weight += _RECORD + _FIELD * len(value) if value else 64
             weight += sum([_TEXT + len(name) for name in value])
-            left += value.values()
+            pending += value.values()
         elif isinstance(value, list):
             weight += _LIST + _ITEM * len(value)
-            left += value
+            pending += value
         elif isinstance(value, str):
             weight += _TEXT + len(value) * (1 if value.isascii() else 4)
         else:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Literal
 from logical_robots_tui.confinement import check_room
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind import decision
-from logical_robots_tui.mind.asking import Answer, Asking, FailureError
+from logical_robots_tui.mind.asking import Answer, FailureError, MindDatabases
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.program import Program, QueryPlan, Question, Table
+from logical_robots_tui.mind.program import CompiledQuery, Program, QueryPlan, ResultTable
 from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
 from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.values import SensorRow, Value
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.relations import Relations
     from logical_robots_tui.world import Level
 
-_ROOM = 320 * 1024**2  # bytes of address space that SQLite and all rows may take
+_REQUIRED_BYTES = 320 * 1024**2  # bytes of address space that SQLite and all rows may take
 
 Memories = Mapping[str, Value]
 
@@ -62,13 +62,13 @@ class Mind:
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
         self._frozen = frozen
-        self._moment: Inputs | None = None
-        self._rows: Sequence[SensorRow] | None = None  # of that moment, with those of others
-        # What `Robot` returned at that moment, as far as known.
-        self._thought: list[tuple[View, Answer]] = []
-        self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
-        self._robot = self._asking.asked("Robot")
-        self._within = EvaluationBudget.of_thought(self.limits)
+        self._inputs: Inputs | None = None
+        self._rows: Sequence[SensorRow] | None = None  # of those inputs, with those of others
+        # What `Robot` returned for those inputs, as far as it was computed.
+        self._robot_answers: list[tuple[View, Answer]] = []
+        self._databases = MindDatabases(program, self.limits, plain=plain, frozen=frozen)
+        self._robot_query = self._databases.query_for("Robot")
+        self._budget = EvaluationBudget.of_thought(self.limits)
 
     @classmethod
     def for_level(cls, program: Program, level: Level, limits: Limits | None = None) -> Mind:
@@ -79,8 +79,8 @@ class Mind:
 
     @property
     def steps(self) -> int:
-        """The steps of the last think: of the same thoughts always the same, on every machine."""
-        return self._within.steps - self._within.remainder.steps
+        """The steps of the last think; the same for the same inputs, on every machine."""
+        return self._budget.steps - self._budget.remainder.steps
 
     def think(
         self, rows: Sequence[SensorRow], memories: Memories, *, stop: threading.Event | None = None
@@ -95,50 +95,50 @@ class Mind:
         Raises:
             Stopped: `stop` was set before the think was finished.
         """
-        moment = self._moment_of(rows, memories)
-        within = self._within  # exact if the last think took too many steps
-        within.stop = stop
-        within.renew()
+        inputs = self._inputs_of(rows, memories)
+        budget = self._budget  # exact if the last think took too many steps
+        budget.stop = stop
+        budget.renew()
         try:
-            check_room(_ROOM)
-            decisions = self._decisions(moment, memories, within)
-            if within.is_close:
-                within = within.exact()
-                decisions = self._decisions(moment, memories, within)
+            check_room(_REQUIRED_BYTES)
+            decisions = self._decisions(inputs, memories, budget)
+            if budget.is_close:
+                budget = budget.exact()
+                decisions = self._decisions(inputs, memories, budget)
         except MemoryError:
-            self._thought = []
+            self._robot_answers = []
             notice = Notice("no room", "There was not enough memory to think: engines stop.")
-            names = moment.names
+            names = inputs.names
             return [Decision(name, None, memories.get(name), (notice,)) for name in names]
-        self._within.is_exact = within.is_exact and within.remainder.steps < 0
+        self._budget.is_exact = budget.is_exact and budget.remainder.steps < 0
         return decisions
 
     def _decisions(
-        self, moment: Inputs, memories: Memories, within: EvaluationBudget
+        self, inputs: Inputs, memories: Memories, budget: EvaluationBudget
     ) -> list[Decision]:
-        names = moment.names
+        names = inputs.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
         failures: dict[str, Notice] = {}
         cut_off: dict[str, list[Notice]] = {}
-        self._thought = []
-        for view, answer in self._asking.each(self._robot, moment, within):
+        self._robot_answers = []
+        for view, answer in self._databases.answers(self._robot_query, inputs, budget):
             if isinstance(answer, FailureError):
                 notice = decision.blame(
-                    answer, self._asking, self.program.needed, moment, view, within
+                    answer, self._databases, self.program.needed, inputs, view, budget
                 )
                 failures |= dict.fromkeys(view.viewers, notice)
                 continue
             if self.program.recursions:
-                ended = [*decision.cut_offs(self._asking, moment, view, within)]
-                cut_off |= dict.fromkeys(view.viewers, ended)
-            columns, found = answer
-            mine = view.viewers if len(view.viewers) == 1 else frozenset(view.viewers)
-            self._thought.append((view, answer))
-            for values in found:
+                cut_off_notices = [*decision.cut_offs(self._databases, inputs, view, budget)]
+                cut_off |= dict.fromkeys(view.viewers, cut_off_notices)
+            columns, rows = answer
+            viewers = view.viewers if len(view.viewers) == 1 else frozenset(view.viewers)
+            self._robot_answers.append((view, answer))
+            for values in rows:
                 row = dict(zip(columns, values, strict=True))
                 name = row.get("robot_name")
-                if isinstance(name, str) and name in mine:
+                if isinstance(name, str) and name in viewers:
                     answers[name].append(row)
                 elif not isinstance(name, str) or name not in answers:
                     decision.note_stranger(name, strangers.setdefault(view.viewers[0], []))
@@ -147,10 +147,10 @@ class Mind:
             for name in names:
                 notices[name] = (*strangers.get(name, ()), *cut_off.get(name, ()))
             notices |= {name: (notice,) for name, notice in failures.items()}
-        limits, heaviest = self.limits, self.limits.weight_of_each(len(names))
+        limits, max_weight = self.limits, self.limits.weight_of_each(len(names))
         return [
             decision.decide(
-                name, answers[name], memories.get(name), notices.get(name, ()), limits, heaviest
+                name, answers[name], memories.get(name), notices.get(name, ()), limits, max_weight
             )
             for name in names
         ]
@@ -162,7 +162,7 @@ class Mind:
         memories: Memories,
         *,
         stop: threading.Event | None = None,
-    ) -> Table:
+    ) -> ResultTable:
         """Return the rows of any predicate of the program, or of Sensor or Memory, at one moment.
 
         Where robots think separately, each row is marked with its robot's name.
@@ -172,34 +172,34 @@ class Mind:
             Stopped: `stop` was set before the query was finished.
         """
         if predicate == "Sensor":
-            sensed = tuple((r["robot_name"], r["sensor"]) for r in self._own(rows))
-            return Table(("robot_name", "sensor"), sensed)
+            sensed = tuple((r["robot_name"], r["sensor"]) for r in self._robot_rows(rows))
+            return ResultTable(("robot_name", "sensor"), sensed)
         if predicate == "Memory":
-            names = [row["robot_name"] for row in self._own(rows)]
-            return Table(("robot_name", "memory"), tuple((n, memories.get(n)) for n in names))
-        known = self.program.predicate(predicate)
-        if known is None:
+            names = [row["robot_name"] for row in self._robot_rows(rows)]
+            return ResultTable(("robot_name", "memory"), tuple((n, memories.get(n)) for n in names))
+        definition = self.program.predicate(predicate)
+        if definition is None:
             raise QueryError(f"The program has no predicate {predicate}.")
-        if not known.has_rows:
-            raise QueryError(known.reason)
-        moment = self._moment_of(rows, memories)
-        has_thought = moment is self._moment and len(self._thought) == len(moment.views)
-        if predicate == "Robot" and has_thought:
-            return self._table(self._thought, {})
+        if not definition.has_rows:
+            raise QueryError(definition.reason)
+        inputs = self._inputs_of(rows, memories)
+        is_answered = inputs is self._inputs and len(self._robot_answers) == len(inputs.views)
+        if predicate == "Robot" and is_answered:
+            return self._table(self._robot_answers, {})
         try:
-            return self._answered(self._asking.asked(predicate), moment, stop)
+            return self._answer(self._databases.query_for(predicate), inputs, stop)
         except FailureError as failure:
             raise QueryError(f"{predicate} failed: {failure}") from None
 
     def ask(
         self,
-        question: Question,
+        question: CompiledQuery,
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
         stop: threading.Event | None = None,
         in_order: bool = True,
-    ) -> Table:
+    ) -> ResultTable:
         """Answer a question about the program at one moment.
 
         Args:
@@ -213,14 +213,14 @@ class Mind:
             QueryError: It failed.
             Stopped: `stop` was set before the question was answered.
         """
-        moment = self._moment_of(rows, memories)
+        inputs = self._inputs_of(rows, memories)
         try:
-            return self._answered(question, moment, stop, in_order=in_order)
+            return self._answer(question, inputs, stop, in_order=in_order)
         except FailureError as failure:
-            what = question.text if question.text.isidentifier() else "This"
-            raise QueryError(f"{what} failed: {failure}.") from None
+            subject = question.text if question.text.isidentifier() else "This"
+            raise QueryError(f"{subject} failed: {failure}.") from None
 
-    def each(
+    def predicate_rows(
         self,
         predicates: Sequence[str],
         rows: Sequence[SensorRow],
@@ -238,21 +238,21 @@ class Mind:
         Raises:
             Stopped: `stop` was set.
         """
-        moment = self._new_moment(rows, memories)
-        asked = [(name, self._asking.asked(name)) for name in predicates]
-        for view in moment.views:
+        inputs = self._new_inputs(rows, memories)
+        queries = [(name, self._databases.query_for(name)) for name in predicates]
+        for view in inputs.views:
             if viewers is not None and not any(name in viewers for name in view.viewers):
                 continue
-            for name, question in asked:
+            for name, question in queries:
                 try:
-                    within = self._within_query(self.limits.rows, stop, truncates=False)
-                    columns, found = self._asking.rows(question, moment, view, within)
+                    budget = self._query_budget(self.limits.rows, stop, truncates=False)
+                    columns, answer_rows = self._databases.rows(question, inputs, view, budget)
                 except (FailureError, QueryError):
                     yield name, None
                 else:
-                    yield name, [dict(zip(columns, row, strict=True)) for row in found]
+                    yield name, [dict(zip(columns, row, strict=True)) for row in answer_rows]
 
-    def each_at(
+    def predicate_rows_at(
         self,
         predicates: Sequence[str],
         moments: Sequence[tuple[Sequence[SensorRow], Memories]],
@@ -270,23 +270,29 @@ class Mind:
         Raises:
             Stopped: `stop` was set.
         """
-        each = [self._new_moment(rows, memories) for rows, memories in moments]
-        together = bool(each) and all(moment.has_private_sensors for moment in each)
-        for first, moment in enumerate([Inputs.stack(each)] if together else each):
-            of = [n for n, moment in enumerate(each) for _ in moment.views] if together else ()
+        all_inputs = [self._new_inputs(rows, memories) for rows, memories in moments]
+        is_stacked = bool(all_inputs) and all(inputs.has_private_sensors for inputs in all_inputs)
+        for index, inputs in enumerate([Inputs.stack(all_inputs)] if is_stacked else all_inputs):
+            moment_numbers = (
+                [n for n, inputs in enumerate(all_inputs) for _ in inputs.views]
+                if is_stacked
+                else ()
+            )
             for name in predicates:
-                found: dict[int, list[list[dict[str, Value]]] | None] = {}
-                within = self._within_query(self.limits.rows, stop, truncates=False)
-                question = self._asking.asked(name)
-                answers = self._asking.each(question, moment, within, in_order=False)
-                for number, (_, answer) in zip(of or repeat(first), answers, strict=False):
+                views_by_moment: dict[int, list[list[dict[str, Value]]] | None] = {}
+                budget = self._query_budget(self.limits.rows, stop, truncates=False)
+                question = self._databases.query_for(name)
+                answers = self._databases.answers(question, inputs, budget, in_order=False)
+                for number, (_, answer) in zip(
+                    moment_numbers or repeat(index), answers, strict=False
+                ):
                     if isinstance(answer, FailureError):
-                        found[number] = None
-                    elif (known := found.setdefault(number, [])) is not None:
+                        views_by_moment[number] = None
+                    elif (view_rows := views_by_moment.setdefault(number, [])) is not None:
                         columns, rows = answer
-                        known.append([dict(zip(columns, row, strict=True)) for row in rows])
-                for number, rows_there in found.items():
-                    yield name, number, rows_there
+                        view_rows.append([dict(zip(columns, row, strict=True)) for row in rows])
+                for number, views in views_by_moment.items():
+                    yield name, number, views
 
     def relations(
         self,
@@ -305,12 +311,12 @@ class Mind:
         """
         from logical_robots_tui.mind.relations import Relations
 
-        moment = self._new_moment(rows, memories)
-        view = next((view for view in moment.views if robot in view.viewers), None)
+        inputs = self._new_inputs(rows, memories)
+        view = next((view for view in inputs.views if robot in view.viewers), None)
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
-        within = self._within_query(_EXPLAINED_ROWS, stop, truncates=False)
-        return Relations(self._asking, moment, view, within)
+        budget = self._query_budget(_EXPLAINED_ROWS, stop, truncates=False)
+        return Relations(self._databases, inputs, view, budget)
 
     def query_plan(
         self,
@@ -326,91 +332,93 @@ class Mind:
             QueryError: It has no rows of its own, or it failed.
             Stopped: `stop` was set.
         """
-        known = self.program.predicate(predicate)
-        if known is None or predicate not in self.program.statements:
-            raise QueryError(known.reason if known else f"The program has no {predicate}.")
-        moment = self._new_moment(rows, memories)
-        within = self._within_query(self.limits.rows, stop)
+        definition = self.program.predicate(predicate)
+        if definition is None or predicate not in self.program.statements:
+            raise QueryError(
+                definition.reason if definition else f"The program has no {predicate}."
+            )
+        inputs = self._new_inputs(rows, memories)
+        budget = self._query_budget(self.limits.rows, stop)
         try:
-            tuned, plan = self._asking.plan(predicate, moment, moment.views[0], within)
+            tuned, plan = self._databases.plan(predicate, inputs, inputs.views[0], budget)
         except FailureError as failure:
             raise QueryError(f"{predicate} failed: {failure}.") from None
-        began = perf_counter()
+        start = perf_counter()
         self.query(predicate, rows, memories, stop=stop)
-        milliseconds = (perf_counter() - began) * 1000
+        milliseconds = (perf_counter() - start) * 1000
         generated = self.program.statements[predicate]
         return QueryPlan(predicate, generated, tuned, plan, milliseconds)
 
     def close(self) -> None:
         """Close the databases."""
-        self._asking.close()
+        self._databases.close()
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _within_query(
+    def _query_budget(
         self, rows: int, stop: threading.Event | None, *, truncates: bool = True
     ) -> EvaluationBudget:
         try:
-            check_room(_ROOM)
+            check_room(_REQUIRED_BYTES)
         except MemoryError:
             raise QueryError("There is not enough memory to look this up.") from None
         return EvaluationBudget.of_query(self.limits, rows, stop, truncates=truncates)
 
-    def _moment_of(self, rows: Sequence[SensorRow], memories: Memories) -> Inputs:
-        """Return the moment; the previous one if nothing can have changed."""
-        last = self._moment
-        if last is None or self._rows is not rows or last.memory_values is not memories:
-            last = self._new_moment(rows, memories)
-            self._moment = last if self._frozen else None
-            self._rows, self._thought = rows, []
-        return last
+    def _inputs_of(self, rows: Sequence[SensorRow], memories: Memories) -> Inputs:
+        """Return the inputs as an object; the previous one if nothing can have changed."""
+        inputs = self._inputs
+        if inputs is None or self._rows is not rows or inputs.memory_values is not memories:
+            inputs = self._new_inputs(rows, memories)
+            self._inputs = inputs if self._frozen else None
+            self._rows, self._robot_answers = rows, []
+        return inputs
 
-    def _new_moment(self, rows: Sequence[SensorRow], memories: Memories) -> Inputs:
-        return Inputs(self._own(rows), memories, self.memory, self.sensor)
+    def _new_inputs(self, rows: Sequence[SensorRow], memories: Memories) -> Inputs:
+        return Inputs(self._robot_rows(rows), memories, self.memory, self.sensor)
 
-    def _own(self, rows: Sequence[SensorRow]) -> Sequence[SensorRow]:
+    def _robot_rows(self, rows: Sequence[SensorRow]) -> Sequence[SensorRow]:
         if self._robots is None:
             return rows
         return [row for row in rows if row["robot_name"] in self._robots]
 
-    def _answered(
+    def _answer(
         self,
-        question: Question,
-        moment: Inputs,
+        question: CompiledQuery,
+        inputs: Inputs,
         stop: threading.Event | None,
         *,
         in_order: bool = True,
-    ) -> Table:
+    ) -> ResultTable:
         """Return the answers for all views; recounted exactly if the budget is nearly used up."""
-        within = self._within_query(self.limits.rows, stop)
+        budget = self._query_budget(self.limits.rows, stop)
         try:
-            answers = self._asking.each(question, moment, within, in_order=in_order)
+            answers = self._databases.answers(question, inputs, budget, in_order=in_order)
             table = self._table(answers, question.labels)
         except FailureError:
-            if not within.is_close:
+            if not budget.is_close:
                 raise
         else:
-            if not within.is_close:
+            if not budget.is_close:
                 return table
-        answers = self._asking.each(question, moment, within.exact(), in_order=in_order)
+        answers = self._databases.answers(question, inputs, budget.exact(), in_order=in_order)
         return self._table(answers, question.labels)
 
     def _table(
         self, answers: Iterable[tuple[View, Answer | FailureError]], labels: Mapping[str, str]
-    ) -> Table:
+    ) -> ResultTable:
         columns: Sequence[str] = ()
         rows: list[tuple[Value, ...]] = []
         viewers: list[str] = []
         for view, answer in answers:
             if isinstance(answer, FailureError):
                 raise answer
-            columns, found = answer
-            rows += found
-            viewers += [view.viewers[0]] * len(found)
-        most, is_separate = self.limits.rows, (self.memory, self.sensor) != ("all", "all")
-        return Table(
+            columns, view_rows = answer
+            rows += view_rows
+            viewers += [view.viewers[0]] * len(view_rows)
+        max_rows, is_separate = self.limits.rows, (self.memory, self.sensor) != ("all", "all")
+        return ResultTable(
             tuple(labels.get(column, column) for column in columns),
-            tuple(rows[:most]),
-            tuple(viewers[:most]) if is_separate else (),
-            truncated=len(rows) > most,
+            tuple(rows[:max_rows]),
+            tuple(viewers[:max_rows]) if is_separate else (),
+            truncated=len(rows) > max_rows,
         )

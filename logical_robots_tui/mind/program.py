@@ -1,4 +1,4 @@
-"""Programs: Logica text, compiled; questions about them, and the form of the answers."""
+"""Programs: Logica text, compiled; queries about them, and the form of the answers."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ class Predicate:
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
-    """A compiled question about a program.
+class CompiledQuery:
+    """A compiled query about a program.
 
     It gives the ``rows`` of a predicate or of conditions, the ``value`` of an expression, or
     the ``truth`` of conditions without variables. `truths` names its boolean columns, `labels`
@@ -93,8 +93,8 @@ class Tuned:
         """Return the queries for many robots."""
         if not self.crowd:
             return self
-        one, together, alike = self.crowd
-        return replace(self, sql=one, together=together, together_alike=alike, crowd=())
+        crowd_sql, together, alike = self.crowd
+        return replace(self, sql=crowd_sql, together=together, together_alike=alike, crowd=())
 
     def for_all(self, *, alike: bool) -> tuple[str, int]:
         """Return the query for all viewers at once, or "", and the number of its parameters."""
@@ -207,7 +207,7 @@ class Program:
 
     def question(
         self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None
-    ) -> Question:
+    ) -> CompiledQuery:
         """Compile a question about this program, for `Mind.ask`. Blocks.
 
         Args:
@@ -227,14 +227,14 @@ class Program:
             for table in ("Memory", "Item")
         }
         task = CompileQuestion(self.text, query, columns)
-        return compile_task(task, Question, stop=stop, limits=limits)
+        return compile_task(task, CompiledQuery, stop=stop, limits=limits)
 
     def predicate(self, name: str) -> Predicate | None:
         """Return the predicate of that name, or None."""
         return next((p for p in self.predicates if p.name == name), None)
 
     def label(self, predicate: str, column: str) -> str:
-        """Return what a column of a predicate is called; a place without a name by its number."""
+        """Return a column's name; a positional column is named by its number."""
         label = self.labels.get(predicate, {}).get(column, column)
         is_place = label == column and column[:3] == "col" and column[3:].isdigit()
         return f"argument {int(column[3:]) + 1}" if is_place else label
@@ -242,7 +242,7 @@ class Program:
     @property
     def texts(self) -> Texts:
         """What the robots think with."""
-        return {team: each.text for team, each in self.teams.items()} or {"": self.text}
+        return {team: program.text for team, program in self.teams.items()} or {"": self.text}
 
     @property
     def first(self) -> Program:
@@ -257,7 +257,7 @@ class Program:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class ResultTable:
     """Rows of a predicate; records are dicts, lists are lists.
 
     Attributes:
@@ -270,12 +270,14 @@ class Table:
     viewers: tuple[str, ...] = ()
     truncated: bool = False
 
-    def in_mind_of(self, robot: str | None) -> Table:
+    def in_mind_of(self, robot: str | None) -> ResultTable:
         """Return the rows in one robot's mind; all if no robot is named, or if all think alike."""
         if not robot or not self.viewers:
             return self
-        kept = [n for n, viewer in enumerate(self.viewers) if viewer == robot]
-        return replace(self, rows=tuple(self.rows[n] for n in kept), viewers=(robot,) * len(kept))
+        indexes = [n for n, viewer in enumerate(self.viewers) if viewer == robot]
+        return replace(
+            self, rows=tuple(self.rows[n] for n in indexes), viewers=(robot,) * len(indexes)
+        )
 
 
 @dataclass(frozen=True, slots=True)

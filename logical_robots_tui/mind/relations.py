@@ -17,24 +17,24 @@ from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.asking import Asking
+    from logical_robots_tui.mind.asking import MindDatabases
     from logical_robots_tui.mind.program import Program
 
 GIVEN = "WhyGiven"
-"""The table of the values that are given, one row."""
+"""The table of a query's given values, one row."""
 
 SAME = "why_same"
 """The function for whether two values are the same, in queries."""
 
 ALIKE = "why_alike"
-"""That for whether they are the same but for the order of lists."""
+"""The function for whether they are the same but for the order of lists."""
 
 Way = dict[str, "Scalar"]
 """A derivation: a row of a clause's query, as SQLite has it, by the names of the columns."""
 
 _CLOSE = 1e-12
 _KEYS_AT_ONCE = 400
-_REMARKS = re.compile(r"/\* truths:(\S*) nested:(\S*) \*/")
+_REMARK_PATTERN = re.compile(r"/\* truths:(\S*) nested:(\S*) \*/")
 _NONE: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
 
 
@@ -45,8 +45,8 @@ def with_remarks(sql: str, truths: Iterable[str], nested: Iterable[str]) -> str:
 
 @lru_cache(maxsize=256)
 def _remarks(sql: str) -> tuple[frozenset[str], frozenset[str]]:
-    found = _REMARKS.match(sql)
-    return (frozenset(found[1].split(",")), frozenset(found[2].split(","))) if found else _NONE
+    match = _REMARK_PATTERN.match(sql)
+    return (frozenset(match[1].split(",")), frozenset(match[2].split(","))) if match else _NONE
 
 
 def with_given(sql: str, number: int) -> str:
@@ -60,29 +60,31 @@ def with_given(sql: str, number: int) -> str:
 
 class Relations:
     def __init__(
-        self, asking: Asking, moment: Inputs, view: View, within: EvaluationBudget
+        self, databases: MindDatabases, inputs: Inputs, view: View, budget: EvaluationBudget
     ) -> None:
-        self._asking, self._plain = asking, asking.plain_tables
-        self._moment, self._view, self.within = moment, view, within
+        self._databases, self._plain = databases, databases.plain_tables
+        self._inputs, self._view, self.budget = inputs, view, budget
         self._plain.register(SAME, _same_in_sql, 2)
-        self._plain.register(ALIKE, lambda one, other: alike(from_sql(one), from_sql(other)), 2)
+        self._plain.register(ALIKE, lambda left, right: alike(from_sql(left), from_sql(right)), 2)
         self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
         self._columns: dict[str, Sequence[str]] = {}
-        self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
+        self._loaded_rows: dict[str, Sequence[Mapping[str, Value]]] = {}
         self._cut_off: list[tuple[str, int]] | None = None
 
     def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
         """Return a predicate's rows, by default with the program's query; raise FailureError."""
         if predicate not in self._rows:
             if sql:
-                columns, rows = self._asking.plainly(sql, *self._where)
+                columns, rows = self._databases.plain_rows(sql, *self._query_arguments)
             else:
-                columns, rows = self._asking.rows(self._asking.asked(predicate), *self._where)
+                columns, rows = self._databases.rows(
+                    self._databases.query_for(predicate), *self._query_arguments
+                )
             self._columns[predicate] = columns
             self._rows[predicate] = tuple(dict(zip(columns, row, strict=True)) for row in rows)
-        found = self._rows[predicate]
-        self.spend(STEPS_OF_A_CALL * len(found))  # the caller looks through them
-        return found
+        predicate_rows = self._rows[predicate]
+        self.spend(STEPS_OF_A_CALL * len(predicate_rows))  # for the caller, which reads them
+        return predicate_rows
 
     def cut_off(self, predicate: str) -> list[tuple[str, int]]:
         """Return the recursions that a predicate leans on and that were cut off, with their steps.
@@ -90,83 +92,89 @@ class Relations:
         Only those that `Robot` leans on, too, are known.
         """
         if self._cut_off is None:
-            self._cut_off = [*self._asking.still_grew(*self._where)]
-        found, waiting = {predicate}, [predicate]
-        while waiting:
-            new = set(self._asking.program.uses.get(waiting.pop(), ())) - found
-            found |= new
-            waiting += new
-        return [each for each in self._cut_off if each[0] in found]
+            self._cut_off = [*self._databases.unfinished_recursions(*self._query_arguments)]
+        used_predicates, pending = {predicate}, [predicate]
+        while pending:
+            new_predicates = (
+                set(self._databases.program.uses.get(pending.pop(), ())) - used_predicates
+            )
+            used_predicates |= new_predicates
+            pending += new_predicates
+        return [recursion for recursion in self._cut_off if recursion[0] in used_predicates]
 
     def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
         """Return a question's rows, about any program; raise ProgramError or FailureError."""
         self.renew()
-        question = program.question(query, stop=self.within.stop, limits=limits)
-        columns, rows = self._asking.plainly(question.sql, *self._where)
+        question = program.question(query, stop=self.budget.stop, limits=limits)
+        columns, rows = self._databases.plain_rows(question.sql, *self._query_arguments)
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
     def label(self, predicate: str, column: str) -> str:
-        return self._asking.program.label(predicate, column)
+        return self._databases.program.label(predicate, column)
 
-    def owners(self, what: Literal["sensor", "memory"], value: Value) -> list[str]:
+    def owners(self, table: Literal["sensor", "memory"], value: Value) -> list[str]:
         """Return the robots in sight whose sensor or memory is a value."""
-        if what == "sensor":
+        if table == "sensor":
             first, last = self._view.sensors
-            rows = self._moment.sensor_rows[first : last + 1]
+            rows = self._inputs.sensor_rows[first : last + 1]
             return [row["robot_name"] for row in rows if same(row["sensor"], value)]
         first, last = self._view.memories
-        seen = [name for number, name in self._moment.memory_rows if first <= number <= last]
-        return [name for name in seen if same(self._moment.memory_values.get(name), value)]
+        visible_names = [
+            name for number, name in self._inputs.memory_rows if first <= number <= last
+        ]
+        return [name for name in visible_names if same(self._inputs.memory_values.get(name), value)]
 
     def renew(self) -> None:
-        self.within.renew()
+        self.budget.renew()
 
     @property
-    def _where(self) -> tuple[Inputs, View, EvaluationBudget]:
-        return self._moment, self._view, self.within
+    def _query_arguments(self) -> tuple[Inputs, View, EvaluationBudget]:
+        return self._inputs, self._view, self.budget
 
     def spend(self, steps: int) -> None:
         """Count steps outside of queries; FailureError if over budget, Stopped if stopped."""
-        within = self.within
-        within.remainder.steps -= steps
-        if within.stop is not None and within.stop.is_set():
+        budget = self.budget
+        budget.remainder.steps -= steps
+        if budget.stop is not None and budget.stop.is_set():
             raise Stopped("The explanation was stopped.")
-        with failures_in_words(within):
-            if within.remainder.steps < 0:
+        with failures_in_words(budget):
+            if budget.remainder.steps < 0:
                 raise TooSlowError
 
     def fill(self, table: str, predicate: str, rows: Sequence[Mapping[str, Value]]) -> None:
         """Fill a table with some of a predicate's rows, unless it has them; raise FailureError."""
-        if self._loaded.get(table) is not rows:
-            self._loaded.pop(table, None)
+        if self._loaded_rows.get(table) is not rows:
+            self._loaded_rows.pop(table, None)
             stored = [tuple(map(to_sql, row.values())) for row in rows]
             self.spend(_steps_of(stored))
-            with failures_in_words(self.within):
+            with failures_in_words(self.budget):
                 columns = self._columns[predicate]
-                self._plain.load_view(self._moment, self._view)
+                self._plain.load_view(self._inputs, self._view)
                 self._plain.define(table, columns, stored)
-            self._loaded[table] = rows
+            self._loaded_rows[table] = rows
 
     def ways(
         self,
         sql: str,
-        given: Sequence[Scalar],
+        given_values: Sequence[Scalar],
         alike: Sequence[tuple[str, Value]] = (),
-        what: str = "*",
-        most: int = 1,
-        compared: str = SAME,
+        selection: str = "*",
+        max_rows: int = 1,
+        comparison: str = SAME,
     ) -> list[Way]:
-        """Return rows whose `alike` columns match by function `compared`; raise FailureError."""
-        query, parameters = _limited(sql, given, alike, what, most, compared)
-        columns, rows = self._ask(query, parameters)
+        """Return rows whose `alike` columns match by function `comparison`; raise FailureError."""
+        query, parameters = _limited(sql, given_values, alike, selection, max_rows, comparison)
+        names, rows = self._ask(query, parameters)
         self.spend(_steps_of(rows))
-        ways: list[Way] = [dict(zip(columns, row, strict=True)) for row in rows]
-        for column in _remarks(sql)[0] & {*columns}:
-            for way in ways:
-                way[column] = None if way[column] is None else bool(way[column])
-        return ways
+        derivations: list[Way] = [dict(zip(names, row, strict=True)) for row in rows]
+        for column in _remarks(sql)[0] & {*names}:
+            for derivation in derivations:
+                derivation[column] = (
+                    None if derivation[column] is None else bool(derivation[column])
+                )
+        return derivations
 
-    def chosen(
+    def chosen_key(
         self, aggregate: str, columns: Iterable[tuple[str, str]], keys: Sequence[Scalar]
     ) -> int | None:
         """Return the place of the key that ``arg_min`` or ``arg_max`` chooses, None if none.
@@ -186,32 +194,32 @@ class Relations:
     def count(
         self,
         sql: str,
-        given: Sequence[Scalar],
+        given_values: Sequence[Scalar],
         alike: Sequence[tuple[str, Value]] = (),
-        most: int = 1,
+        max_rows: int = 1,
     ) -> int:
-        """Return the number of a query's rows, at most `most`; raise FailureError."""
-        query, parameters = _limited(sql, given, alike, "1", most, SAME)
+        """Return the number of a query's rows, at most `max_rows`; raise FailureError."""
+        query, parameters = _limited(sql, given_values, alike, "1", max_rows, SAME)
         _, rows = self._ask(f"SELECT COUNT(*) FROM ({query})", parameters)  # noqa: S608 - ours
         return int(rows[0][0])
 
     def _ask(self, sql: str, parameters: Sequence[Scalar]) -> Answer:
-        with failures_in_words(self.within):
-            return self._plain.ask_of(sql, *self._where, parameters)
+        with failures_in_words(self.budget):
+            return self._plain.ask_of(sql, *self._query_arguments, parameters)
 
 
 def _limited(
     sql: str,
-    given: Sequence[Scalar],
+    given_values: Sequence[Scalar],
     alike: Sequence[tuple[str, Value]],
-    what: str,
-    most: int,
-    compared: str,
+    selection: str,
+    max_rows: int,
+    comparison: str,
 ) -> tuple[str, list[Scalar]]:
-    where = " AND ".join(f"{compared}({column}, ?)" for column, _ in alike)
-    query = f"SELECT {what} FROM ({with_given(sql, len(given))})"  # noqa: S608 - the compiler's own SQL
-    query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
-    return query, [*given, *(to_sql(value) for _, value in alike)]
+    conditions = " AND ".join(f"{comparison}({column}, ?)" for column, _ in alike)
+    query = f"SELECT {selection} FROM ({with_given(sql, len(given_values))})"  # noqa: S608 - the compiler's own SQL
+    query += f"{' WHERE ' * bool(conditions)}{conditions} LIMIT {max_rows}"
+    return query, [*given_values, *(to_sql(value) for _, value in alike)]
 
 
 def _steps_of(rows: Sequence[Sequence[Any]]) -> int:
@@ -220,35 +228,35 @@ def _steps_of(rows: Sequence[Sequence[Any]]) -> int:
     return texts + STEPS_OF_A_CALL * sum(map(len, rows))
 
 
-def same(one: Value, other: Value) -> bool:
+def same(left: Value, right: Value) -> bool:
     """Return whether values are equal up to a number's last digits, which text loses."""
-    if isinstance(one, dict):
+    if isinstance(left, dict):
         return (
-            isinstance(other, dict)
-            and one.keys() == other.keys()
-            and all(same(value, other[key]) for key, value in one.items())
+            isinstance(right, dict)
+            and left.keys() == right.keys()
+            and all(same(value, right[key]) for key, value in left.items())
         )
-    if isinstance(one, list):
-        return isinstance(other, list) and len(one) == len(other) and all(map(same, one, other))
-    if isinstance(one, int | float) and isinstance(other, int | float):
-        return one == other or abs(one - other) <= _CLOSE * max(abs(one), abs(other))
-    return type(one) is type(other) and one == other
+    if isinstance(left, list):
+        return isinstance(right, list) and len(left) == len(right) and all(map(same, left, right))
+    if isinstance(left, int | float) and isinstance(right, int | float):
+        return left == right or abs(left - right) <= _CLOSE * max(abs(left), abs(right))
+    return type(left) is type(right) and left == right
 
 
-def alike(one: Value, other: Value) -> bool:
+def alike(left: Value, right: Value) -> bool:
     """Return whether values are equal up to the order of lists, which queries don't determine."""
-    return same(one, other) or same(_sort(one), _sort(other))
+    return same(left, right) or same(_sort(left), _sort(right))
 
 
 def _sort(value: Value) -> Value:
     if isinstance(value, dict):
-        return {name: _sort(each) for name, each in value.items()}
+        return {name: _sort(part) for name, part in value.items()}
     if isinstance(value, list):
         return sorted(map(_sort, value), key=repr)
     return value
 
 
-def _same_in_sql(one: Scalar, other: Scalar) -> bool:
-    if one.__class__ is other.__class__ and one == other:
+def _same_in_sql(left: Scalar, right: Scalar) -> bool:
+    if left.__class__ is right.__class__ and left == right:
         return True
-    return same(from_sql(one), from_sql(other))
+    return same(from_sql(left), from_sql(right))

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.game.level_questions import Examiner, difference, mistake_lines
-from logical_robots_tui.mind import ProgramError, Table
+from logical_robots_tui.mind import ProgramError, ResultTable
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.level import LevelQuestion
@@ -26,27 +26,31 @@ VALUES = st.one_of(
 
 
 @st.composite
-def tables(draw: st.DrawFn) -> Table:
+def tables(draw: st.DrawFn) -> ResultTable:
     columns = draw(st.permutations(["robot_name", "label", "far"]))[: draw(st.integers(1, 3))]
     rows = draw(st.lists(st.tuples(*[VALUES] * len(columns)), min_size=1, max_size=5))
-    return Table(tuple(columns), tuple(rows))
+    return ResultTable(tuple(columns), tuple(rows))
 
 
-RIGHT = Table(("robot_name", "far"), (("Ada", 1.5), ("Bob", 2), ("Cat", 2)))
+RIGHT = ResultTable(("robot_name", "far"), (("Ada", 1.5), ("Bob", 2), ("Cat", 2)))
 
 
 @given(tables(), st.randoms(use_true_random=False))
-def test_order_and_names_of_rows_and_columns_do_not_matter(right: Table, random: Random) -> None:
+def test_order_and_names_of_rows_and_columns_do_not_matter(
+    right: ResultTable, random: Random
+) -> None:
     rows, places = list(right.rows), list(range(len(right.columns)))
     random.shuffle(rows)
     random.shuffle(places)
     turned = tuple(tuple(row[place] for place in places) for row in rows)
-    assert not difference(Table(tuple(right.columns[place] for place in places), turned), right)
-    assert not difference(Table(tuple(f"col{place}" for place in places), turned), right)
+    assert not difference(
+        ResultTable(tuple(right.columns[place] for place in places), turned), right
+    )
+    assert not difference(ResultTable(tuple(f"col{place}" for place in places), turned), right)
 
 
 @given(tables(), st.integers(0, 4))
-def test_a_row_less_or_more_is_a_difference(right: Table, place: int) -> None:
+def test_a_row_less_or_more_is_a_difference(right: ResultTable, place: int) -> None:
     place %= len(right.rows)
     fewer = replace(right, rows=right.rows[:place] + right.rows[place + 1 :])
     assert difference(fewer, right)
@@ -72,22 +76,24 @@ WRONG: list[tuple[list[tuple[Value, ...]], str]] = [
 def test_wrong_answers_are_told_apart_by_their_rows() -> None:
     for rows, said in WRONG:
         columns = ("robot_name", "far", "n")[: len(rows[0]) if rows else 2]
-        assert difference(Table(columns, tuple(rows)), RIGHT).startswith(said)
+        assert difference(ResultTable(columns, tuple(rows)), RIGHT).startswith(said)
 
 
 def test_columns_are_compared_by_name_and_one_that_a_query_names_by_itself_is_not() -> None:
-    right = Table(("one", "other"), (("Ada", "Bob"),))
-    assert difference(Table(("one", "other"), (("Bob", "Ada"),)), right)
-    assert not difference(Table(("other", "one"), (("Bob", "Ada"),)), right)
-    right = Table(("far",), ((200,),))
-    assert not difference(Table(("value", "robot_name"), ((200, "Ada"),)), right)
-    assert "2 columns" in difference(Table(("value", "robot_name"), ((199, "Ada"),)), right)
+    right = ResultTable(("one", "other"), (("Ada", "Bob"),))
+    assert difference(ResultTable(("one", "other"), (("Bob", "Ada"),)), right)
+    assert not difference(ResultTable(("other", "one"), (("Bob", "Ada"),)), right)
+    right = ResultTable(("far",), ((200,),))
+    assert not difference(ResultTable(("value", "robot_name"), ((200, "Ada"),)), right)
+    assert "2 columns" in difference(ResultTable(("value", "robot_name"), ((199, "Ada"),)), right)
 
 
 def test_sums_of_the_same_numbers_are_equal_in_any_order() -> None:
     one, other = 0.1 + 0.2 + 0.3, 0.3 + 0.2 + 0.1  # sum() of Python 3.12 makes up for it
     assert one != other
-    assert not difference(Table(("n",), ((one,), (1e-14,))), Table(("n",), ((other,), (0,))))
+    assert not difference(
+        ResultTable(("n",), ((one,), (1e-14,))), ResultTable(("n",), ((other,), (0,)))
+    )
 
 
 @asynccontextmanager

@@ -10,7 +10,7 @@ import orjson
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER as HEAVIEST
+from logical_robots_tui.mind.limits import MAX_CHARACTER_WEIGHT as HEAVIEST
 from logical_robots_tui.mind.limits import weight_of, weight_of_row, weight_of_text
 from logical_robots_tui.values import Value
 from tests.mind.rows import ROBOT, row

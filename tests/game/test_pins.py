@@ -4,21 +4,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.game import MIND, Pin, Reading, pin_of_cell, read
-from logical_robots_tui.mind import QueryError, Table
+from logical_robots_tui.mind import QueryError, ResultTable
 
 SCALARS = st.none() | st.booleans() | st.integers(-3, 3) | st.sampled_from(["a", "b", ""])
 NAMES = ("robot_name", "label", "x", "y")
 
 
 @st.composite
-def tables(draw: st.DrawFn) -> Table:
+def tables(draw: st.DrawFn) -> ResultTable:
     columns = tuple(draw(st.lists(st.sampled_from(NAMES), min_size=1, unique=True)))
     row = st.tuples(*[SCALARS | st.lists(SCALARS, max_size=2) for _ in columns])
-    return Table(columns, tuple(draw(st.lists(row, min_size=1, max_size=6))))
+    return ResultTable(columns, tuple(draw(st.lists(row, min_size=1, max_size=6))))
 
 
 @given(tables(), st.data())
-def test_a_pinned_value_is_read_off_its_own_row(table: Table, data: st.DataObject) -> None:
+def test_a_pinned_value_is_read_off_its_own_row(table: ResultTable, data: st.DataObject) -> None:
     row = data.draw(st.integers(0, len(table.rows) - 1))
     column = data.draw(st.sampled_from(table.columns))
     pin = pin_of_cell("P", table.columns, table.rows, row, column)
@@ -36,12 +36,12 @@ def test_a_part_of_a_value_is_found_by_its_way(value: object, data: st.DataObjec
         steps = list(part) if isinstance(part, dict) else list(range(len(part)))
         step = data.draw(st.sampled_from(steps))
         pin, part = pin.deeper((step,)), part[step]
-    table = Table(("x",), ((value,),))  # type: ignore[arg-type] # of any values
+    table = ResultTable(("x",), ((value,),))  # type: ignore[arg-type] # of any values
     assert read(pin, table) == Reading(part)  # type: ignore[arg-type] # a part of it
 
 
 def test_rows_are_counted_of_one_mind_or_of_all() -> None:
-    table = Table(("x",), ((1,), (2,), (2,)), viewers=("Ada", "Ada", "Bob"))
+    table = ResultTable(("x",), ((1,), (2,), (2,)), viewers=("Ada", "Ada", "Bob"))
     assert read(Pin("P"), table).number == 3
     assert read(Pin("P", where=((MIND, "Ada"),)), table).number == 2
     assert read(Pin("P", "x", ((MIND, "Bob"),)), table).value == 2
@@ -49,7 +49,7 @@ def test_rows_are_counted_of_one_mind_or_of_all() -> None:
 
 
 def test_what_cant_be_read_says_why() -> None:
-    table = Table(("x", "y"), ((1, {"a": [1]}), (2, "text")))
+    table = ResultTable(("x", "y"), ((1, {"a": [1]}), (2, "text")))
     assert read(Pin("P"), QueryError("The program has no predicate P.")).problem
     assert read(Pin("P", "z"), table).problem == "P has no column z."
     assert read(Pin("P", "x", (("x", 3),)), table).problem == "No row."

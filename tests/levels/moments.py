@@ -12,13 +12,13 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from logical_robots_tui import Level, Mind, Program, World
-from logical_robots_tui.mind.program import Table
+from logical_robots_tui.mind.program import ResultTable
 from logical_robots_tui.world.dynamics import WorldState
 from tests.levels.playing import load_level, program_text
 
 STEPS = Path(__file__).with_name("steps")
 
-NO_TABLES: Mapping[str, Table] = MappingProxyType({})
+NO_TABLES: Mapping[str, ResultTable] = MappingProxyType({})
 
 
 class Moment(NamedTuple):
@@ -30,7 +30,7 @@ class Moment(NamedTuple):
     rows: Any
     memories: dict[str, Any]
     mind: Mind
-    tables: Mapping[str, Table] = NO_TABLES
+    tables: Mapping[str, ResultTable] = NO_TABLES
 
     def radar(self, robot: str) -> list[Any]:
         (sensor,) = (row["sensor"] for row in self.rows if row["robot_name"] == robot)

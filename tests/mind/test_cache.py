@@ -170,7 +170,7 @@ def test_without_a_folder_everything_works(
     if hindrance != "a file":
         below = str(folder / "below") if hindrance == "a file above" else ""
         monkeypatch.setenv(caching.FOLDER_VARIABLE, below)
-    monkeypatch.setattr(compilation._compiler, "_kept", type(compilation._compiler._kept)())
+    monkeypatch.setattr(compilation._compiler, "_cache", type(compilation._compiler._cache)())
     assert Program.compile(ROBOT + "m = 4712;").statements
 
 

@@ -69,7 +69,7 @@ def test_waiting_for_another_compilation_can_be_stopped() -> None:
 
     thread = threading.Thread(target=compile_heavy)
     thread.start()
-    until(compilation._compiler._turn.locked)
+    until(compilation._compiler._lock.locked)
     second.set()
     with pytest.raises(Stopped):
         Program.compile(HEAVY + " # second", stop=second)
@@ -103,7 +103,7 @@ ENDS = {
 
 def test_the_end_of_a_compile_process_is_told_by_its_cause() -> None:
     for status, message in ENDS.items():
-        assert message in str(compilation._ended(status, Limits())), status
+        assert message in str(compilation._exit_error(status, Limits())), status
 
 
 @pytest.mark.parametrize("ended_by", [signal.SIGTERM, slow(signal.SIGSEGV), slow(signal.SIGKILL)])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError, Table
+from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError, ResultTable
 from logical_robots_tui.mind.asking import plan_lines
 from tests.mind.rows import PAPER, row, slow
 
@@ -25,7 +25,7 @@ IDLE = 'Robot(robot_name: "Ada", desire: {left_engine: 0, right_engine: 0}, memo
 ROWS = [row("Ada"), row("Bo")]
 
 
-def ask(query: str, text: str = PROGRAM, **visibility: Any) -> Table:
+def ask(query: str, text: str = PROGRAM, **visibility: Any) -> ResultTable:
     program = Program.compile(text)
     with closing(Mind(program, **(visibility or {"memory": "all", "sensor": "all"}))) as mind:
         return mind.ask(program.question(query), ROWS, {"Ada": {"seen": [1]}})

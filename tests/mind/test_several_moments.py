@@ -62,10 +62,12 @@ def test_the_rows_at_several_moments_are_those_at_each(
     single: dict[tuple[str, int], list[Rows]] = {}
     with closing(Mind(probes(), memory, sensor)) as mind:
         for number, (rows, memories) in enumerate(moments):
-            for name, views in mind.each(names, rows, memories):
+            for name, views in mind.predicate_rows(names, rows, memories):
                 assert views is not None
                 single.setdefault((name, number), []).append(views)
-        several = {(name, number): views for name, number, views in mind.each_at(names, moments)}
+        several = {
+            (name, number): views for name, number, views in mind.predicate_rows_at(names, moments)
+        }
     assert {key: in_any_order(views) for key, views in several.items()} == {
         key: in_any_order(views) for key, views in single.items()
     }
@@ -75,4 +77,4 @@ def test_a_predicate_that_fails_is_told_of_each_moment() -> None:
     moment = tuple(row(name) for name in ROBOTS), {name: {"n": 3} for name in ROBOTS}
     name = next(iter(probes().statements))
     with closing(Mind(probes(), limits=Limits(rows=0))) as mind:
-        assert [*mind.each_at([name], [moment] * 2)] == [(name, 0, None), (name, 1, None)]
+        assert [*mind.predicate_rows_at([name], [moment] * 2)] == [(name, 0, None), (name, 1, None)]

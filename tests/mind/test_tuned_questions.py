@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.game import Run, load_program
-from logical_robots_tui.mind import Mind, Program, Question, Table
+from logical_robots_tui.mind import CompiledQuery, Mind, Program, ResultTable
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.world import load_level
 from tests.mind.rows import ROBOT, nearly_same, row, slow
@@ -21,7 +21,7 @@ MORE = (
 SEES = {3: (40, "robot", "Bo"), 9: (12, "wall", "wall"), 11: (50, "beacon", "B")}
 
 
-def in_any_order(table: Table) -> list[Any]:
+def in_any_order(table: ResultTable) -> list[Any]:
     viewers = table.viewers or ("",) * len(table.rows)
     rows = ([viewer, *row] for viewer, row in zip(viewers, table.rows, strict=True))
     return sorted(rows, key=lambda row: repr([*map(shortened, row)]))
@@ -92,7 +92,7 @@ def test_questions_read_the_columns_that_the_program_reads_and_no_others() -> No
             assert mind.ask(both, rows, memories, in_order=False).viewers == ("Bo",)
 
 
-def fields(question: Question) -> set[str]:
+def fields(question: CompiledQuery) -> set[str]:
     assert question.tuned is not None
     return {name for name in question.tuned.columns.get("Memory", ()) if "=" in name}
 

@@ -54,7 +54,7 @@ class Derivations:
             sql = probing.queries.get(probing.rows)
             if sql is None:
                 raise FailureError("it can't be asked for its rows")
-            ways = self.relations.ways(sql, probing.arguments(given), most=MOST_ROWS + 1)
+            ways = self.relations.ways(sql, probing.arguments(given), max_rows=MOST_ROWS + 1)
             found: Sequence[Row] = [
                 {c: value_of(way, f"c{i}") for i, c in enumerate(probing.columns)} for way in ways
             ]
@@ -93,7 +93,7 @@ class Derivations:
         return [
             (clause, inner)
             for clause in body.clauses
-            for inner in ways(self.sql(clause, probing), given, most=MOST_ELEMENTS)
+            for inner in ways(self.sql(clause, probing), given, max_rows=MOST_ELEMENTS)
         ]
 
     def ways(
@@ -107,9 +107,9 @@ class Derivations:
         for clause in rule.clauses:
             alike = [(place, row[c]) for c, place in clause.head.items() if c in row]
             sql = self.sql(clause, probing)
-            found = self.relations.ways(sql, arguments, alike, most=most)
+            found = self.relations.ways(sql, arguments, alike, max_rows=most)
             if not found and any(isinstance(value, dict | list) for _, value in alike):
-                found = self.relations.ways(sql, arguments, alike, most=most, compared=ALIKE)
+                found = self.relations.ways(sql, arguments, alike, max_rows=most, comparison=ALIKE)
             for way in found:
                 yield clause, way
 
@@ -248,7 +248,7 @@ class Stages:
             for clause in rule.clauses:
                 sql = probing.queries.get(clause.query)
                 if sql is not None:
-                    for way in self._relations.ways(sql, (), most=_MOST_ROWS):
+                    for way in self._relations.ways(sql, (), max_rows=_MOST_ROWS):
                         yield clause, way
 
 

@@ -221,7 +221,7 @@ class Telling:
             if sql is None or not clause.collected:
                 yield Node("note", "its rows could not be queried")
                 return
-            ways = self._relations.ways(sql, given, most=most - len(found))
+            ways = self._relations.ways(sql, given, max_rows=most - len(found))
             found += [(clause, clause.collected[0], inner) for inner in ways]
         is_all = len(found) < most
         if not found:
@@ -293,7 +293,7 @@ def winner(
     aggregate = "arg_min" if equal[0][1].operator == "ArgMin" else "arg_max"
     columns = {(queries.get(clause.query, ""), one.by) for clause, one, _ in equal}
     keys = [way.get(one.by) for _, one, way in equal]
-    best = relations.chosen(aggregate, columns, keys)
+    best = relations.chosen_key(aggregate, columns, keys)
     return None if best is None else equal[best]
 
 

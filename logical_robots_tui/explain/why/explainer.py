@@ -24,7 +24,7 @@ from logical_robots_tui.explain.why.proving import explain, prove
 from logical_robots_tui.explain.why.sourcing import source_of
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.asking import FailureError
-from logical_robots_tui.mind.program import Table
+from logical_robots_tui.mind.program import ResultTable
 from logical_robots_tui.mind.relations import Way
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.values import SensorRow, Value
@@ -63,13 +63,13 @@ class Explainer:
     ) -> None:
         relations = mind.relations(robot, rows, memories, stop=stop)
         self._program, self._robot = mind.program, robot
-        self._limits, self._within = mind.limits, relations.within
+        self._limits, self._budget = mind.limits, relations.budget
         self._decomposed: dict[tuple[str, str], Probing] = {}
         self._derivations = Derivations(relations, robot, self._decompose)
 
     def stop_with(self, stop: threading.Event) -> None:
         """Let another event end the questions from now on."""
-        self._within.stop = stop
+        self._budget.stop = stop
 
     def why(self, asked: Ask = _ROBOT) -> Explanation:
         """Explain a predicate's rows, or their absence.
@@ -100,12 +100,12 @@ class Explainer:
         probing = self._decompose(asked.predicate, "")
         return [(rule.span, each) for rule in probing.rules for each in nearest.of(probing, rule)]
 
-    def calls(self, function: str) -> Table:
+    def calls(self, function: str) -> ResultTable:
         """Return a function's distinct calls, arguments and results; raise QueryError."""
         known = self._program.predicate(function)
         if known is None or not known.is_function:
             raise QueryError(f"{function} is not a function of this program.")
-        self._within.renew()
+        self._budget.renew()
         uses = self._program.uses
         callers = {
             name: [p for p, used in uses.items() if name in used and p != name] for name in uses
@@ -122,7 +122,7 @@ class Explainer:
         except FailureError as failure:
             raise QueryError(f"The calls of {function} can't be listed: {failure}.") from None
         labels = tuple(self._program.label(function, column) for column in probing.columns)
-        return Table(labels, tuple(found[:most]), truncated=len(found) > most)
+        return ResultTable(labels, tuple(found[:most]), truncated=len(found) > most)
 
     def source(self, subject: Subject) -> Source:
         """Return what a value was made from; QueryError if there is no such value."""
@@ -132,13 +132,13 @@ class Explainer:
         key = predicate, within
         if key not in self._decomposed:
             self._decomposed[key] = decompose(
-                self._program, *key, stop=lambda: self._within.stop, limits=self._limits
+                self._program, *key, stop=lambda: self._budget.stop, limits=self._limits
             )
         return self._decomposed[key]
 
     def _about(self, asked: Ask) -> Ask:
         """Return the question about this robot, unless it names another one."""
-        self._within.renew()
+        self._budget.renew()
         probing = self._decompose(asked.predicate, asked.within)
         if "robot_name" in probing.columns and "robot_name" not in probing.given:
             return replace(asked, given={"robot_name": self._robot, **asked.given})
@@ -200,9 +200,9 @@ class _Calls:
             if sql is None or not (calls or bodies):
                 continue
             try:
-                ways = self._derivations.relations.ways(sql, given, most=_MOST_WAYS)
+                ways = self._derivations.relations.ways(sql, given, max_rows=_MOST_WAYS)
             except FailureError as failure:
-                if failure.slow:
+                if failure.is_slow:
                     raise
                 continue
             for way in ways:

@@ -184,8 +184,8 @@ class _Proving:
     def _derivations_of(self, rule: RuleParts, row: Row) -> list[tuple[Clause, Way]]:
         """Return derivations of a row: of a distinct one those that are found in a few steps."""
         if self._probing.distinct:
-            within = self._derivations.relations.within
-            with suppress(FailureError), within.bound_steps(_STEPS_FOR_OTHERS):
+            budget = self._derivations.relations.budget
+            with suppress(FailureError), budget.bound_steps(_STEPS_FOR_OTHERS):
                 return list(self._ways(rule, row, _MOST_OTHERS))
         return list(islice(self._ways(rule, row), 1))
 

@@ -103,7 +103,7 @@ class Refuting:
         sql = self._queries.get(found.query)
         if sql is None or any(each.steps == len(of.steps) for of, each in reached):
             return None
-        ways = self._relations.ways(sql, self._given, found.wanted, most=_MOST_WAYS)
+        ways = self._relations.ways(sql, self._given, found.wanted, max_rows=_MOST_WAYS)
         return Stop(clause, clause.steps[found.steps], ways)
 
     def of(self, clauses: Sequence[Clause]) -> tuple[Node, ...]:

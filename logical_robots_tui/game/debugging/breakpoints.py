@@ -9,13 +9,13 @@ from dataclasses import replace
 from statistics import fmean
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
-from logical_robots_tui.mind import ProgramError, QueryError, Table
+from logical_robots_tui.mind import ProgramError, QueryError, ResultTable
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Mind, Program, Question
+    from logical_robots_tui.mind import CompiledQuery, Mind, Program
     from logical_robots_tui.world import Level
 
 Event: TypeAlias = Literal[
@@ -163,7 +163,7 @@ _LONGEST = 60  # characters of each
 _BY_NAME = ("Robot", "Sensor", "Memory")
 
 
-def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
+def matching_rows(question: CompiledQuery, table: ResultTable, robot: str = "") -> ResultTable:
     """Return the rows for which a question holds; "" as robot means any mind.
 
     For an expression these are values other than null, false and 0; for conditions without
@@ -185,7 +185,7 @@ def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
     )
 
 
-def number_of(question: Question, table: Table) -> int | float | None:
+def number_of(question: CompiledQuery, table: ResultTable) -> int | float | None:
     """Return one number for an answer, or None.
 
     For an expression it is its value, the mean of those of several minds; else the number of rows,
@@ -205,8 +205,8 @@ class Watch:
     def __init__(self, breakpoints: Sequence[Breakpoint]) -> None:
         self.breakpoints = breakpoints
         self.problems: dict[Breakpoint, str] = {}
-        self._asked: dict[str, tuple[Frame, Table]] = {}
-        self._questions: dict[str, Question | ProgramError] = {}
+        self._asked: dict[str, tuple[Frame, ResultTable]] = {}
+        self._questions: dict[str, CompiledQuery | ProgramError] = {}
 
     def hits(self, past: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
         """Return the breakpoints that a tick hits; always pass the same mind. Raises Stopped."""
@@ -249,7 +249,7 @@ class Watch:
             table = matching_rows(question, table)
         return _rows_for(each, table)
 
-    def _table(self, subject: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
+    def _table(self, subject: str, frame: Frame, mind: Mind, stop: threading.Event) -> ResultTable:
         asked = self._asked.get(subject)
         if asked is not None and asked[0] is frame:
             return asked[1]
@@ -262,7 +262,7 @@ class Watch:
         self._asked[subject] = (frame, table)
         return table
 
-    def _question(self, subject: str, mind: Mind, stop: threading.Event) -> Question | None:
+    def _question(self, subject: str, mind: Mind, stop: threading.Event) -> CompiledQuery | None:
         """Return the question, None for one best queried by name, or raise ProgramError."""
         if subject in _BY_NAME:
             return None
@@ -280,7 +280,7 @@ class Watch:
         raise question
 
 
-def _rows_for(each: Breakpoint, table: Table) -> _Rows:
+def _rows_for(each: Breakpoint, table: ResultTable) -> _Rows:
     rows: Sequence[tuple[Value, ...]] = table.rows
     if each.robot and "robot_name" in table.columns:
         at = table.columns.index("robot_name")

@@ -15,7 +15,14 @@ from logical_robots_tui import explain
 from logical_robots_tui.game.advancing import Thinker
 from logical_robots_tui.game.debugging.breakpoints import matching_rows
 from logical_robots_tui.game.frame import Frame, Superseded
-from logical_robots_tui.mind import Limits, ProgramError, QueryError, QueryPlan, Stopped, Table
+from logical_robots_tui.mind import (
+    Limits,
+    ProgramError,
+    QueryError,
+    QueryPlan,
+    ResultTable,
+    Stopped,
+)
 from logical_robots_tui.values import Value, spell
 from logical_robots_tui.world import Level
 
@@ -23,7 +30,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.explain import Ask, Explanation, Proof
     from logical_robots_tui.explain.why.explainer import Explainer
     from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.mind import Mind, Program, Table
+    from logical_robots_tui.mind import Mind, Program, ResultTable
 
 MIND = "in the mind of"
 """Pseudo-column for the robot in whose reasoning a row holds. No real column has this name."""
@@ -117,7 +124,7 @@ def pin_of_cell(
     return None if others else Pin(predicate, column, tuple(where))
 
 
-def read(pin: Pin, table: Table | QueryError) -> Reading:
+def read(pin: Pin, table: ResultTable | QueryError) -> Reading:
     if isinstance(table, QueryError):
         return Reading(problem=str(table))
     for name in (*(name for name, _ in pin.where), pin.column):
@@ -131,7 +138,9 @@ def read(pin: Pin, table: Table | QueryError) -> Reading:
     return _inside(rows[0][table.columns.index(pin.column)], pin.path)
 
 
-def _matching(table: Table, where: Iterable[tuple[str, Value]]) -> Iterator[tuple[Value, ...]]:
+def _matching(
+    table: ResultTable, where: Iterable[tuple[str, Value]]
+) -> Iterator[tuple[Value, ...]]:
     tests = [
         (table.columns.index(name) if name in table.columns else None, value)
         for name, value in where
@@ -191,13 +200,13 @@ class Inquiry:
         self._watcher = Thinker("watch")
         self._last: dict[Thinker, _Explained] = {}
 
-    async def ask(self, program: Program, query: str, frame: Frame) -> Table:
+    async def ask(self, program: Program, query: str, frame: Frame) -> ResultTable:
         """Evaluate a call, an expression, conditions, or rules of which the last is evaluated.
 
         Raises ProgramError for a wrong query, QueryError if it failed at this tick.
         """
 
-        def work(mind: Mind, stop: threading.Event) -> Table:
+        def work(mind: Mind, stop: threading.Event) -> ResultTable:
             question = program.question(query, stop=stop, limits=_LIMITS)
             return mind.ask(question, frame.sensors, frame.memories_before, stop=stop)
 
@@ -227,7 +236,9 @@ class Inquiry:
             self._explainer, program, robot, frame, lambda each: each.proof(asked, depth=depth)
         )
 
-    async def calls(self, program: Program, robot: str, frame: Frame, predicate: str) -> Table:
+    async def calls(
+        self, program: Program, robot: str, frame: Frame, predicate: str
+    ) -> ResultTable:
         """Return a function's calls in a robot's reasoning at a frame, or raise QueryError."""
         return await self._explain(
             self._surveyor, program, robot, frame, lambda each: each.calls(predicate)
@@ -258,7 +269,7 @@ class Inquiry:
 
         return await self._do(self._explainer, program, work)
 
-    async def survey(self, program: Program, frame: Frame) -> dict[str, Table | QueryError]:
+    async def survey(self, program: Program, frame: Frame) -> dict[str, ResultTable | QueryError]:
         """Return the rows of all predicates that have rows, or why one has none."""
         names = [each.name for each in program.predicates if each.has_rows]
         return await self._do(self._surveyor, program, partial(_tables, names, frame))
@@ -310,8 +321,8 @@ class Inquiry:
 
 def _tables(
     predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
-) -> dict[str, Table | QueryError]:
-    found: dict[str, Table | QueryError] = {}
+) -> dict[str, ResultTable | QueryError]:
+    found: dict[str, ResultTable | QueryError] = {}
     sensors, memories = frame.sensors, frame.memories_before
     for name in predicates:
         try:

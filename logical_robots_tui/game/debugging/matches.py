@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.mind import Mind, Question
+    from logical_robots_tui.mind import CompiledQuery, Mind
 
 MAX_ENTRIES = 500
 MAX_BYTES = 10_000_000
@@ -56,7 +56,7 @@ class Matches:
 
 async def find_matches(
     run: Run,
-    question: Question,
+    question: CompiledQuery,
     ticks: int,
     robot: str = "",
     report: Callable[[int], object] = lambda _tick: None,
@@ -90,7 +90,7 @@ async def find_matches(
 
 
 def _answer(
-    question: Question, frame: Frame, mind: Mind, stop: threading.Event, robot: str = ""
+    question: CompiledQuery, frame: Frame, mind: Mind, stop: threading.Event, robot: str = ""
 ) -> bool | str:
     sensors, memories = frame.sensors, frame.memories_before
     try:
@@ -178,7 +178,9 @@ async def search_ticks(
     ticks = range(here, end + way, way)
     thinker = Thinker("search")
 
-    def ask(question: Question, some: Sequence[_Tick], stop: threading.Event) -> list[bool | str]:
+    def ask(
+        question: CompiledQuery, some: Sequence[_Tick], stop: threading.Event
+    ) -> list[bool | str]:
         answers: list[bool | str] = []
         for before, known in some:
             frame, mind = thinker.replay(program, before, known, game.limits)

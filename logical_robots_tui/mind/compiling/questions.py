@@ -24,14 +24,14 @@ from logical_robots_tui.mind.compiling.compiler import (
     without_visibility,
 )
 from logical_robots_tui.mind.compiling.dialect import runs
-from logical_robots_tui.mind.program import Question
+from logical_robots_tui.mind.program import CompiledQuery
 from logical_robots_tui.schema import INPUTS, VALUE
 
 Own: TypeAlias = Mapping[str, Sequence[tree.Rule | tree.Functor]]
 Gives: TypeAlias = Literal["rows", "value", "truth"]
 
 
-def compile_question(text: str, query: str) -> Question:
+def compile_question(text: str, query: str) -> CompiledQuery:
     """Compile a question; a ProgramError refers to the query's lines and columns."""
     source = prepare(query)
     if source.problems:
@@ -64,7 +64,7 @@ def compile_question(text: str, query: str) -> Question:
         raise ProgramError(tuple(_place(d, first, query) for d in error.diagnostics)) from None
 
 
-def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> Question:
+def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> CompiledQuery:
     """Return the question for a predicate's rows, which is in line `first`."""
     source = prepare(whole)
     parsed = parse(source)
@@ -85,7 +85,7 @@ def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> Question:
             message = error_messages.FUNCTION.format(asked)
             raise ProgramError((Diagnostic(1, 1, message, hint),)) from None
         raise ProgramError((explain(error, source, parsed.statements),)) from None
-    return Question(
+    return CompiledQuery(
         "", sql, "rows", compiled.truths(asked), column_labels(asked, definitions(rest))
     )
 

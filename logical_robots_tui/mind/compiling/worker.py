@@ -47,7 +47,7 @@ from logical_robots_tui.mind.compilation import (
 )
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
-from logical_robots_tui.mind.program import Program, Question, Tuned
+from logical_robots_tui.mind.program import CompiledQuery, Program, Tuned
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
@@ -177,7 +177,7 @@ def _compile(task: CompileProgram, report: Report | None) -> Program:
     return replace(program, tuned=keep_preparable(tune_all(statements, trees)))
 
 
-def _compile_question(task: CompileQuestion) -> Question:
+def _compile_question(task: CompileQuestion) -> CompiledQuery:
     """Raises ProgramError if it has errors, or SQLite can't prepare it in reasonable time."""
     question = compile_question(task.text, task.query)
     with closing(Database()) as database:

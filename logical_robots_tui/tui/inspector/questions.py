@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from textual.content import Content
 
 from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
-from logical_robots_tui.mind import QueryError, Table
+from logical_robots_tui.mind import QueryError, ResultTable
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level
@@ -35,18 +35,18 @@ class Survey:
 
     program: Program
     frame: Frame
-    tables: dict[str, Table | QueryError]
-    before: dict[str, Table | QueryError]
+    tables: dict[str, ResultTable | QueryError]
+    before: dict[str, ResultTable | QueryError]
 
     def count(self, predicate: str) -> str:
         table = self.tables.get(predicate)
-        if not isinstance(table, Table):
+        if not isinstance(table, ResultTable):
             return "" if table is None else "!"
         return f"{len(table.rows)}{'+' if table.truncated else ''}"
 
     def differs(self, predicate: str) -> bool:
         now, before = self.tables.get(predicate), self.before.get(predicate)
-        return isinstance(now, Table) and isinstance(before, Table) and now != before
+        return isinstance(now, ResultTable) and isinstance(before, ResultTable) and now != before
 
 
 class Questions:
@@ -96,7 +96,7 @@ class Questions:
         known = (each for each in self.session.predicates if each.name == name)
         return any(each.kind == "program" and each.is_function for each in known)
 
-    async def rows(self, predicate: str, robot: str, frame: Frame) -> Table:
+    async def rows(self, predicate: str, robot: str, frame: Frame) -> ResultTable:
         """A predicate's rows, or a function's calls for a robot, or raise QueryError."""
         if self.is_function(predicate):
             return await self._inquiry().calls(self.program, robot, frame, predicate)
@@ -110,7 +110,7 @@ class Questions:
         if known := self.surveyed(frame):
             return known
         inquiry = self._inquiry()
-        before: dict[str, Table | QueryError] = {}
+        before: dict[str, ResultTable | QueryError] = {}
         earlier = self._frame_before(frame)
         if last is not None and last.program is program and last.frame is earlier:
             before = last.tables

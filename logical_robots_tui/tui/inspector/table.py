@@ -28,7 +28,7 @@ from logical_robots_tui.values import Value
 from logical_robots_tui.wording import clip, count_of, visible
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind import Table
+    from logical_robots_tui.mind import ResultTable
 
 
 Row: TypeAlias = "tuple[Value, ...]"
@@ -213,7 +213,7 @@ class ValueTable(ScrollView, can_focus=True):
         number = next((n for n, each in enumerate(self.all.rows) if each is row), None)
         return None if number is None else (number, self.column)
 
-    def show(self, table: Table | None, before: Table | None = None) -> None:
+    def show(self, table: ResultTable | None, before: ResultTable | None = None) -> None:
         """Replace the rows, marking differences from the tick before; the cursor stays."""
         columns, rows = _named_rows(table) if table is not None else ((), ())
         self._are_all = table is None or not table.truncated
@@ -354,7 +354,7 @@ def _fit(text: str, width: int, value: Value) -> str:
     return missing + text if is_number(value) else text + missing
 
 
-def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:
+def _named_rows(table: ResultTable) -> tuple[tuple[str, ...], tuple[Row, ...]]:
     """Return columns and rows; rows that belong to several robots get a column for these."""
     if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
         return table.columns, table.rows
@@ -362,7 +362,7 @@ def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:
     return (MIND, *table.columns), rows
 
 
-def row_count(table: Table, what: str = "row", more: str = "") -> str:
+def row_count(table: ResultTable, what: str = "row", more: str = "") -> str:
     count = len(table.rows)
     if table.truncated:
         return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")

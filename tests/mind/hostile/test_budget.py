@@ -65,8 +65,8 @@ def break_callback(mind: Mind, callback: str, error: Callable[[], BaseException]
     step = fail if callback == "step" else lambda *_: None
     finalize = fail if callback == "finalize" else lambda *_: "[]"
     aggregate = type("Failing", (), {"step": step, "finalize": finalize})
-    tuned = mind._asking._tuned
-    for database in (mind._asking.plain_tables, *([tuned._database] if tuned else [])):
+    tuned = mind._databases._tuned
+    for database in (mind._databases.plain_tables, *([tuned._database] if tuned else [])):
         connection = database._connection
         if callback == "function":
             for name in ("upper_text", "upper"):
@@ -74,7 +74,7 @@ def break_callback(mind: Mind, callback: str, error: Callable[[], BaseException]
         elif callback == "text":
             connection.text_factory = fail
         elif callback == "read":
-            mind._asking._read_value = fail  # type: ignore[assignment]  # it is another function
+            mind._databases._read_value = fail  # type: ignore[assignment]  # it is another function
         else:
             for name in ("list_of_distinct", "any_value"):
                 connection.create_aggregate(name, 1, aggregate)

@@ -8,7 +8,7 @@ import pytest
 from textual.widgets import Static
 
 from logical_robots_tui.game import Frame, Inquiry
-from logical_robots_tui.mind import Program, Table
+from logical_robots_tui.mind import Program, ResultTable
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.layout.command_bar import CommandBar
@@ -101,7 +101,7 @@ LATE = "0 < 0"
 async def test_a_question_can_be_stopped(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     answer = Inquiry.ask
 
-    async def late(inquiry: Inquiry, program: Program, query: str, frame: Frame) -> Table:
+    async def late(inquiry: Inquiry, program: Program, query: str, frame: Frame) -> ResultTable:
         if query == LATE:
             await asyncio.Event().wait()
         return await answer(inquiry, program, query, frame)

@@ -8,7 +8,7 @@ import pytest
 from textual.widgets import OptionList
 
 from logical_robots_tui.game import Frame
-from logical_robots_tui.mind import Table
+from logical_robots_tui.mind import ResultTable
 from logical_robots_tui.tui.inspector import pages, pane
 from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
@@ -176,7 +176,7 @@ async def test_a_table_is_walked_by_key_and_click_and_shows_whole_values(data_di
 async def test_slow_rows_hold_up_nothing(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = Questions.rows
 
-    async def late(questions: Questions, predicate: str, robot: str, frame: Frame) -> Table:
+    async def late(questions: Questions, predicate: str, robot: str, frame: Frame) -> ResultTable:
         if predicate == "Robot":
             await asyncio.Event().wait()
         return await rows(questions, predicate, robot, frame)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 
 from logical_robots_tui.game import Frame
-from logical_robots_tui.mind import Table
+from logical_robots_tui.mind import ResultTable
 from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
 from logical_robots_tui.tui.inspector.plots import format_value, inked, radar_plot
@@ -104,7 +104,7 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
     yield _titled("on the way")
     for name in program.needed:
         table = survey.tables.get(name)
-        if not isinstance(table, Table):
+        if not isinstance(table, ResultTable):
             yield _named(name, "failed" if table is not None else "not known")
             continue
         rows = _rows_of(robot, table)
@@ -120,7 +120,7 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
         yield Content.assemble("  ", (f"{one_line(name)}  ", INK.title)).append(said)
 
 
-def _rows_of(robot: str, table: Table) -> list[tuple[Value, ...]]:
+def _rows_of(robot: str, table: ResultTable) -> list[tuple[Value, ...]]:
     place = table.columns.index("robot_name") if "robot_name" in table.columns else None
     return [
         row

@@ -10,7 +10,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.game import ROBOT_COLUMNS, Breakpoint, Frame, Pin, Superseded, pin_of_cell
-from logical_robots_tui.mind import QueryError, Table
+from logical_robots_tui.mind import QueryError, ResultTable
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Traced, traced_value
 from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
@@ -53,7 +53,7 @@ class PredicatePage(Page):
 
     def show_survey(self, survey: Survey) -> None:
         table = survey.tables.get(self.predicate)
-        if isinstance(table, Table):
+        if isinstance(table, ResultTable):
             self._show_table(survey.frame, table)
 
     def pin_here(self) -> Pin | None:
@@ -93,7 +93,7 @@ class PredicatePage(Page):
         number, column = table.place
         return pin_of_cell(self.predicate, table.all.columns, table.all.rows, number, column)
 
-    def _show_table(self, frame: Frame, table: Table) -> None:
+    def _show_table(self, frame: Frame, table: ResultTable) -> None:
         what = ("call", f" of {self.robot}") if self.depends_on_robot else ("row", "")
         words = (row_count(table, *what), self.view.how.words)
         self.head(frame.tick, ", ".join(filter(None, words)), self.predicate)
@@ -101,7 +101,7 @@ class PredicatePage(Page):
         self.view.display = True
         survey = self._questions.surveyed(frame)
         before = survey.before.get(self.predicate) if survey is not None else None
-        self.view.show(table, before if isinstance(before, Table) else None)
+        self.view.show(table, before if isinstance(before, ResultTable) else None)
 
     def _say_instead(self, frame: Frame, message: str) -> None:
         self.head(frame.tick, title=self.predicate)
