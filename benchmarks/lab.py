@@ -18,7 +18,7 @@ from logical_robots_tui.game.measuring import play_through, start_of
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.lab.running import Task, execute, fingerprint
+from logical_robots_tui.lab.running import RunTask, execute, fingerprint
 from logical_robots_tui.lab.sweeping import plan_sweep
 from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
@@ -76,7 +76,7 @@ def _overhead(name: str, effort: Effort) -> Iterator[Measurement]:
     program = Program.compile(text)
     source = Path(level.source).read_text("utf-8")
     ticks, starts = 2 * effort.ticks, tuple(range(STARTS))
-    task = Task(source, {"": text}, ticks, starts, (), 100_000_000, 600.0, False, fingerprint())
+    task = RunTask(source, {"": text}, ticks, starts, (), 100_000_000, 600.0, False, fingerprint())
     ratios = []
     for _ in range(effort.repeats + 1):
         began = process_time()
@@ -101,7 +101,7 @@ def _experiment(folder: Path, starts: int, ticks: int) -> Path:
 def _seconds(plan: tuple[Manifest, dict[str, str]], out: Path, workers: int) -> float:
     """Return the seconds of all runs, with the start of the worker processes."""
     folder, engine = Folder(out), LocalEngine(workers)
-    with folder.locked(), folder.ledger() as ledger:
+    with folder.lock(), folder.ledger() as ledger:
         manifest = folder.write(*plan)
         coordinator = Coordinator(folder, manifest, ledger)
         began = perf_counter()
@@ -141,7 +141,7 @@ def _peak_after(runs: int) -> float:
         starts = tuple(range(first, min(first + 20, runs)))
         while starts:
             programs = {"": program}
-            task = Task(level, programs, 5, starts, (), 100_000_000, 600.0, False, fingerprint())
+            task = RunTask(level, programs, 5, starts, (), 100_000_000, 600.0, False, fingerprint())
             starts = starts[len(execute(task).results) :]
     return memory_use("self") / 1e6
 

@@ -135,7 +135,7 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
 
         print(*map(harmless, account_of(manifest)), sep="\n", flush=True)
     folder = Folder(options.output)
-    with folder.locked():
+    with folder.lock():
         with folder.ledger(mixed=options.mixed):
             pass  # it can be used: otherwise the manifest beside it stays
         return _work(options, folder, folder.write(manifest, inputs))
@@ -186,7 +186,7 @@ def _resume(options: argparse.Namespace) -> int:
 
     folder = Folder(options.folder)
     manifest = folder.manifest()
-    with folder.locked():
+    with folder.lock():
         return _work(options, folder, manifest)
 
 
@@ -265,7 +265,7 @@ def _play(options: argparse.Namespace) -> int:
     with TemporaryDirectory(prefix="logical-robots-") as place:
         files = (
             Path(place, cell.level_name + (WEB if is_of_web(text) else NATIVE)),
-            Path(place, re.sub(r"[^\w.-]+", "-", student.called)[:60].strip("-.") + SUFFIX),
+            Path(place, re.sub(r"[^\w.-]+", "-", student.label)[:60].strip("-.") + SUFFIX),
         )
         for file, content in zip(files, (text, program), strict=True):
             file.write_text(content, "utf-8")
@@ -294,7 +294,7 @@ def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
 
 
 def _work(options: argparse.Namespace, folder: Folder, planned: Manifest) -> int:
-    from logical_robots_tui.lab import closed_after, engine_for, rounds
+    from logical_robots_tui.lab import closing_engine, engine_for, rounds
 
     student = getattr(options, "student", None)
     if student:
@@ -308,7 +308,7 @@ def _work(options: argparse.Namespace, folder: Folder, planned: Manifest) -> int
                 options.workers, options.dask, lambda said: print(harmless(said), file=sys.stderr)
             )
             try:
-                with closed_after(engine):
+                with closing_engine(engine):
                     for manifest, coordinator in chain([first], work):
                         with _progress(manifest, coordinator) as show:
                             coordinator.work(engine, is_stopped, show)
@@ -355,7 +355,7 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
     if tally.failed and not is_grading:
         for done in islice(failed_runs(manifest, ledger), 5):
             _, _, reason = done.result.first or (0, "", "")
-            print(harmless(f"  {manifest.called(done.cell)}, start {done.start}: {reason}"))
+            print(harmless(f"  {manifest.label_of(done.cell)}, start {done.start}: {reason}"))
     if is_grading and (ungraded := ungraded_lines(manifest, ledger)):
         print("Ungraded:", *(harmless(f"  {line}") for line in ungraded), sep="\n")
     if tally.differing:
@@ -410,17 +410,17 @@ _LINE_SECONDS = 5.0
 
 @contextmanager
 def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable[[], None]]:
-    from logical_robots_tui.lab.coordinating import Pace
+    from logical_robots_tui.lab.coordinating import WorkProgress
 
     if not coordinator.tally().due:
         yield lambda: None
         return
-    pace, due = Pace(manifest, coordinator), monotonic() + _LINE_SECONDS
+    pace, due = WorkProgress(manifest, coordinator), monotonic() + _LINE_SECONDS
     with drawn_bar(manifest.title) as draw:
 
         def show() -> None:
             nonlocal due
-            done, total, count, rest = pace.said()
+            done, total, count, rest = pace.summary()
             draw(done, total, count, harmless(rest))
             if not sys.stderr.isatty() and monotonic() >= due:
                 due = monotonic() + _LINE_SECONDS

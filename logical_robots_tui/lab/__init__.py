@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pandas
 
     from logical_robots_tui.lab.coordinating import Coordinator, Engine
-    from logical_robots_tui.lab.exporting import Table
+    from logical_robots_tui.lab.exporting import ResultTable
     from logical_robots_tui.lab.folder import Folder, Ledger, Manifest
     from logical_robots_tui.toml_files import Given
 
@@ -65,7 +65,7 @@ class Results:
             self.done, self.due, self.failed, differing = coordinator.tally()
             is_over = next_round(manifest, ledger, coordinator) is None
             self.complete = is_over and not (self.due or self.failed or differing)
-            self._tables: dict[str, Table] = tables_of(manifest, ledger)
+            self._tables: dict[str, ResultTable] = tables_of(manifest, ledger)
         self.tables = tuple(self._tables)
 
     def to_pandas(self, table: str = "") -> pandas.DataFrame:
@@ -104,12 +104,12 @@ class Results:
 
     def __repr__(self) -> str:
         counts = {"runs": self.done, "left": self.due, "failed": self.failed}
-        said = ", ".join(f"{n:,} {what}" for what, n in counts.items() if n or what == "runs")
-        return f"<Results of {self.title} in {self.path}: {said}>"
+        summary = ", ".join(f"{n:,} {name}" for name, n in counts.items() if n or name == "runs")
+        return f"<Results of {self.title} in {self.path}: {summary}>"
 
 
-class How(TypedDict, total=False):
-    """How the work is done.
+class WorkOptions(TypedDict, total=False):
+    """Options for the work.
 
     Attributes:
         workers: Processes on this computer, by default one per core.
@@ -124,7 +124,7 @@ class How(TypedDict, total=False):
     progress: bool
 
 
-def sweep(experiment: Given, folder: str | Path, **how: Unpack[How]) -> Results:
+def sweep(experiment: Given, folder: str | Path, **options: Unpack[WorkOptions]) -> Results:
     """Run an experiment; what was computed before is not computed again.
 
     After an interruption do the same once more: it goes on. Blocks until everything is done.
@@ -132,7 +132,7 @@ def sweep(experiment: Given, folder: str | Path, **how: Unpack[How]) -> Results:
     Args:
         experiment: A file as described in ``docs/lab.md``, or a mapping with what would be in it.
         folder: Where all results go.
-        how: As in `How`, such as ``workers=2``.
+        options: As in `WorkOptions`, such as ``workers=2``.
 
     Raises:
         TomlFileError: The experiment is wrong; `problems` has all that is.
@@ -140,25 +140,25 @@ def sweep(experiment: Given, folder: str | Path, **how: Unpack[How]) -> Results:
     """
     from logical_robots_tui.lab.sweeping import plan_sweep
 
-    return _carry_out(plan_sweep(experiment), folder, **how)
+    return _carry_out(plan_sweep(experiment), folder, **options)
 
 
 def grade(
-    assignment: Given, submissions: str | Path, folder: str | Path, **how: Unpack[How]
+    assignment: Given, submissions: str | Path, folder: str | Path, **options: Unpack[WorkOptions]
 ) -> Results:
     """Grade the programs of a class, in a folder or an archive; else as `sweep`."""
     from logical_robots_tui.lab.submissions import plan_grading
 
-    return _carry_out(plan_grading(assignment, Path(submissions)), folder, **how)
+    return _carry_out(plan_grading(assignment, Path(submissions)), folder, **options)
 
 
 def tournament(
-    arena: Given, players: str | Path, folder: str | Path, **how: Unpack[How]
+    arena: Given, players: str | Path, folder: str | Path, **options: Unpack[WorkOptions]
 ) -> Results:
     """Let the programs of a folder play against each other; else as `sweep`."""
     from logical_robots_tui.lab.competing import plan_tournament
 
-    return _carry_out(plan_tournament(arena, Path(players)), folder, **how)
+    return _carry_out(plan_tournament(arena, Path(players)), folder, **options)
 
 
 def _carry_out(
@@ -174,12 +174,12 @@ def _carry_out(
     from logical_robots_tui.lab.reporting import export
 
     folder = Folder(Path(path))
-    with folder.locked(), folder.ledger(mixed=mixed) as ledger:
-        planned = folder.write(*plan)
+    with folder.lock(), folder.ledger(mixed=mixed) as ledger:
+        first_manifest = folder.write(*plan)
         ledger.forget_failures()
         engine = engine_for(workers, dask, _say if progress else lambda _: None)
-        with closed_after(engine):
-            for manifest, coordinator in rounds(folder, planned, ledger):
+        with closing_engine(engine):
+            for manifest, coordinator in rounds(folder, first_manifest, ledger):
                 with _progress(manifest, coordinator, progress) as show:
                     coordinator.work(engine, lambda: False, show)
         if coordinator.tally().is_complete or manifest.kind == "grade":
@@ -195,12 +195,12 @@ def engine_for(workers: int | None, dask: str, say: Callable[[str], None]) -> En
         return ClusterEngine(dask, say)
     from logical_robots_tui.lab.engines import LocalEngine
 
-    here = hasattr(os, "sched_getaffinity")
-    return LocalEngine(workers or (len(os.sched_getaffinity(0)) if here else os.cpu_count() or 1))
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return LocalEngine(workers or cores or 1)
 
 
 @contextmanager
-def closed_after(engine: Engine) -> Iterator[None]:
+def closing_engine(engine: Engine) -> Iterator[None]:
     """Close an engine in the end, at once if that is an error or an interrupt."""
     try:
         yield
@@ -218,8 +218,8 @@ def rounds(
 
     coordinator = Coordinator(folder, manifest, ledger)
     yield manifest, coordinator
-    while (further := next_round(manifest, ledger, coordinator)) is not None:
-        manifest = folder.write(further, {})
+    while (next_manifest := next_round(manifest, ledger, coordinator)) is not None:
+        manifest = folder.write(next_manifest, {})
         coordinator = Coordinator(folder, manifest, ledger)
         yield manifest, coordinator
 
@@ -239,31 +239,32 @@ _REDRAW_SECONDS = 0.2
 
 @contextmanager
 def _progress(
-    manifest: Manifest, coordinator: Coordinator, is_wanted: bool
+    manifest: Manifest, coordinator: Coordinator, is_enabled: bool
 ) -> Iterator[Callable[[], None]]:
     """Say how far it is, on one line in a terminal or notebook, elsewhere now and then on one."""
-    from logical_robots_tui.lab.coordinating import Pace
+    from logical_robots_tui.lab.coordinating import WorkProgress
 
-    pace, is_live = Pace(manifest, coordinator), sys.stderr.isatty() or "ipykernel" in sys.modules
-    every = _REDRAW_SECONDS if is_live else _LINE_SECONDS
-    due, is_said = monotonic() + every, False
+    pace = WorkProgress(manifest, coordinator)
+    is_live = sys.stderr.isatty() or "ipykernel" in sys.modules
+    interval = _REDRAW_SECONDS if is_live else _LINE_SECONDS
+    next_time, has_printed = monotonic() + interval, False
 
     def show() -> None:
-        nonlocal due, is_said
-        if not is_wanted or monotonic() < due:
+        nonlocal next_time, has_printed
+        if not is_enabled or monotonic() < next_time:
             return
-        due, is_said = monotonic() + every, True
-        _, _, count, rest = pace.said()
-        said = f"{manifest.title}: {count}, {rest}"
-        _say(f"{said[:99]:<99}" if is_live else said, "\r" if is_live else "\n")
+        next_time, has_printed = monotonic() + interval, True
+        _, _, count, details = pace.summary()
+        line = f"{manifest.title}: {count}, {details}"
+        _say(f"{line[:99]:<99}" if is_live else line, "\r" if is_live else "\n")
 
     yield show
-    if is_said and is_live:
+    if has_printed and is_live:
         _say("")
 
 
-def _say(said: str, end: str = "\n") -> None:
+def _say(text: str, end: str = "\n") -> None:
     from logical_robots_tui.lab.exporting import harmless_text
 
-    sys.stderr.write(harmless_text(said) + end)
+    sys.stderr.write(harmless_text(text) + end)
     sys.stderr.flush()

@@ -29,41 +29,41 @@ _UNREADABLE = (
 )
 
 
-class _RefusedError(ValueError):
+class _BudgetError(ValueError):
     def __str__(self) -> str:
         return "it holds too much"
 
 
 class File(NamedTuple):
-    """A file that was handed in, and when it was changed; `problem` is why it can't be read.
+    """A file that was handed in, with its time of change; `problem` is why it can't be read.
 
     The names of the archives that it was in are among its `parts`.
     """
 
     parts: tuple[str, ...]
     content: bytes = b""
-    changed: float = 0.0
+    mtime: float = 0.0
     problem: str = ""
 
 
 @dataclass(slots=True)
-class Room:
+class UnpackBudget:
     """What may still be unpacked of one submission."""
 
     members: int = 10_000
     bytes: int = 50_000_000
 
-    def take(self, size: int, packed: int) -> None:
+    def spend(self, size: int, packed_size: int) -> None:
         """Count a file of an archive of `packed` bytes; raise an error if it is too much."""
         self.members -= 1
         self.bytes -= size
-        if self.members < 0 or self.bytes < 0 or size > max(_SLACK, _MOST_RATIO * packed):
-            raise _RefusedError
+        if self.members < 0 or self.bytes < 0 or size > max(_SLACK, _MOST_RATIO * packed_size):
+            raise _BudgetError
 
 
 class _Member(NamedTuple):
     name: str
-    changed: float
+    mtime: float
     problem: str
     read: Callable[[int], bytes]
 
@@ -84,14 +84,15 @@ def is_hidden(name: str) -> bool:
     return name.startswith(".") or name == "__MACOSX"
 
 
-def unpack(archive: File, room: Room, most: Callable[[str], int]) -> Iterator[File]:
-    """Yield the files of an archive, with contents of at most `most(name)` bytes.
+def unpack(archive: File, budget: UnpackBudget, limit_of: Callable[[str], int]) -> Iterator[File]:
+    """Yield the files of an archive, with contents of at most `limit_of(name)` bytes.
 
     Links and paths that lead out of it are files with a problem, and so is the archive itself if
-    it is damaged or takes more than `room`.
+    it is damaged or exceeds `budget`.
     """
+    members_of = _zip_members if archive.content[:2] == b"PK" else _tar_members
     try:
-        for member in (_of_zip if archive.content[:2] == b"PK" else _of_tar)(archive.content, room):
+        for member in members_of(archive.content, budget):
             parts = tuple(part for part in member.name.replace("\\", "/").split("/") if part != ".")
             problem, content = member.problem, b""
             if not parts or any(is_hidden(part) for part in parts if part != ".."):
@@ -101,49 +102,49 @@ def unpack(archive: File, room: Room, most: Callable[[str], int]) -> Iterator[Fi
             elif "" in parts or ".." in parts or ":" in parts[0]:
                 parts = tuple(part for part in parts if part not in ("", ".."))[-1:] or ("?",)
                 problem = "its path leads out of the archive"
-            if not problem and (limit := most(parts[-1])):
+            if not problem and (limit := limit_of(parts[-1])):
                 try:
                     content = member.read(limit + 1)
                 except _UNREADABLE:
                     problem = "it is damaged"
                 if len(content) > limit:
                     content, problem = b"", f"it is larger than {limit // 10**6} MB"
-            room.take(len(content), len(archive.content))
-            yield File((*archive.parts, *parts), content, member.changed, problem)
+            budget.spend(len(content), len(archive.content))
+            yield File((*archive.parts, *parts), content, member.mtime, problem)
     except _UNREADABLE as error:
-        said = str(error) if isinstance(error, _RefusedError) else "it is damaged"
-        yield File(archive.parts, problem=said)
+        reason = str(error) if isinstance(error, _BudgetError) else "it is damaged"
+        yield File(archive.parts, problem=reason)
 
 
-def _of_zip(content: bytes, room: Room) -> Iterator[_Member]:
-    if content.count(b"PK\1\2") > room.members:  # each takes memory as soon as it is opened
-        raise _RefusedError
+def _zip_members(content: bytes, budget: UnpackBudget) -> Iterator[_Member]:
+    if content.count(b"PK\1\2") > budget.members:  # each takes memory as soon as it is opened
+        raise _BudgetError
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        for info in archive.infolist():
-            if info.is_dir():
+        for entry in archive.infolist():
+            if entry.is_dir():
                 continue
-            name = info.filename
-            if not info.flag_bits & 0x800:  # what macOS packs is UTF-8 without saying so
+            name = entry.filename
+            if not entry.flag_bits & 0x800:  # what macOS packs is UTF-8 without saying so
                 with suppress(UnicodeError):
                     name = name.encode("cp437").decode()
-            problem = "it is a link" if stat.S_ISLNK(info.external_attr >> 16) else ""
-            if info.flag_bits & 1:
+            problem = "it is a link" if stat.S_ISLNK(entry.external_attr >> 16) else ""
+            if entry.flag_bits & 1:
                 problem = "it is encrypted"
-            elif info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            elif entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
                 problem = "its compression method is not supported"
             try:
-                changed = datetime(*info.date_time).timestamp()
+                mtime = datetime(*entry.date_time).timestamp()
             except (OverflowError, ValueError):
-                changed = 0.0
+                mtime = 0.0
 
-            def read(most: int, info: zipfile.ZipInfo = info) -> bytes:
-                with archive.open(info) as file:
-                    return file.read(most)
+            def read(size: int, entry: zipfile.ZipInfo = entry) -> bytes:
+                with archive.open(entry) as file:
+                    return file.read(size)
 
-            yield _Member(name, changed, problem, read)
+            yield _Member(name, mtime, problem, read)
 
 
-def _of_tar(content: bytes, room: Room) -> Iterator[_Member]:
+def _tar_members(content: bytes, budget: UnpackBudget) -> Iterator[_Member]:
     decompressor: Any = None
     if content[:2] == b"\x1f\x8b":
         decompressor = zlib.decompressobj(31)
@@ -152,37 +153,37 @@ def _of_tar(content: bytes, room: Room) -> Iterator[_Member]:
     elif content[:6] == b"\xfd7zXZ\0":
         decompressor = lzma.LZMADecompressor(memlimit=_SLACK * 100)
     if decompressor:
-        packed, content = len(content), decompressor.decompress(content, room.bytes + 1)
-        room.take(len(content), packed)
+        packed_size, content = len(content), decompressor.decompress(content, budget.bytes + 1)
+        budget.spend(len(content), packed_size)
 
-    class Info(_Info):
-        special = 0
+    class ArchiveHeader(_TarHeader):
+        extension_bytes = 0
 
-    with tarfile.open(fileobj=io.BytesIO(content), mode="r:", tarinfo=Info) as archive:
-        for info in archive:
-            if info.isdir():
+    with tarfile.open(fileobj=io.BytesIO(content), mode="r:", tarinfo=ArchiveHeader) as archive:
+        for header in archive:
+            if header.isdir():
                 continue
-            problem = "" if info.isreg() and not info.issparse() else "it is a link"
+            problem = "" if header.isreg() and not header.issparse() else "it is a link"
 
-            def read(most: int, info: tarfile.TarInfo = info) -> bytes:
-                file = archive.extractfile(info)
-                return file.read(most) if file else b""
+            def read(size: int, header: tarfile.TarInfo = header) -> bytes:
+                file = archive.extractfile(header)
+                return file.read(size) if file else b""
 
-            yield _Member(info.name, min(max(float(info.mtime), 0.0), 4e9), problem, read)
+            yield _Member(header.name, min(max(float(header.mtime), 0.0), 4e9), problem, read)
 
 
-class _Info(tarfile.TarInfo):
+class _TarHeader(tarfile.TarInfo):
     """A header that refuses what keeps the parser busy: long or many headers of headers."""
 
-    special: int
+    extension_bytes: int
 
     @classmethod
-    def frombuf(cls, buf: bytes | bytearray, encoding: str, errors: str) -> _Info:
-        info = super().frombuf(buf, encoding, errors)
-        if info.size < 0:
+    def frombuf(cls, buf: bytes | bytearray, encoding: str, errors: str) -> _TarHeader:
+        header = super().frombuf(buf, encoding, errors)
+        if header.size < 0:
             raise tarfile.ReadError("a file of a negative size")
-        if info.type in b"xgXLK":
-            cls.special += info.size
-            if info.size > 8_000 or cls.special > 250_000:
-                raise _RefusedError
-        return info
+        if header.type in b"xgXLK":
+            cls.extension_bytes += header.size
+            if header.size > 8_000 or cls.extension_bytes > 250_000:
+                raise _BudgetError
+        return header

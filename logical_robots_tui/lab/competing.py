@@ -12,16 +12,16 @@ import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.exporting import (
-    Done,
+    ResultTable,
     Row,
-    Table,
+    RunRecord,
     as_code,
     as_table,
     csv_of,
     harmless_text,
     shade,
 )
-from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Player, digest
+from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, TournamentPlayer, digest
 from logical_robots_tui.lab.handins import Submission, entries_of, stems_of
 from logical_robots_tui.lab.ranking import Ranking, ranking_of
 from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_with_text
@@ -65,11 +65,11 @@ def plan_tournament(file: Given, players: Path) -> tuple[Manifest, dict[str, str
     ticks = min(table.ticks or level.match_ticks, level.match_ticks)
     inputs = {digest(text): text}
     entries = entries_of(players, stems_of([level.name]))
-    named = sorted(item for item in entries.items() if not item[1].is_stray)
-    if len(named) < 2:
+    named_entries = sorted(item for item in entries.items() if not item[1].is_stray)
+    if len(named_entries) < 2:
         raise InputError("There are fewer than two players", place=str(players), hint=_HINT)
-    entered = [_player(name, entry, level, inputs) for name, entry in named]
-    is_swiss = table.format == "swiss" or (not table.format and len(entered) >= SWISS_FROM)
+    contestants = [_player(name, entry, level, inputs) for name, entry in named_entries]
+    is_swiss = table.format == "swiss" or (not table.format and len(contestants) >= SWISS_FROM)
     manifest = Manifest(
         "tournament",
         table.title or spec.file.stem,
@@ -81,12 +81,12 @@ def plan_tournament(file: Given, players: Path) -> tuple[Manifest, dict[str, str
         limits.steps,
         limits.seconds,
         (),
-        players=tuple(entered),
+        players=tuple(contestants),
         teams=tuple(team.name for team in level.teams),
         match=Cell(digest(text), "", level.name, "", ticks),
-        most_rounds=_rounds(len(entered)) if is_swiss else 1,
+        most_rounds=_rounds(len(contestants)) if is_swiss else 1,
     )
-    pairs = tuple(combinations(range(len(entered)), 2))
+    pairs = tuple(combinations(range(len(contestants)), 2))
     if is_swiss:
         pairs = pair_off(manifest, {}) or ()
     return _with_round(manifest, pairs), inputs
@@ -111,35 +111,35 @@ def _level(spec: TomlFile, name: str) -> tuple[Level, str]:
     return level, text
 
 
-def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) -> Player:
+def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) -> TournamentPlayer:
     text = next(iter(entry.programs.values()), None)
     if text is None:
-        return Player(name, "", "; ".join(entry.remarks))
+        return TournamentPlayer(name, "", "; ".join(entry.remarks))
     inputs[digest(text)] = text
-    lost = ""
+    loss_reason = ""
     try:
         Program.compile(text)
     except ProgramError as error:
-        first = error.diagnostics[0]
-        lost = f"line {first.line}: {first.message}"
-    return Player(name, digest(text), lost)
+        diagnostic = error.diagnostics[0]
+        loss_reason = f"line {diagnostic.line}: {diagnostic.message}"
+    return TournamentPlayer(name, digest(text), loss_reason)
 
 
 def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifest:
     players, cells = manifest.players, list(manifest.cells)
     for pair in pairs:
-        both = [players[index] for index in pair]
-        if any(player.lost for player in both):
+        opponents = [players[index] for index in pair]
+        if any(player.lost for player in opponents):
             continue
-        for first in (0, 1):
-            seated = [both[(seat + first) % 2] for seat in range(len(manifest.teams))]
-            names = (player.name for player in seated)
+        for shift in (0, 1):
+            lineup = [opponents[(seat + shift) % 2] for seat in range(len(manifest.teams))]
+            names = (player.name for player in lineup)
             cells.append(
                 msgspec.structs.replace(
                     manifest.match,
-                    program_name=f"{seated[0].name} against {seated[1].name}",
+                    program_name=f"{lineup[0].name} against {lineup[1].name}",
                     settings=dict(zip(manifest.teams, names, strict=True)),
-                    parts=tuple(player.program for player in seated),
+                    parts=tuple(player.program for player in lineup),
                 )
             )
     rounds = (*manifest.rounds, tuple(pairs))
@@ -174,27 +174,30 @@ def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int
         player = players[index]
         return -shares.get(player.name, 0.5), player.program, player.name
 
-    met = {frozenset(pair) for pairs in manifest.rounds for pair in pairs}
-    ranked = sorted(range(len(players)), key=standing)
-    if len(ranked) % 2 == 0:
-        return _pair(ranked, met)
-    for index in reversed(ranked):
-        rests = any(all(index not in pair for pair in pairs) for pairs in manifest.rounds)
-        if not rests and (found := _pair([i for i in ranked if i != index], met)) is not None:
-            return found
+    matches = {frozenset(pair) for pairs in manifest.rounds for pair in pairs}
+    order = sorted(range(len(players)), key=standing)
+    if len(order) % 2 == 0:
+        return _pair(order, matches)
+    for index in reversed(order):
+        has_rested = any(all(index not in pair for pair in pairs) for pairs in manifest.rounds)
+        if (
+            not has_rested
+            and (pairs := _pair([i for i in order if i != index], matches)) is not None
+        ):
+            return pairs
     return None
 
 
-def _pair(ranked: list[int], met: set[frozenset[int]]) -> tuple[tuple[int, int], ...] | None:
+def _pair(order: list[int], matches: set[frozenset[int]]) -> tuple[tuple[int, int], ...] | None:
     """Pair each with the next one it has not met, leaving none over; None if impossible."""
-    if not ranked:
+    if not order:
         return ()
-    first, *others = ranked
-    for other in others:
-        if frozenset((first, other)) not in met:
-            rest = _pair([index for index in others if index != other], met)
-            if rest is not None:
-                return (min(first, other), max(first, other)), *rest
+    first, *opponents = order
+    for opponent in opponents:
+        if frozenset((first, opponent)) not in matches:
+            other_pairs = _pair([index for index in opponents if index != opponent], matches)
+            if other_pairs is not None:
+                return (min(first, opponent), max(first, opponent)), *other_pairs
     return None
 
 
@@ -205,31 +208,31 @@ _HEAD = ("rank", "player", "share", "95% interval", "strength", "opponents", "re
 
 
 def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
-    lost = {player.name: player.lost for player in manifest.players}
+    losses = {player.name: player.lost for player in manifest.players}
     return [
         (
-            each.rank,
-            harmless_text(each.player),
-            f"{100 * each.share:.1f}%",
-            f"{100 * each.low:.1f} to {100 * each.high:.1f}%",
-            f"{round(each.strength):+d}",
-            str(each.pairings),
-            "does not play: " + harmless_text(lost[each.player]) if lost[each.player] else "",
+            s.rank,
+            harmless_text(s.player),
+            f"{100 * s.share:.1f}%",
+            f"{100 * s.low:.1f} to {100 * s.high:.1f}%",
+            f"{round(s.strength):+d}",
+            str(s.pairings),
+            "does not play: " + harmless_text(losses[s.player]) if losses[s.player] else "",
         )
-        for each in ranking.standings
+        for s in ranking.standings
     ]
 
 
 def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
     ranking = ranking_of(manifest, ledger)
     lines = align([_HEAD, *_rows(manifest, ranking)], right=(0, *range(2, len(_HEAD) - 1)))
-    names = [each.player for each in ranking.standings]
+    names = [s.player for s in ranking.standings]
     if len(names) <= _WIDEST:
         numbers = [str(n) for n in range(1, len(names) + 1)]
         rows = [("%", "", *numbers)]
         for number, name in zip(numbers, names, strict=True):
-            pairings = (ranking.pairings.get((name, other)) for other in names)
-            cells = ("·" if each is None else f"{100 * each.share:.0f}" for each in pairings)
+            pairings = (ranking.pairings.get((name, opponent)) for opponent in names)
+            cells = ("·" if p is None else f"{100 * p.share:.0f}" for p in pairings)
             rows.append((number, harmless_text(name), *cells))
         lines += [
             "",
@@ -238,8 +241,8 @@ def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
         ]
     for cycle in ranking.cycles[:_MOST_CYCLES]:
         lines.append(_cycle_text(cycle))
-    if (more := len(ranking.cycles) - _MOST_CYCLES) > 0:
-        lines.append(f"and {more:,} more cycles")
+    if (excess := len(ranking.cycles) - _MOST_CYCLES) > 0:
+        lines.append(f"and {excess:,} more cycles")
     return lines
 
 
@@ -247,31 +250,31 @@ def _cycle_text(cycle: Sequence[str]) -> str:
     return "Cycle: " + " beats ".join(harmless_text(name) for name in (*cycle, cycle[0]))
 
 
-def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -> list[str]:
+def tournament_parts(manifest: Manifest, ledger: Ledger, runs: Sequence[RunRecord]) -> list[str]:
     ranking = ranking_of(manifest, ledger)
-    names = [each.player for each in ranking.standings]
+    names = [s.player for s in ranking.standings]
     parts = ["<h2>Ranking</h2>" + as_table(_HEAD, _rows(manifest, ranking))]
     rows: list[Sequence[Any]] = []
     for name in names:
-        cells = [ranking.pairings.get((name, other)) for other in names]
+        cells = [ranking.pairings.get((name, opponent)) for opponent in names]
         rows.append((name, *(p and shade(p.share, f"{100 * p.share:.0f}") for p in cells)))
-    said = "<p>The row's share of the points against the column, in percent.</p>"
-    parts.append("<h2>Pairs</h2>" + said + as_table(("", *names), rows))
+    intro = "<p>The row's share of the points against the column, in percent.</p>"
+    parts.append("<h2>Pairs</h2>" + intro + as_table(("", *names), rows))
     if ranking.cycles:
         rows = [(_cycle_text(cycle).partition(" ")[2],) for cycle in ranking.cycles]
         parts.append(f"<h2>Cycles</h2>{as_table(('each beats the next beyond doubt',), rows)}")
     rows = []
-    for each in done:
-        if each.start == 0:
-            at = each.cell.settings
-            points = ", ".join(f"{at[t]} ({t}) {n:,g}" for t, n in each.result.points.items())
-            command = as_code(manifest.command(each.cell, 0))
-            rows.append((each.cell.program_name, points, command))
-    said = (
+    for run in runs:
+        if run.start == 0:
+            seats = run.cell.settings
+            points = ", ".join(f"{seats[t]} ({t}) {n:,g}" for t, n in run.result.points.items())
+            command = as_code(manifest.command(run.cell, 0))
+            rows.append((run.cell.program_name, points, command))
+    intro = (
         "<p>Each from the given start; runs.csv has all. Run the commands in this folder; "
         "replace play with replay record to keep a match in a file.</p>"
     )
-    parts.append("<h2>Matches</h2>" + said + as_table(("match", "points", "to see it"), rows))
+    parts.append("<h2>Matches</h2>" + intro + as_table(("match", "points", "to see it"), rows))
     return parts
 
 
@@ -283,27 +286,27 @@ def export_tournament(folder: Folder, manifest: Manifest, ledger: Ledger) -> lis
     return [f"{name}.csv" for name in tables]
 
 
-def tournament_tables(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
+def tournament_tables(manifest: Manifest, ledger: Ledger) -> dict[str, ResultTable]:
     ranking = ranking_of(manifest, ledger)
-    lost = {player.name: player.lost for player in manifest.players}
-    names = [each.player for each in ranking.standings]
+    losses = {player.name: player.lost for player in manifest.players}
+    names = [s.player for s in ranking.standings]
     standings: list[Row] = [
         (
-            *(each.player, each.best, each.worst),
-            *(round(n, _SHOWN_DIGITS) for n in (each.share, each.low, each.high)),
-            *(round(each.strength, 1) + 0.0, each.pairings, lost[each.player]),
+            *(s.player, s.best, s.worst),
+            *(round(n, _SHOWN_DIGITS) for n in (s.share, s.low, s.high)),
+            *(round(s.strength, 1) + 0.0, s.pairings, losses[s.player]),
         )
-        for each in ranking.standings
+        for s in ranking.standings
     ]
     head = ("player", "best_rank", "worst_rank", "share", "low", "high", "strength", "opponents")
     pairs = [
-        (name, other, *(round(n, _SHOWN_DIGITS) for n in ranking.pairings[name, other]))
+        (name, opponent, *(round(n, _SHOWN_DIGITS) for n in ranking.pairings[name, opponent]))
         for name in names
-        for other in names
-        if (name, other) in ranking.pairings
+        for opponent in names
+        if (name, opponent) in ranking.pairings
     ]
     return {
-        "ranking": Table((*head, "remark"), standings),
-        "pairs": Table(("player", "opponent", "share", "low", "high"), list(pairs)),
-        "cycles": Table(("beats_second", "beats_third", "beats_first"), list(ranking.cycles)),
+        "ranking": ResultTable((*head, "remark"), standings),
+        "pairs": ResultTable(("player", "opponent", "share", "low", "high"), list(pairs)),
+        "cycles": ResultTable(("beats_second", "beats_third", "beats_first"), list(ranking.cycles)),
     }

@@ -12,7 +12,7 @@ import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Entry, Folder, Ledger, Manifest
-from logical_robots_tui.lab.running import Answer, Task, fingerprint
+from logical_robots_tui.lab.running import RunTask, WorkerAnswer, fingerprint
 
 _MOST_STARTS = 64  # of a task
 _LOOK_SECONDS = 0.2
@@ -30,17 +30,17 @@ class Engine(Protocol):
     def free(self) -> int:
         """The number of tasks that it takes now."""
 
-    def submit(self, key: object, task: Task) -> None:
+    def submit(self, key: object, task: RunTask) -> None:
         """Take a task; the key names it when it comes back."""
 
-    def wait(self, seconds: float) -> Iterable[tuple[object, Answer]]:
+    def wait(self, seconds: float) -> Iterable[tuple[object, WorkerAnswer]]:
         """Wait some time for tasks to end; return their keys and answers."""
 
     def close(self, *, at_once: bool = False) -> None:
         """End, after the tasks at hand or at once."""
 
 
-class Tally(NamedTuple):
+class RunTally(NamedTuple):
     """How far the work is, in runs; `differing` ones are a defect of this package."""
 
     done: int
@@ -54,7 +54,7 @@ class Tally(NamedTuple):
         return not (self.due or self.failed or self.differing)
 
 
-class _Group(NamedTuple):
+class _StartBatch(NamedTuple):
     """Starts of a cell that are left; alone, each is a task, because it may end its worker."""
 
     cell: Cell
@@ -73,18 +73,18 @@ def cell_to_run(manifest: Manifest, cell: Cell, outcomes: Mapping[str, str]) -> 
     return cell
 
 
-def starts_due(
+def split_starts(
     manifest: Manifest, cell: Cell, outcomes: Mapping[str, str]
 ) -> tuple[list[int], list[int]]:
     """Return the starts of a cell that have a result, and those that are left to run."""
     first = outcomes.get(manifest.job(cell, 0))
     if first == "does not compile" or (first not in (None, "won") and manifest.given_first):
         return [0], []
-    done: list[int] = []
-    left: list[int] = []
+    done_starts: list[int] = []
+    due_starts: list[int] = []
     for start in manifest.all_starts:
-        (done if manifest.job(cell, start) in outcomes else left).append(start)
-    return done, left
+        (done_starts if manifest.job(cell, start) in outcomes else due_starts).append(start)
+    return done_starts, due_starts
 
 
 class Coordinator:
@@ -94,27 +94,27 @@ class Coordinator:
         self._folder, self._manifest, self._ledger = folder, manifest, ledger
         self._outcomes = ledger.outcomes()
         self._failures = {job: len(reasons) for job, reasons in ledger.failures().items()}
-        self._waiting: deque[_Group] = deque()
-        self._slow: deque[_Group] = deque()  # for when nothing else waits
+        self._batches: deque[_StartBatch] = deque()
+        self._slow_batches: deque[_StartBatch] = deque()  # for when nothing else waits
         self._slow_students: set[str] = set()
-        self._at_work: dict[int, tuple[float, Cell]] = {}
-        self._planned: set[str] = set()
+        self._tasks: dict[int, tuple[float, Cell]] = {}
+        self._planned_jobs: set[str] = set()
         self._twins: dict[str, list[Cell]] = {}
         for cell in manifest.cells:
             if cell.own:
                 self._twins.setdefault(cell.program, []).append(cell)
-        self._done = self._left = 0
+        self._done_count = self._due_count = 0
         for cell in manifest.cells:
             self._plan(cell)
 
-    def tally(self) -> Tally:
+    def tally(self) -> RunTally:
         failed = sum(count >= ATTEMPTS for count in self._failures.values())
         differing = len(self._ledger.differences())
-        return Tally(self._done, self._left - failed, failed, differing)
+        return RunTally(self._done_count, self._due_count - failed, failed, differing)
 
     def longest(self) -> tuple[float, Cell] | None:
         """Return how many seconds the longest task at work has taken so far, and its cell."""
-        began, cell = min(self._at_work.values(), default=(0.0, None), key=lambda each: each[0])
+        began, cell = min(self._tasks.values(), default=(0.0, None), key=lambda entry: entry[0])
         return (monotonic() - began, cell) if cell else None
 
     def work(
@@ -124,68 +124,68 @@ class Coordinator:
 
         Raises InputError for a damaged input, a worker with another engine, or a full disk.
         """
-        while self._at_work or (self._has_more and not is_stopped()):
+        while self._tasks or (self._has_more and not is_stopped()):
             while engine.free and self._has_more and not is_stopped():
-                group = self._next(engine)
-                self._at_work[id(group)] = monotonic(), group.cell
-                engine.submit(group, self._task(group))
+                batch = self._next(engine)
+                self._tasks[id(batch)] = monotonic(), batch.cell
+                engine.submit(batch, self._task(batch))
             for key, answer in engine.wait(_LOOK_SECONDS):
-                del self._at_work[id(key)]
-                self._take(cast("_Group", key), answer)
+                del self._tasks[id(key)]
+                self._record_answer(cast("_StartBatch", key), answer)
             show()
 
     @property
     def _has_more(self) -> bool:
-        return bool(self._waiting or self._slow)
+        return bool(self._batches or self._slow_batches)
 
-    def _queue(self, group: _Group) -> None:
-        is_slow = group.cell.student in self._slow_students
-        (self._slow if is_slow else self._waiting).append(group)
+    def _queue(self, batch: _StartBatch) -> None:
+        is_slow = batch.cell.student in self._slow_students
+        (self._slow_batches if is_slow else self._batches).append(batch)
 
     def _postpone(self, student: str) -> None:
         self._slow_students.add(student)
-        waiting, self._waiting = self._waiting, deque()
-        for group in waiting:
-            self._queue(group)
+        batches, self._batches = self._batches, deque()
+        for batch in batches:
+            self._queue(batch)
 
     def _plan(self, cell: Cell) -> None:
         """Queue the rest of a cell, unless it equals an earlier cell."""
         cell = cell_to_run(self._manifest, cell, self._outcomes)
         key = self._manifest.job(cell, 0)
-        if key in self._planned:
+        if key in self._planned_jobs:
             return
-        self._planned.add(key)
-        done, left = starts_due(self._manifest, cell, self._outcomes)
-        self._done += len(done)
-        self._left += len(left)
-        group = _Group(cell, tuple(left))
-        attempts = {start: self._failures.get(self._manifest.job(cell, start), 0) for start in left}
-        given_up = [start for start in left if attempts[start] >= ATTEMPTS]
-        if left and not (self._manifest.given_first and 0 in given_up):
-            left = [start for start in left if start not in given_up]
-            self._queue(group._replace(starts=tuple(left)))
+        self._planned_jobs.add(key)
+        done_starts, due_starts = split_starts(self._manifest, cell, self._outcomes)
+        self._done_count += len(done_starts)
+        self._due_count += len(due_starts)
+        batch = _StartBatch(cell, tuple(due_starts))
+        jobs = {start: self._manifest.job(cell, start) for start in due_starts}
+        failed_starts = [s for s in due_starts if self._failures.get(jobs[s], 0) >= ATTEMPTS]
+        if due_starts and not (self._manifest.given_first and 0 in failed_starts):
+            due_starts = [start for start in due_starts if start not in failed_starts]
+            self._queue(batch._replace(starts=tuple(due_starts)))
 
-    def _next(self, engine: Engine) -> _Group:
+    def _next(self, engine: Engine) -> _StartBatch:
         """Return a group whose first starts are to be run now, usually all of them."""
-        queue = self._waiting or self._slow
-        group = queue.popleft()
-        if self._manifest.given_first and group.starts[0] == 0:
-            return group
-        most = 1 if group.is_alone else _MOST_STARTS
+        queue = self._batches or self._slow_batches
+        batch = queue.popleft()
+        if self._manifest.given_first and batch.starts[0] == 0:
+            return batch
+        limit = 1 if batch.is_alone else _MOST_STARTS
         if len(queue) < engine.slots:
-            most = min(most, -(-len(group.starts) // engine.slots))
-        if rest := group.starts[most:]:
-            queue.appendleft(group._replace(starts=rest))
-        return group._replace(starts=group.starts[:most])
+            limit = min(limit, -(-len(batch.starts) // engine.slots))
+        if later_starts := batch.starts[limit:]:
+            queue.appendleft(batch._replace(starts=later_starts))
+        return batch._replace(starts=batch.starts[:limit])
 
-    def _task(self, group: _Group) -> Task:
-        manifest, cell = self._manifest, group.cell
+    def _task(self, batch: _StartBatch) -> RunTask:
+        manifest, cell = self._manifest, batch.cell
         programs = dict(zip(manifest.teams, cell.parts, strict=True)) or {"": cell.program}
-        return Task(
+        return RunTask(
             self._folder.text(cell.level),
             {team: self._folder.text(name) for team, name in programs.items()},
             cell.ticks,
-            group.starts[: 1 if group.is_alone else _MOST_STARTS],
+            batch.starts[: 1 if batch.is_alone else _MOST_STARTS],
             manifest.asked,
             manifest.steps,
             manifest.seconds,
@@ -196,67 +196,67 @@ class Coordinator:
             manifest.kind == "grade",
         )
 
-    def _take(self, group: _Group, answer: Answer) -> None:
+    def _record_answer(self, batch: _StartBatch, answer: WorkerAnswer) -> None:
         if answer.refused:
             hint = "Install the same versions everywhere."
             raise InputError("A worker has another version of Logical Robots", hint=hint)
         manifest = self._manifest
         entries = []
         for start, result, seconds in answer.results:
-            job = manifest.job(group.cell, start)
+            job = manifest.job(batch.cell, start)
             entries.append(Entry(job, manifest.run(job), result, seconds, answer.worker))
             self._failures.pop(job, None)
         self._outcomes |= self._ledger.record(entries)
-        finished = {start for start, _, _ in answer.results}
-        _, due = starts_due(manifest, group.cell, self._outcomes)
-        left = tuple(start for start in group.starts if start in due)
-        self._done += len(entries)
-        self._left -= len(group.starts) - len(left)
-        culprits = [start for start in group.starts if start not in finished]
-        group = group._replace(starts=left)
+        done_starts = {start for start, _, _ in answer.results}
+        _, due_starts = split_starts(manifest, batch.cell, self._outcomes)
+        next_starts = tuple(start for start in batch.starts if start in due_starts)
+        self._done_count += len(entries)
+        self._due_count -= len(batch.starts) - len(next_starts)
+        culprits = [start for start in batch.starts if start not in done_starts]
+        batch = batch._replace(starts=next_starts)
         if answer.failure:
-            if answer.worker or group.is_alone or len(culprits) == 1:
-                group = self._note_failure(group, culprits[0], answer)
+            if answer.worker or batch.is_alone or len(culprits) == 1:
+                batch = self._note_failure(batch, culprits[0], answer)
             else:
-                group = group._replace(is_alone=True)
-        is_slow = answer.failure or any(each > _SLOW_SECONDS for _, _, each in answer.results)
-        student = group.cell.student
+                batch = batch._replace(is_alone=True)
+        is_slow = answer.failure or any(seconds > _SLOW_SECONDS for _, _, seconds in answer.results)
+        student = batch.cell.student
         if is_slow and student and student not in self._slow_students:
             self._postpone(student)
-        if group.starts:
-            self._queue(group)
-        if 0 in finished:
-            for cell in self._twins.get(group.cell.program, ()):
+        if batch.starts:
+            self._queue(batch)
+        if 0 in done_starts:
+            for cell in self._twins.get(batch.cell.program, ()):
                 self._plan(cell)
 
-    def _note_failure(self, group: _Group, start: int, answer: Answer) -> _Group:
-        job = self._manifest.job(group.cell, start)
+    def _note_failure(self, batch: _StartBatch, start: int, answer: WorkerAnswer) -> _StartBatch:
+        job = self._manifest.job(batch.cell, start)
         for _ in range(ATTEMPTS if answer.is_final else 1):
             self._ledger.fail(job, answer.failure, answer.worker)
             self._failures[job] = self._failures.get(job, 0) + 1
         if self._failures[job] < ATTEMPTS:
-            return group
+            return batch
         if start == 0 and self._manifest.given_first:
-            return group._replace(starts=())
-        return group._replace(starts=tuple(each for each in group.starts if each != start))
+            return batch._replace(starts=())
+        return batch._replace(starts=tuple(s for s in batch.starts if s != start))
 
 
-class Pace:
-    """How far the work of a coordinator is and how fast it goes, in numbers and words."""
+class WorkProgress:
+    """Progress and speed of a coordinator, in numbers and words."""
 
     def __init__(self, manifest: Manifest, coordinator: Coordinator) -> None:
         self._manifest, self._coordinator = manifest, coordinator
         self._first, self._began = coordinator.tally(), monotonic()
 
-    def said(self) -> tuple[int, int, str, str]:
-        """Return runs done and all runs, these in words, and what to say beside them."""
+    def summary(self) -> tuple[int, int, str, str]:
+        """Return the number of runs done and of all runs, both in words, and details."""
         tally = self._coordinator.tally()
         pace = (tally.done - self._first.done) / max(monotonic() - self._began, 0.001)
-        rest = f"{pace:.1f} runs/s"
-        rest += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
-        rest += f", {tally.failed:,} failed" if tally.failed else ""
+        details = f"{pace:.1f} runs/s"
+        details += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
+        details += f", {tally.failed:,} failed" if tally.failed else ""
         seconds, cell = self._coordinator.longest() or (0.0, None)
         if cell and seconds > _SLOW_SECONDS:
-            rest += f", {self._manifest.called(cell)} for {seconds:.0f} s"
+            details += f", {self._manifest.label_of(cell)} for {seconds:.0f} s"
         total = tally.done + tally.due
-        return tally.done, total, f"{tally.done:,} of {total:,} runs", rest
+        return tally.done, total, f"{tally.done:,} of {total:,} runs", details

@@ -23,7 +23,13 @@ from typing import Any
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, Task, execute, took_too_long
+from logical_robots_tui.lab.running import (
+    CHUNK_SECONDS,
+    RunTask,
+    WorkerAnswer,
+    execute,
+    timeout_reason,
+)
 from logical_robots_tui.processes.helper import collect_seldom
 
 _MOST_FALSE_STARTS = 2  # in a row
@@ -47,10 +53,10 @@ class LocalEngine:
     def free(self) -> int:
         return sum(worker.task is None for worker in self._workers)
 
-    def submit(self, key: object, task: Task) -> None:
+    def submit(self, key: object, task: RunTask) -> None:
         next(worker for worker in self._workers if worker.task is None).start(key, task)
 
-    def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
+    def wait(self, seconds: float) -> Iterator[tuple[object, WorkerAnswer]]:
         """Yield keys and answers of tasks that end in time; a dead worker's has a failure."""
         wait([w.future for w in self._workers if w.future], seconds, FIRST_COMPLETED)
         for worker in self._workers:
@@ -65,25 +71,25 @@ class LocalEngine:
 
 class _Worker:
     def __init__(self) -> None:
-        self.task: Task | None = None
-        self.future: Future[Answer] | None = None
+        self.task: RunTask | None = None
+        self.future: Future[WorkerAnswer] | None = None
         self._key: object = None
         self._pool: ProcessPoolExecutor | None = None
         self._pid: Future[int] | None = None
-        self._spent = self._limit = 0.0  # seconds of a processor: so far, and at most
-        self._seen_at = 0.0  # when it was last seen to do something
+        self._used_seconds = self._limit = 0.0  # seconds of a processor: so far, and at most
+        self._active_at = 0.0  # when it was last seen to do something
         self._false_starts = 0
         self._is_stuck = False
 
-    def start(self, key: object, task: Task) -> None:
+    def start(self, key: object, task: RunTask) -> None:
         self._key, self.task = key, task
         resource_tracker.ensure_running()  # its start would let interrupts through again
         # A new process inherits that keyboard interrupts wait; here they only wait a moment.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             if self._pool is None:
                 spawn = multiprocessing.get_context("spawn")
-                self._pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=_begin)
+                self._pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=_prepare_worker)
                 with _no_main():
                     self._pid = self._pool.submit(os.getpid)
             self.future = self._pool.submit(execute, task)
@@ -91,12 +97,12 @@ class _Worker:
             self.future = Future()
             self.future.set_exception(error)
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            signal.pthread_sigmask(signal.SIG_SETMASK, old_mask)
         self._is_stuck = False
-        self._spent, self._seen_at = self._processor_seconds(), monotonic()
-        self._limit = self._spent + self._patience
+        self._used_seconds, self._active_at = self._processor_seconds(), monotonic()
+        self._limit = self._used_seconds + self._patience
 
-    def finish(self) -> tuple[object, Answer]:
+    def finish(self) -> tuple[object, WorkerAnswer]:
         """Return the finished task's key and answer; raises InputError if workers keep dying."""
         assert self.task is not None
         assert self.future is not None
@@ -106,13 +112,13 @@ class _Worker:
             self._false_starts = 0 if has_begun else self._false_starts + 1
             if self._false_starts > _MOST_FALSE_STARTS:
                 raise InputError("A worker process can't start", hint="Is there memory left?")
-            said = f"{took_too_long(self.task)} and could not be stopped"
-            is_final = self._spent > self._limit
-            answer = Answer(failure=said if self._is_stuck else "its worker process died")
+            reason = f"{timeout_reason(self.task)} and could not be stopped"
+            is_final = self._used_seconds > self._limit
+            answer = WorkerAnswer(failure=reason if self._is_stuck else "its worker process died")
             answer = msgspec.structs.replace(answer, is_final=is_final and self._is_stuck)
             self.close(at_once=True)
         elif error is not None:
-            answer = Answer(failure=f"a bug in Logical Robots: {error!r}")
+            answer = WorkerAnswer(failure=f"a bug in Logical Robots: {error!r}")
         else:
             answer = self.future.result()
         key, self._key = self._key, None
@@ -123,10 +129,10 @@ class _Worker:
         """Kill it if its task takes too much of a processor, or gets none for as long."""
         if self.task is None:
             return
-        now, spent = monotonic(), self._processor_seconds()
-        if spent != self._spent:
-            self._spent, self._seen_at = spent, now
-        if spent > self._limit or now > self._seen_at + self._patience:
+        current_time, seconds = monotonic(), self._processor_seconds()
+        if seconds != self._used_seconds:
+            self._used_seconds, self._active_at = seconds, current_time
+        if seconds > self._limit or current_time > self._active_at + self._patience:
             self._is_stuck = True
             self._kill()
 
@@ -143,7 +149,7 @@ class _Worker:
         try:
             text = Path(f"/proc/{self._pid.result()}/stat").read_text("utf-8", "replace")
         except OSError:  # it has just ended
-            return self._spent
+            return self._used_seconds
         user, system = text.rpartition(")")[2].split()[11:13]
         return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
@@ -171,7 +177,7 @@ def _no_main() -> Iterator[None]:
         sys.modules["__main__"] = main
 
 
-def _begin() -> None:
+def _prepare_worker() -> None:
     """Prepare a worker process: ignore interrupts, which the coordinator handles."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     collect_seldom()
@@ -185,7 +191,7 @@ def _end_with_coordinator() -> None:
     os._exit(1)
 
 
-_AHEAD = 2  # tasks for each thread of a worker, so that none waits for the coordinator
+_TASKS_PER_THREAD = 2  # tasks for each thread of a worker, so that none waits for the coordinator
 _COUNT_SECONDS = 2.0  # for which the number of threads is good
 _FETCH_SECONDS = 1.0
 _CONNECT_SECONDS = 30.0
@@ -210,8 +216,8 @@ class ClusterEngine:
             logging.getLogger(name).setLevel(logging.CRITICAL)  # losses are expected
         self._dask: Any = distributed
         self._address = address
-        self._tasks: dict[Any, tuple[object, Task]] = {}
-        self._lost: deque[tuple[object, Task]] = deque()
+        self._tasks: dict[Any, tuple[object, RunTask]] = {}
+        self._lost_tasks: deque[tuple[object, RunTask]] = deque()
         self._lost_since: float | None = None
         self._say = say
         self._client: Any = None
@@ -228,20 +234,20 @@ class ClusterEngine:
 
     @property
     def free(self) -> int:
-        return max(0, _AHEAD * self.slots - len(self._tasks) - len(self._lost))
+        return max(0, _TASKS_PER_THREAD * self.slots - len(self._tasks) - len(self._lost_tasks))
 
-    def submit(self, key: object, task: Task) -> None:
+    def submit(self, key: object, task: RunTask) -> None:
         # A task that ends its worker is not tried again by Dask: the coordinator tries it alone.
         try:
             future = self._client.submit(execute, task, pure=False, retries=0)
         except Exception:  # the scheduler is gone; Dask raises many kinds of errors then
-            self._lost.append((key, task))
+            self._lost_tasks.append((key, task))
         else:
             self._tasks[future] = key, task
 
-    def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
-        is_lost = self._client.status != "running" or self._lost
-        if is_lost and not self._reconnected(max(seconds, _RETRY_SECONDS)):
+    def wait(self, seconds: float) -> Iterator[tuple[object, WorkerAnswer]]:
+        is_lost = self._client.status != "running" or self._lost_tasks
+        if is_lost and not self._reconnect(max(seconds, _RETRY_SECONDS)):
             return
         with suppress(TimeoutError, CancelledError, ValueError):  # or there are none
             self._dask.wait(list(self._tasks), timeout=seconds, return_when="FIRST_COMPLETED")
@@ -251,10 +257,10 @@ class ClusterEngine:
             except TimeoutError:
                 continue  # the worker that has it says nothing: later, or from another worker
             except (CancelledError, self._dask.comm.CommClosedError):
-                self._lost.append(self._tasks.pop(future))  # the scheduler has lost it
+                self._lost_tasks.append(self._tasks.pop(future))  # the scheduler has lost it
                 continue
             except Exception as error:
-                answer = Answer(failure=f"its worker died: {error}")
+                answer = WorkerAnswer(failure=f"its worker died: {error}")
             key, _ = self._tasks.pop(future)
             yield key, answer
             future.release()  # it is recorded now: should its worker die, nothing runs again
@@ -273,7 +279,7 @@ class ClusterEngine:
             hint = "Start one with `dask scheduler`, and check the address and the keys."
             raise InputError(message, place=self._address, hint=hint) from error
 
-    def _reconnected(self, seconds: float) -> bool:
+    def _reconnect(self, seconds: float) -> bool:
         """Try to connect again and resubmit lost work; raises InputError after ten minutes."""
         if self._lost_since is None:
             self._lost_since = monotonic()
@@ -281,8 +287,8 @@ class ClusterEngine:
                 f"{self._address}: the Dask scheduler is lost. Waiting ten minutes for one at the "
                 "same address; what was computed is kept."
             )
-        left = [*self._lost, *self._tasks.values()]
-        self._lost.clear()
+        tasks = [*self._lost_tasks, *self._tasks.values()]
+        self._lost_tasks.clear()
         self._tasks.clear()
         with suppress(Exception):
             self._client.close(timeout=1)
@@ -291,10 +297,10 @@ class ClusterEngine:
         except InputError:
             if monotonic() > self._lost_since + _RECONNECT_SECONDS:
                 raise
-            self._lost.extend(left)
+            self._lost_tasks.extend(tasks)
             return False
         self._lost_since = None
         self._say(f"{self._address}: connected to a Dask scheduler again.")
-        for key, task in left:
+        for key, task in tasks:
             self.submit(key, task)
         return True

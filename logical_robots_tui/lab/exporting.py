@@ -12,9 +12,9 @@ from statistics import fmean
 from typing import Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.coordinating import cell_to_run, starts_due
+from logical_robots_tui.lab.coordinating import cell_to_run, split_starts
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest
-from logical_robots_tui.lab.running import Asked, Result, Way
+from logical_robots_tui.lab.running import QueryMeasure, Reduction, Result
 from logical_robots_tui.language.diagnostics import printable
 
 Row: TypeAlias = "tuple[Any, ...]"
@@ -22,32 +22,32 @@ Row: TypeAlias = "tuple[Any, ...]"
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
-class Done(NamedTuple):
+class RunRecord(NamedTuple):
     cell: Cell
     start: int
     job: str
     result: Result
 
 
-class Table(NamedTuple):
+class ResultTable(NamedTuple):
     columns: tuple[str, ...]
     rows: list[Row]
 
 
-def done_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
+def finished_runs(manifest: Manifest, ledger: Ledger) -> Iterator[RunRecord]:
     results = ledger.results()
     outcomes = {job: result.outcome for job, result in results.items()}
     for cell in manifest.cells:
         cell = cell_to_run(manifest, cell, outcomes)
-        done, _ = starts_due(manifest, cell, outcomes)
-        for start in done:
+        starts, _ = split_starts(manifest, cell, outcomes)
+        for start in starts:
             job = manifest.job(cell, start)
-            yield Done(cell, start, job, results[job])
+            yield RunRecord(cell, start, job, results[job])
 
 
-def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
+def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[RunRecord]:
     failures = {
-        job: found[-1] for job, found in ledger.failures().items() if len(found) >= ATTEMPTS
+        job: reasons[-1] for job, reasons in ledger.failures().items() if len(reasons) >= ATTEMPTS
     }
     outcomes = ledger.outcomes() if failures else {}
     for cell in manifest.cells if failures else ():
@@ -56,29 +56,29 @@ def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
             job = manifest.job(cell, start)
             if job in failures:
                 result = Result("infrastructure", first=(0, "", failures[job]))
-                yield Done(cell, start, job, result)
+                yield RunRecord(cell, start, job, result)
 
 
 def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
     """Write runs and questions' rows as tables; return the files' names, or raise InputError."""
-    named = {name for cell in manifest.cells for name in (cell.level, cell.program, *cell.parts)}
-    for name in sorted(named - {""}):
+    digests = {name for cell in manifest.cells for name in (cell.level, cell.program, *cell.parts)}
+    for name in sorted(digests - {""}):
         folder.text(name)
-    written = []
+    file_names = []
     for name, table in tables_of_runs(manifest, ledger).items():
         folder.put(folder.path / f"{name}.csv", csv_of(table))
-        written.append(f"{name}.csv")
+        file_names.append(f"{name}.csv")
         if (content := _parquet(table)) is not None:
             folder.put(folder.path / f"{name}.parquet", content)
-            written.append(f"{name}.parquet")
-    return written
+            file_names.append(f"{name}.parquet")
+    return file_names
 
 
-def tables_of_runs(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
-    done = list(done_runs(manifest, ledger))
-    tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
+def tables_of_runs(manifest: Manifest, ledger: Ledger) -> dict[str, ResultTable]:
+    runs = list(finished_runs(manifest, ledger))
+    tables = {"runs": _runs(manifest, ledger, [*runs, *failed_runs(manifest, ledger)])}
     if manifest.asked or manifest.until:
-        tables["series"] = _series(manifest, done)
+        tables["series"] = _series(manifest, runs)
     return tables
 
 
@@ -86,26 +86,26 @@ def settings_of(manifest: Manifest) -> list[str]:
     return list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
 
 
-def reductions(manifest: Manifest) -> dict[str, tuple[Asked, Way]]:
+def reductions(manifest: Manifest) -> dict[str, tuple[QueryMeasure, Reduction]]:
     """Return how a question's numbers become one number of a run, by the name of its column."""
-    found: dict[str, tuple[Asked, Way]] = {}
-    for asked in manifest.asked:
-        if not asked.every:
-            found[asked.name] = asked, "last"
-        found |= {f"{asked.name}_{how}": (asked, how) for how in asked.reduce}
-    return found
+    columns: dict[str, tuple[QueryMeasure, Reduction]] = {}
+    for measure in manifest.asked:
+        if not measure.every:
+            columns[measure.name] = measure, "last"
+        columns |= {f"{measure.name}_{kind}": (measure, kind) for kind in measure.reduce}
+    return columns
 
 
-def reduced(result: Result, asked: Asked, how: Way) -> float | None:
+def reduce_series(result: Result, measure: QueryMeasure, kind: Reduction) -> float | None:
     """Return one number of a run; None if there is none, or if not all could be measured."""
-    series = result.series.get(asked.name)
+    series = result.series.get(measure.name)
     numbers = [number for _, number in series.numbers if number is not None] if series else []
     if series is None or not numbers or len(numbers) < len(series.numbers):
         return None
-    return numbers[-1] if how == "last" else _WAYS[how](numbers)
+    return numbers[-1] if kind == "last" else _REDUCERS[kind](numbers)
 
 
-_WAYS: dict[str, Callable[[list[float]], float]] = {
+_REDUCERS: dict[str, Callable[[list[float]], float]] = {
     "min": min,
     "max": max,
     "mean": fmean,
@@ -113,104 +113,104 @@ _WAYS: dict[str, Callable[[list[float]], float]] = {
 }
 
 
-def measures_of(manifest: Manifest) -> dict[str, Callable[[Done], float | None]]:
+def measures_of(manifest: Manifest) -> dict[str, Callable[[RunRecord], float | None]]:
     """Return what was measured of each run, by name, besides whether it was won."""
 
-    def asked_for(how: tuple[Asked, Way]) -> Callable[[Done], float | None]:
-        return lambda done: reduced(done.result, *how)
+    def reducer(measure: QueryMeasure, kind: Reduction) -> Callable[[RunRecord], float | None]:
+        return lambda run: reduce_series(run.result, measure, kind)
 
-    own: dict[str, Callable[[Done], float | None]] = {
-        "ticks": lambda done: done.result.ticks if done.result.outcome == "won" else None,
-        "distance": lambda done: done.result.distance,
-        "size": lambda done: done.result.size or None,
+    built_in: dict[str, Callable[[RunRecord], float | None]] = {
+        "ticks": lambda run: run.result.ticks if run.result.outcome == "won" else None,
+        "distance": lambda run: run.result.distance,
+        "size": lambda run: run.result.size or None,
     }
-    found = {name: own[name] for name in manifest.measures if name in own}
-    return found | {name: asked_for(how) for name, how in reductions(manifest).items()}
+    measures = {name: built_in[name] for name in manifest.measures if name in built_in}
+    return measures | {name: reducer(*column) for name, column in reductions(manifest).items()}
 
 
-def _varied(manifest: Manifest) -> tuple[str, ...]:
+def _run_columns(manifest: Manifest) -> tuple[str, ...]:
     """Return the columns of what is varied, which stand in every table of runs."""
     return ("level", "program", *settings_of(manifest), "start")
 
 
-def _varied_of(names: list[str], done: Done) -> Row:
-    cell = done.cell
+def _run_cells(names: list[str], run: RunRecord) -> Row:
+    cell = run.cell
     settings = (cell.settings.get(name) for name in names)
-    return (cell.level_name, cell.program_name, *settings, done.start)
+    return (cell.level_name, cell.program_name, *settings, run.start)
 
 
-def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
+def _runs(manifest: Manifest, ledger: Ledger, runs: list[RunRecord]) -> ResultTable:
     engines = ledger.engines()
-    who = ("student",) if manifest.kind == "grade" else ()
-    asked, settings = reductions(manifest), settings_of(manifest)
-    columns = ("run", *who, *_varied(manifest), "outcome", *manifest.measures, *asked)
+    student = ("student",) if manifest.kind == "grade" else ()
+    numbers, settings = reductions(manifest), settings_of(manifest)
+    columns = ("run", *student, *_run_columns(manifest), "outcome", *manifest.measures, *numbers)
     columns += tuple(f"points_{team}" for team in manifest.teams)
     columns += ("forfeit",) * bool(manifest.teams)
     columns += ("last_tick", "notices", "first_notice", "engine", "replay")
     rows: list[Row] = []
-    for each in done:
-        cell, _, job, result = each
-        measured = {
+    for run in runs:
+        cell, _, job, result = run
+        values = {
             "won": result.outcome == "won",
             "ticks": result.ticks if result.outcome == "won" else None,
             "distance": result.distance,
             "size": result.size or None,
             "rules": result.rules or None,
         }
-        first = result.first and "tick {}, {}: {}".format(*result.first)
+        first_notice = result.first and "tick {}, {}: {}".format(*result.first)
         if result.outcome == "infrastructure" and result.first:
-            first = result.first[2]
+            first_notice = result.first[2]
         if result.mistakes:
-            first = f"line {result.mistakes[0].line}: {result.mistakes[0].message}"
+            first_notice = f"line {result.mistakes[0].line}: {result.mistakes[0].message}"
         rows.append(
             (
                 manifest.run(job),
-                *((cell.student,) if who else ()),
-                *_varied_of(settings, each),
+                *((cell.student,) if student else ()),
+                *_run_cells(settings, run),
                 result.outcome,
-                *(measured[name] for name in manifest.measures),
-                *(reduced(result, *how) for how in asked.values()),
+                *(values[name] for name in manifest.measures),
+                *(reduce_series(result, *column) for column in numbers.values()),
                 *(result.points.get(team) for team in manifest.teams),
                 *(", ".join(result.forfeit) for _ in manifest.teams[:1]),
                 result.ticks,
                 sum(result.notices.values()),
-                first or "",
+                first_notice or "",
                 engines.get(job, ""),
-                manifest.command(each.cell, each.start),
+                manifest.command(run.cell, run.start),
             )
         )
-    return Table(columns, rows)
+    return ResultTable(columns, rows)
 
 
-def _series(manifest: Manifest, done: list[Done]) -> Table:
+def _series(manifest: Manifest, runs: list[RunRecord]) -> ResultTable:
     rows: list[Row] = []
     settings = settings_of(manifest)
-    for each in done:
-        first = (manifest.run(each.job), *_varied_of(settings, each))
-        for name, series in each.result.series.items():
-            number = last = 0
+    for run in runs:
+        cells = (manifest.run(run.job), *_run_cells(settings, run))
+        for name, series in run.result.series.items():
+            number = last_tick = 0
             for tick, *values in series.rows:
-                number, last = (number + 1 if tick == last else 1), tick
+                number, last_tick = (number + 1 if tick == last_tick else 1), tick
                 for column, value in zip(series.columns[1:], values, strict=True):
                     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
                     text = value if isinstance(value, str) else json.dumps(value)
                     rows.append(
-                        (*first, name, tick, number, column, value if is_number else None, text)
+                        (*cells, name, tick, number, column, value if is_number else None, text)
                     )
             if series.failure:
-                rows.append((*first, name, None, None, "failure", None, series.failure))
+                rows.append((*cells, name, None, None, "failure", None, series.failure))
     columns = ("measure", "tick", "row", "column", "number", "text")
-    return Table(("run", *_varied(manifest), *columns), rows)
+    return ResultTable(("run", *_run_columns(manifest), *columns), rows)
 
 
-def csv_of(table: Table) -> str:
+def csv_of(table: ResultTable) -> str:
     """Return a table as CSV in which no cell is a formula or holds a control character."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(map(harmless_cell, table.columns))
     for row in table.rows:
         writer.writerow(map(harmless_cell, row))
-    return out.getvalue()
+    return buffer.getvalue()
 
 
 def harmless_cell(value: Any) -> Any:
@@ -233,27 +233,27 @@ def has_extra(module: str) -> bool:
     return find_spec(module) is not None
 
 
-def _parquet(table: Table) -> bytes | None:
+def _parquet(table: ResultTable) -> bytes | None:
     if not has_extra("pyarrow"):
         return None
     import pyarrow.parquet as pq
 
-    out = io.BytesIO()
-    pq.write_table(arrow_of(table), out)
-    return out.getvalue()
+    buffer = io.BytesIO()
+    pq.write_table(arrow_of(table), buffer)
+    return buffer.getvalue()
 
 
-def arrow_of(table: Table) -> Any:
+def arrow_of(table: ResultTable) -> Any:
     import pyarrow as pa
 
     return pa.table(columns_of(table))
 
 
-def columns_of(table: Table) -> dict[str, list[Any]]:
+def columns_of(table: ResultTable) -> dict[str, list[Any]]:
     """Return the values by column, those of one column of one type."""
     columns = list(zip(*table.rows, strict=True)) or [()] * len(table.columns)
-    found = zip(table.columns, columns, strict=True)
-    return {name: _of_one_type(values) for name, values in found}
+    pairs = zip(table.columns, columns, strict=True)
+    return {name: _of_one_type(values) for name, values in pairs}
 
 
 def _of_one_type(values: Sequence[Any]) -> list[Any]:
@@ -338,11 +338,11 @@ def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
     heads = "".join(f"<th>{name}</th>" for name in names)
     lines = ["<tr>" + "".join(map(cell, names, row)) + "</tr>" for row in rows]
-    more = ""
+    note = ""
     if len(lines) > _MOST_ROWS:
-        more = f"<p>The first {_MOST_ROWS:,} of {len(lines):,} rows; runs.csv has all runs.</p>"
+        note = f"<p>The first {_MOST_ROWS:,} of {len(lines):,} rows; runs.csv has all runs.</p>"
     body = "\n".join(lines[:_MOST_ROWS])
-    return f"<table><thead><tr>{heads}</tr></thead><tbody>\n{body}</tbody></table>{more}"
+    return f"<table><thead><tr>{heads}</tr></thead><tbody>\n{body}</tbody></table>{note}"
 
 
 def as_code(text: str) -> Html:
@@ -355,33 +355,33 @@ def as_percent(share: float) -> str:
 
 def shade(share: float, text: str) -> Html:
     """Return a text on a colour between red, for a share of 0, and green, for 1."""
-    shade = f"background: hsl({120 * share:.0f} 60% 80%); padding: .2rem"
-    return Html(f'<span style="{shade}">{html.escape(text)}</span>')
+    style = f"background: hsl({120 * share:.0f} 60% 80%); padding: .2rem"
+    return Html(f'<span style="{style}">{html.escape(text)}</span>')
 
 
 Parts: TypeAlias = "Sequence[tuple[str, list[str]]]"
-"""Headings and what is said below them, with code in backticks."""
+"""Headings and the sentences below them, with code in backticks."""
 
 _CODE = re.compile("`([^`]+)`")
 
 
 def parts_as_markdown(title: str, parts: Parts) -> str:
     lines = [f"# {_markdown(title)}"]
-    for number, (head, said) in enumerate(parts):
+    for number, (head, sentences) in enumerate(parts):
         lines += ["", "## " * bool(number) + _markdown(head)]
-        lines += [""] * bool(said) + [f"- {_markdown(each)}" for each in said]
+        lines += [""] * bool(sentences) + [f"- {_markdown(sentence)}" for sentence in sentences]
     return "\n".join(lines) + "\n"
 
 
 def parts_as_page(title: str, parts: Parts, pictures: Sequence[str]) -> str:
     """Return the same as a page, with a picture or "" below each part."""
-    found = []
-    for number, ((head, said), picture) in enumerate(zip(parts, pictures, strict=True)):
-        mark = "h2" if number else "p"
-        items = [_CODE.sub(r"<code>\1</code>", escaped(each)) for each in said]
-        below = f"<ul><li>{'</li><li>'.join(items)}</li></ul>" * bool(said) + picture
-        found.append(f"<{mark}>{escaped(head)}</{mark}>{below}")
-    return as_page(title, found)
+    blocks = []
+    for number, ((head, sentences), picture) in enumerate(zip(parts, pictures, strict=True)):
+        tag = "h2" if number else "p"
+        items = [_CODE.sub(r"<code>\1</code>", escaped(sentence)) for sentence in sentences]
+        body = f"<ul><li>{'</li><li>'.join(items)}</li></ul>" * bool(sentences) + picture
+        blocks.append(f"<{tag}>{escaped(head)}</{tag}>{body}")
+    return as_page(title, blocks)
 
 
 def _markdown(text: str) -> str:

@@ -21,7 +21,7 @@ import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
-from logical_robots_tui.lab.running import Asked, Result, engine, fingerprint
+from logical_robots_tui.lab.running import QueryMeasure, Result, engine, fingerprint
 from logical_robots_tui.paths import read_ordinary, write_atomically
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.levels.load import NATIVE, WEB, is_of_web
@@ -80,18 +80,18 @@ class Student(msgspec.Struct, frozen=True, omit_defaults=True):
 
     @property
     def lateness(self) -> str:
-        by = timedelta(seconds=round(self.late_by))
-        minutes, seconds = divmod(by.seconds, 60)
-        units = {"day": by.days, "hour": minutes // 60, "minute": minutes % 60, "second": seconds}
+        lag = timedelta(seconds=round(self.late_by))
+        minutes, seconds = divmod(lag.seconds, 60)
+        units = {"day": lag.days, "hour": minutes // 60, "minute": minutes % 60, "second": seconds}
         largest = [count_of(number, unit) for unit, number in units.items() if number][:2]
         return " ".join([*largest, "late"]) if self.late else ""
 
     @property
-    def called(self) -> str:
+    def label(self) -> str:
         return f"{self.name} ({self.id})" if self.name not in ("", self.id) else self.id
 
 
-class Player(msgspec.Struct, frozen=True, omit_defaults=True):
+class TournamentPlayer(msgspec.Struct, frozen=True, omit_defaults=True):
     """A player of a tournament; `lost` is why all matches are lost without being played."""
 
     name: str
@@ -116,13 +116,13 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     starts: Starts
     given_first: bool
     measures: tuple[Measure, ...]
-    asked: tuple[Asked, ...]
+    asked: tuple[QueryMeasure, ...]
     steps: int
     seconds: float
     cells: tuple[Cell, ...]
     students: tuple[Student, ...] = ()
     assignment: dict[str, Any] = {}
-    players: tuple[Player, ...] = ()
+    players: tuple[TournamentPlayer, ...] = ()
     teams: tuple[str, ...] = ()
     match: Cell = Cell("", "", "", "", 0)
     rounds: tuple[tuple[tuple[Index, Index], ...], ...] = ()
@@ -140,10 +140,10 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     def all_starts(self) -> tuple[int, ...]:
         return 0, *range(self.first_start, self.first_start + self.starts)
 
-    def called(self, cell: Cell) -> str:
+    def label_of(self, cell: Cell) -> str:
         """Return whose program a cell runs where: ``Ada (1001): ada.l in 01-first-steps``."""
-        whose = next((each.called for each in self.students if each.id == cell.student), "")
-        return f"{whose}: " * bool(whose) + f"{cell.program_name} in {cell.level_name}"
+        owner = next((student.label for student in self.students if student.id == cell.student), "")
+        return f"{owner}: " * bool(owner) + f"{cell.program_name} in {cell.level_name}"
 
     def command(self, cell: Cell, start: int) -> str:
         """Return the command that plays a run on the screen, to be typed in the folder."""
@@ -153,11 +153,11 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
 
     def job(self, cell: Cell, start: int) -> str:
         """Return the digest of what a run depends on, except the engine."""
-        asked = [(each.name, each.query, each.every) for each in self.asked]
+        queries = [(measure.name, measure.query, measure.every) for measure in self.asked]
         program = cell.program or cell.parts
-        what = (cell.level, program, start, cell.ticks, asked, self.steps)
-        more = (self.run_steps,) if self.run_steps else ()
-        return digest(repr((*what, *more, self.until) if self.until else (*what, *more)))
+        key = (cell.level, program, start, cell.ticks, queries, self.steps)
+        limits = (self.run_steps,) if self.run_steps else ()
+        return digest(repr((*key, *limits, self.until) if self.until else (*key, *limits)))
 
     def run(self, job: str) -> str:
         """Return the identity of a run on this engine."""
@@ -170,25 +170,25 @@ def digest(text: str) -> str:
 
 def _files_of(manifest: Manifest, inputs: Mapping[str, str]) -> dict[str, str]:
     """Return names for the files of inputs, after levels, programs, players and students."""
-    called: dict[str, str] = {player.program: player.name for player in manifest.players}
+    labels: dict[str, str] = {player.program: player.name for player in manifest.players}
     endings: dict[str, str] = {}
     for cell in (manifest.match, *manifest.cells):
         program = f"{cell.student}-{cell.level_name}" if cell.student else cell.program_name
         for name in filter(None, (cell.own, cell.program)):
-            called.setdefault(name, program.removesuffix(SUFFIX))
+            labels.setdefault(name, program.removesuffix(SUFFIX))
         if cell.level not in endings:
-            called.setdefault(cell.level, cell.level_name)
+            labels.setdefault(cell.level, cell.level_name)
             endings[cell.level] = WEB if is_of_web(inputs.get(cell.level, "")) else NATIVE
     files: dict[str, str] = {}
-    taken: set[str] = {SUFFIX, NATIVE, WEB}
+    used_names: set[str] = {SUFFIX, NATIVE, WEB}
     numbers: defaultdict[str, Iterator[int]] = defaultdict(lambda: count(2))
-    for name in filter(called.__contains__, inputs):
-        stem = re.sub(r"[^\w.+-]+", "_", called[name])[:_LONGEST_STEM].strip("._-+")
+    for name in filter(labels.__contains__, inputs):
+        stem = re.sub(r"[^\w.+-]+", "_", labels[name])[:_LONGEST_STEM].strip("._-+")
         ending = endings.get(name, SUFFIX)
         file = first = stem + ending
-        while file.casefold() in taken:
+        while file.casefold() in used_names:
             file = f"{stem}-{next(numbers[first.casefold()])}".lstrip("-") + ending
-        taken.add(file.casefold())
+        used_names.add(file.casefold())
         files[name] = file
     return files
 
@@ -199,7 +199,7 @@ class Folder:
         self._files: Mapping[str, str] = {}
 
     @contextmanager
-    def locked(self) -> Iterator[None]:
+    def lock(self) -> Iterator[None]:
         """Make and lock the folder; raises InputError if another coordinator has it."""
         try:
             (self.path / "inputs").mkdir(parents=True, exist_ok=True)
@@ -227,7 +227,7 @@ class Folder:
                     file.write_bytes(content)
             os.sync()  # once, for thousands of files, before the manifest names them
         except OSError as error:
-            raise self._unwritable(file, error) from error
+            raise self._write_error(file, error) from error
         manifest = msgspec.structs.replace(manifest, engine=engine(), files=self._files)
         self.put(self.path / "manifest.json", msgspec.json.format(msgspec.json.encode(manifest)))
         return manifest
@@ -238,7 +238,7 @@ class Folder:
             file.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(file, content)
         except OSError as error:
-            raise self._unwritable(file, error) from error
+            raise self._write_error(file, error) from error
 
     def manifest(self) -> Manifest:
         """Return the manifest; raises InputError if it is missing, damaged or newer."""
@@ -284,7 +284,7 @@ class Folder:
     def ledger(self, *, mixed: bool = False) -> closing[Ledger]:
         return closing(Ledger(self.path / "ledger.db", fingerprint(), mixed=mixed))
 
-    def _unwritable(self, file: Path, error: OSError) -> InputError:
+    def _write_error(self, file: Path, error: OSError) -> InputError:
         hint = "Free disk space, then do the same again." if error.errno == ENOSPC else ""
         return InputError(f"can't be written: {error.strerror}", place=str(file), hint=hint)
 
@@ -337,7 +337,7 @@ class Ledger:
     def __init__(self, file: Path, engine: str, *, mixed: bool = False) -> None:
         self._file, self._engine, self._mixed = file, engine, mixed
         self._synced_at = monotonic()
-        with self._in_words():
+        with self._translating_errors():
             self._db = sqlite3.connect(file, isolation_level=None)
             try:
                 self._open()
@@ -356,30 +356,30 @@ class Ledger:
         kinds = self._db.execute("SELECT DISTINCT type FROM sqlite_schema").fetchall()
         if not {kind for (kind,) in kinds} <= {"table", "index"}:
             raise LedgerError("It is damaged (it is not a ledger)", place=str(self._file))
-        found = self._db.execute("SELECT DISTINCT engine FROM results").fetchall()
-        if not self._mixed and any(engine != self._engine for (engine,) in found):
+        engines = self._db.execute("SELECT DISTINCT engine FROM results").fetchall()
+        if not self._mixed and any(engine != self._engine for (engine,) in engines):
             message = "Its results are from another version of Logical Robots, Python or SQLite"
             hint = "Take another folder, or keep them beside new ones with --mixed."
             raise LedgerError(message, place=str(self._file), hint=hint)
 
     def outcomes(self) -> dict[str, str]:
-        return dict(self._rows(f"SELECT job, outcome {self._counting()}"))
+        return dict(self._rows(f"SELECT job, outcome {self._results_clause()}"))
 
     def results(self) -> dict[str, Result]:
-        found = self._rows(f"SELECT job, result {self._counting()}")
+        rows = self._rows(f"SELECT job, result {self._results_clause()}")
         read = msgspec.json.Decoder(Result).decode
         try:
-            return {job: read(result) for job, result in found}
+            return {job: read(result) for job, result in rows}
         except (msgspec.DecodeError, RecursionError, TypeError, ValueError) as error:
             raise LedgerError("A result in it is damaged", place=str(self._file)) from error
 
     def engines(self) -> Mapping[str, str]:
-        return dict(self._rows(f"SELECT job, engine {self._counting()}"))
+        return dict(self._rows(f"SELECT job, engine {self._results_clause()}"))
 
-    def _counting(self) -> str:
+    def _results_clause(self) -> str:
         quoted = "'" + self._engine + "'"
-        which = "" if self._mixed else f"WHERE engine = {quoted}"
-        return f"FROM results {which} ORDER BY engine = {quoted}, engine"
+        condition = "" if self._mixed else f"WHERE engine = {quoted}"
+        return f"FROM results {condition} ORDER BY engine = {quoted}, engine"
 
     def record(self, entries: Iterable[Entry]) -> dict[str, str]:
         """Record runs in one transaction; return outcomes by job. An earlier result is kept.
@@ -388,7 +388,7 @@ class Ledger:
         that these needn't wait for the disk.
         """
         outcomes = {}
-        with self._writing():
+        with self._transaction():
             for entry in entries:
                 outcome = outcomes[entry.job] = msgspec.json.decode(entry.result)["outcome"]
                 values = (entry.job, self._engine, entry.run, outcome, entry.result)
@@ -409,20 +409,20 @@ class Ledger:
 
     def fail(self, job: str, reason: str, worker: str) -> None:
         """Record a failed attempt at a run that the run did not cause."""
-        with self._writing():
+        with self._transaction():
             values = (job, self._engine, reason, worker, time())
             self._db.execute("INSERT INTO failures VALUES (?, ?, ?, ?, ?)", values)
 
     def failures(self) -> dict[str, list[str]]:
         sql = """SELECT job, reason FROM failures WHERE engine = ?1 AND job NOT IN
             (SELECT job FROM results WHERE engine = ?1) ORDER BY rowid"""
-        found: dict[str, list[str]] = {}
+        reasons: dict[str, list[str]] = {}
         for job, reason in self._rows(sql, self._engine):
-            found.setdefault(job, []).append(reason)
-        return found
+            reasons.setdefault(job, []).append(reason)
+        return reasons
 
     def forget_failures(self) -> None:
-        with self._writing():
+        with self._transaction():
             self._db.execute("DELETE FROM failures")
 
     def differences(self) -> list[str]:
@@ -436,22 +436,22 @@ class Ledger:
         self._db.close()
 
     @contextmanager
-    def _writing(self) -> Iterator[None]:
-        with self._in_words(), self._db:
+    def _transaction(self) -> Iterator[None]:
+        with self._translating_errors(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
             yield
 
     def _rows(self, sql: str, *values: str) -> list[Any]:
-        with self._in_words():
+        with self._translating_errors():
             return self._db.execute(sql, values).fetchall()
 
     @contextmanager
-    def _in_words(self) -> Iterator[None]:
+    def _translating_errors(self) -> Iterator[None]:
         """Turn errors of SQLite into LedgerErrors."""
         try:
             yield
         except (sqlite3.Error, UnicodeDecodeError) as error:  # damage in a name it would tell
-            said = {
+            messages = {
                 "SQLITE_FULL": ("The disk is full", "Free disk space, then resume."),
                 "SQLITE_IOERR": ("The disk is full or fails", "Free disk space, then resume."),
                 "SQLITE_READONLY": ("It is read-only", "Choose a folder that you can write to."),
@@ -460,5 +460,5 @@ class Ledger:
             }
             name = "_".join(getattr(error, "sqlite_errorname", "").split("_")[:2])
             damaged = "Move it away and start again; nothing else in the folder is lost."
-            message, hint = said.get(name, (f"It is damaged ({error})", damaged))
+            message, hint = messages.get(name, (f"It is damaged ({error})", damaged))
             raise LedgerError(message, place=str(self._file), hint=hint) from error

@@ -14,18 +14,18 @@ import msgspec
 
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import (
-    Done,
+    ResultTable,
     Row,
-    Table,
+    RunRecord,
     csv_of,
-    done_runs,
     failed_runs,
+    finished_runs,
     harmless_text,
     parts_as_markdown,
     parts_as_page,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
-from logical_robots_tui.lab.running import Found, Result
+from logical_robots_tui.lab.running import Result, RunFinding
 from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
@@ -64,7 +64,7 @@ Draw: TypeAlias = Callable[[Level, Mapping[str, Sequence[tuple[float, float]]]],
 """Draws a level with the paths of robots as SVG."""
 
 
-class Part(msgspec.Struct, frozen=True):
+class PointsPart(msgspec.Struct, frozen=True):
     """A part of a level's points, such as that for its ticks, and what it was given for."""
 
     name: str
@@ -73,8 +73,8 @@ class Part(msgspec.Struct, frozen=True):
     said: str
 
     def __str__(self) -> str:
-        what = {"won": "winning", "starts": "varied starts"}.get(self.name, self.name)
-        return f"{self.points:g} of {self.most:g} points for {what}: {self.said}."
+        purpose = {"won": "winning", "starts": "varied starts"}.get(self.name, self.name)
+        return f"{self.points:g} of {self.most:g} points for {purpose}: {self.said}."
 
 
 class LevelGrade(msgspec.Struct, frozen=True):
@@ -99,7 +99,7 @@ class LevelGrade(msgspec.Struct, frozen=True):
     lost: tuple[int, ...]
     messages: tuple[str, ...]
     ends: tuple[str, ...] = ()
-    parts: tuple[Part, ...] = ()
+    parts: tuple[PointsPart, ...] = ()
     questions: tuple[str, ...] = ()
     last: int = 0
     file: str = ""
@@ -127,11 +127,11 @@ class Grade(msgspec.Struct, frozen=True):
 
     @property
     def remarks(self) -> list[str]:
-        added = [f"{points:+g} points by hand: {why or '-'}" for points, why in self.student.added]
-        return [*added, *self.student.remarks]
+        notes = [f"{points:+g} points by hand: {why or '-'}" for points, why in self.student.added]
+        return [*notes, *self.student.remarks]
 
     @property
-    def said(self) -> str:
+    def points_text(self) -> str:
         """The points in words."""
         if self.points is not None:
             return f"{self.points:g} of {self.most:g} points"
@@ -142,31 +142,31 @@ class Grade(msgspec.Struct, frozen=True):
 def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
     assignment = _assignment_of(manifest)
     cells: dict[tuple[str, str], Cell] = {(c.student, c.level_name): c for c in manifest.cells}
-    runs: dict[tuple[str, str], list[Done]] = defaultdict(list)
-    for done in done_runs(manifest, ledger):
-        runs[done.cell.student, done.cell.level_name].append(done)
+    runs: dict[tuple[str, str], list[RunRecord]] = defaultdict(list)
+    for run in finished_runs(manifest, ledger):
+        runs[run.cell.student, run.cell.level_name].append(run)
     failed = {
-        (each.cell.student, each.cell.level_name): each.result.first[2]
-        for each in failed_runs(manifest, ledger)
-        if each.result.first
+        (run.cell.student, run.cell.level_name): run.result.first[2]
+        for run in failed_runs(manifest, ledger)
+        if run.result.first
     }
     grades = []
     for student in manifest.students:
         levels = []
-        for each in assignment.level:
-            file = each.name.rpartition("/")[2]
+        for level_table in assignment.level:
+            file = level_table.name.rpartition("/")[2]
             name = re.sub(r"\.(toml|json)$", "", file)
             key = student.id, name
-            results = {done.start: done.result for done in runs.get(key, ())}
+            results = {run.start: run.result for run in runs.get(key, ())}
             missing = _NO_PROGRAM
             if not student.submission:  # earlier versions had other words for UNMATCHED
                 missing = NOTHING if student.remarks[0] == NOTHING else UNMATCHED
-            known = key in cells, missing
-            level = _level(manifest, assignment, name, each.points, *known, results)
-            why = failed.get(key, "")
-            levels.append(msgspec.structs.replace(level, file=file, failure=why))
-        kept = assignment.late.keep if student.late else 1
-        so_far = sum(level.points or 0 for level in levels) * kept
+            status = key in cells, missing
+            level = _level(manifest, assignment, name, level_table.points, *status, results)
+            failure = failed.get(key, "")
+            levels.append(msgspec.structs.replace(level, file=file, failure=failure))
+        kept_share = assignment.late.keep if student.late else 1
+        so_far = sum(level.points or 0 for level in levels) * kept_share
         so_far = _round(so_far + sum(points for points, _ in student.added))
         ungraded = sum(level.points is None for level in levels)
         grades.append(
@@ -175,7 +175,7 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
                 tuple(levels),
                 None if ungraded else so_far,
                 so_far,
-                sum(each.points for each in assignment.level),
+                sum(level_table.points for level_table in assignment.level),
                 ungraded,
             )
         )
@@ -184,19 +184,19 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
 
 def _assignment_of(manifest: Manifest) -> Assignment:
     """Return the assignment, with ``size`` where earlier versions counted rules."""
-    found = manifest.assignment
-    table, points = dict(found["assignment"]), dict(found["points"])
-    table["show"] = ["size" if each == "rules" else each for each in table["show"]]
+    stored = manifest.assignment
+    table, points = dict(stored["assignment"]), dict(stored["points"])
+    table["show"] = ["size" if name == "rules" else name for name in table["show"]]
     if "rules" in points:
         points["size"] = points.pop("rules")
-    return msgspec.convert({**found, "assignment": table, "points": points}, Assignment)
+    return msgspec.convert({**stored, "assignment": table, "points": points}, Assignment)
 
 
 def _level(
     manifest: Manifest,
     assignment: Assignment,
     name: str,
-    most: float,
+    maximum: float,
     is_submitted: bool,
     missing: str,
     results: dict[int, Result],
@@ -211,11 +211,11 @@ def _level(
         or len(varied) == manifest.starts
     )
     points: float | None = 0.0
-    parts: tuple[Part, ...] = ()
+    parts: tuple[PointsPart, ...] = ()
     if not is_over if is_submitted else missing == UNMATCHED:
         points = None
     elif first is not None:
-        parts = tuple(_parts(assignment, name, most, first, wins, manifest.starts, bool(varied)))
+        parts = tuple(_parts(assignment, name, maximum, first, wins, manifest.starts, bool(varied)))
         points = sum(part.points for part in parts)
     messages = (
         [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes] if first else []
@@ -229,7 +229,7 @@ def _level(
     return LevelGrade(
         name,
         None if points is None else _round(points),
-        most,
+        maximum,
         won,
         outcome,
         first.ticks if first and won else None,
@@ -239,44 +239,46 @@ def _level(
         manifest.starts,
         tuple(start for start, result in varied.items() if result.outcome != "won"),
         tuple(messages),
-        tuple(end.said(first.ticks) for end in first.ends) if first and not won else (),
+        tuple(end.sentence(first.ticks) for end in first.ends) if first and not won else (),
         tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
         tuple(map(_question, first.findings)) if first else (),
         first.ticks if first else 0,
     )
 
 
-def _question(found: Found) -> str:
-    where = f"Line {found.line}: " if found.line else ""
-    return f"{where}{found.message} {QUESTIONS.get(found.kind, '')}".strip()
+def _question(finding: RunFinding) -> str:
+    where = f"Line {finding.line}: " if finding.line else ""
+    return f"{where}{finding.message} {QUESTIONS.get(finding.kind, '')}".strip()
 
 
 def _parts(
     assignment: Assignment,
     name: str,
-    most: float,
+    maximum: float,
     first: Result,
     wins: int,
     starts: int,
     is_tried: bool,
-) -> Iterator[Part]:
+) -> Iterator[PointsPart]:
     """Yield the parts of a level's points that count, not rounded."""
     reference = next(iter(reference_table().get(name, {}).values()), None)  # the solution
     is_won = first.outcome == "won"
     split: dict[str, float] = msgspec.to_builtins(assignment.points)
     for part in [part for part, share in split.items() if share]:
-        share, said = float(is_won), f"{'' if is_won else 'not '}won from the given start"
+        share, text = float(is_won), f"{'' if is_won else 'not '}won from the given start"
         if part == "starts":
-            share, said = wins / starts, f"won from {wins} of {starts}"
+            share, text = wins / starts, f"won from {wins} of {starts}"
             if not is_tried:
-                said = "not tried, because it was not won from the given start"
+                text = "not tried, because it was not won from the given start"
         elif part in ("ticks", "size"):
-            own, best = getattr(first, part), getattr(reference, part, 0)
-            share = min(1.0, best / max(own, 1)) if is_won else 0.0
+            count, best = getattr(first, part), getattr(reference, part, 0)
+            share = min(1.0, best / max(count, 1)) if is_won else 0.0
             unit = "tick" if part == "ticks" else "symbol"
-            said = f"{count_of(own, unit)}; the reference program has {best:,}" if is_won else said
-        worth = most * split[part] / sum(split.values())
-        yield Part(part, worth * share, _round(worth), said)
+            text = (
+                f"{count_of(count, unit)}; the reference program has {best:,}" if is_won else text
+            )
+        worth = maximum * split[part] / sum(split.values())
+        yield PointsPart(part, worth * share, _round(worth), text)
 
 
 def _round(points: float) -> float:
@@ -299,13 +301,13 @@ def export_grades(
     grades = grades_of(manifest, ledger)
     assignment = _assignment_of(manifest)
     show: list[str] = [*assignment.assignment.show]
-    kept = assignment.late.keep
+    kept_share = assignment.late.keep
     names = _file_names([grade.student.id for grade in grades])
-    given = [done for done in done_runs(manifest, ledger) if not done.start]
-    first = {(done.cell.student, done.cell.level_name): done for done in given}
+    given_runs = [run for run in finished_runs(manifest, ledger) if not run.start]
+    runs_by_level = {(run.cell.student, run.cell.level_name): run for run in given_runs}
     for grade, name in zip(grades, names, strict=True):
-        data = {**msgspec.to_builtins(grade), "title": manifest.title}
-        for level in data["levels"]:
+        record = {**msgspec.to_builtins(grade), "title": manifest.title}
+        for level in record["levels"]:
             del level["last"]
             for key in {"won", "ticks", "size", "distance"} - set(show):
                 del level[key]
@@ -314,47 +316,47 @@ def export_grades(
             if "starts" not in show:
                 del level["wins"], level["starts"], level["lost"]
             level["parts"] = [part for part in level["parts"] if part["name"] in show]
-        parts = _feedback(grade, show, kept)
-        runs = [first.get((grade.student.id, each.level)) for each in grade.levels]
+        parts = _feedback(grade, show, kept_share)
+        runs = [runs_by_level.get((grade.student.id, level.level)) for level in grade.levels]
         pictures = ["", *(_picture(folder, run, draw if "won" in show else None) for run in runs)]
         feedback = folder.path / f"feedback/{name}"
         folder.put(feedback.with_name(f"{name}.md"), parts_as_markdown(manifest.title, parts))
         folder.put(
             feedback.with_name(f"{name}.html"), parts_as_page(manifest.title, parts, pictures)
         )
-        folder.put(folder.path / f"feedback/{name}.json", _json(data))
+        folder.put(folder.path / f"feedback/{name}.json", _json(record))
         folder.put(folder.path / f"gradescope/{name}.json", _json(_gradescope(grade, show)))
-    for old in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
-        if old.stem not in names:
-            old.unlink()  # of an earlier class list
+    for old_file in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
+        if old_file.stem not in names:
+            old_file.unlink()  # of an earlier class list
     if len(grades) == 1:
         folder.put(folder.path / "results.json", _json(_gradescope(grades[0], show)))
     folder.put(folder.path / "gradebook.csv", csv_of(gradebook(grades)))
-    called = {student.id: student.name for student in manifest.students}
-    same: list[Row] = [
-        (level, len(ids), ", ".join(ids), ", ".join(called[each] for each in ids), text)
+    name_of = {student.id: student.name for student in manifest.students}
+    duplicate_rows: list[Row] = [
+        (level, len(ids), ", ".join(ids), ", ".join(name_of[s] for s in ids), text)
         for level, text, ids in duplicates(manifest)
     ]
-    table = Table(("level", "students", "ids", "names", "program"), same)
+    table = ResultTable(("level", "students", "ids", "names", "program"), duplicate_rows)
     folder.put(folder.path / "duplicates.csv", csv_of(table))
     folder.put(folder.path / "junit.xml", _junit(manifest.title, grades))
-    written = ["gradebook.csv", "duplicates.csv", "junit.xml", "feedback/", "gradescope/"]
-    return written + ["results.json"] * (len(grades) == 1)
+    file_names = ["gradebook.csv", "duplicates.csv", "junit.xml", "feedback/", "gradescope/"]
+    return file_names + ["results.json"] * (len(grades) == 1)
 
 
 def _file_names(ids: list[str]) -> list[str]:
     names: list[str] = []
-    taken: set[str] = set()
-    for each in ids:
-        name = re.sub(r"[^A-Za-z0-9_.-]", "_", each).strip(".")
-        if name != each or len(name) > _LONGEST_FILE or name.casefold() in taken:
-            name = f"{name[:_LONGEST_FILE]}-{digest(each)[:8]}"
-        taken.add(name.casefold())
+    used_names: set[str] = set()
+    for student_id in ids:
+        name = re.sub(r"[^A-Za-z0-9_.-]", "_", student_id).strip(".")
+        if name != student_id or len(name) > _LONGEST_FILE or name.casefold() in used_names:
+            name = f"{name[:_LONGEST_FILE]}-{digest(student_id)[:8]}"
+        used_names.add(name.casefold())
         names.append(name)
     return names
 
 
-def gradebook(grades: list[Grade]) -> Table:
+def gradebook(grades: list[Grade]) -> ResultTable:
     levels = [level.level for level in grades[0].levels] if grades else []
     head = ("id", "name", "submission", "late", "by_hand", "points", "most", "ungraded")
     rows = [
@@ -372,24 +374,24 @@ def gradebook(grades: list[Grade]) -> Table:
         )
         for grade in grades
     ]
-    return Table((*head, *levels, "remarks"), list(rows))
+    return ResultTable((*head, *levels, "remarks"), list(rows))
 
 
 def feedback_of(manifest: Manifest, ledger: Ledger, student: str) -> str:
     """Return what a student gets to read, as Markdown."""
-    (grade,) = (each for each in grades_of(manifest, ledger) if each.student.id == student)
+    (grade,) = (grade for grade in grades_of(manifest, ledger) if grade.student.id == student)
     table = manifest.assignment
     return parts_as_markdown(
         manifest.title, _feedback(grade, table["assignment"]["show"], table["late"]["keep"])
     )
 
 
-def _feedback(grade: Grade, show: list[str], kept: float) -> list[tuple[str, list[str]]]:
-    """Return headings, the student's first, and what is said below them."""
+def _feedback(grade: Grade, show: list[str], kept_share: float) -> list[tuple[str, list[str]]]:
+    """Return headings and the sentences below each; the first one is about the student."""
     student = grade.student
-    head = f"{student.name or student.id}: {grade.said}"
+    head = f"{student.name or student.id}: {grade.points_text}"
     if student.late:
-        head += f" ({student.lateness}; {kept:.0%} counts)"
+        head += f" ({student.lateness}; {kept_share:.0%} counts)"
     parts = [(head, grade.remarks)]
     for level in grade.levels:
         points = "not graded yet"
@@ -399,14 +401,14 @@ def _feedback(grade: Grade, show: list[str], kept: float) -> list[tuple[str, lis
     return parts
 
 
-def _picture(folder: Folder, run: Done | None, draw: Draw | None) -> str:
+def _picture(folder: Folder, run: RunRecord | None, draw: Draw | None) -> str:
     """Return a picture of a run that was not won, or ""."""
     if run is None or draw is None or not run.result.paths:
         return ""
     level = read_level(folder.text(run.cell.level), run.cell.level_name)
-    said = "The ways of the robots from the given start, with a circle where each ended."
+    caption = "The ways of the robots from the given start, with a circle where each ended."
     picture = draw(level, run.result.paths)
-    return f"<figure>{picture}<figcaption>{said}</figcaption></figure>"
+    return f"<figure>{picture}<figcaption>{caption}</figcaption></figure>"
 
 
 def _ending(level: LevelGrade) -> str:
@@ -422,31 +424,31 @@ def _ending(level: LevelGrade) -> str:
 
 def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
     parts = {part.name: part for part in level.parts if part.name in show and len(level.parts) > 1}
-    said = [str(part) for part in parts.values() if level.outcome != "does not compile"]
+    sentences = [str(part) for part in parts.values() if level.outcome != "does not compile"]
     if level.failure:
-        said.append(f"Not graded yet, because a run could not be finished: {level.failure}.")
+        sentences.append(f"Not graded yet, because a run could not be finished: {level.failure}.")
         if not level.last:
-            return said
-    is_told = "won" in parts and level.won
-    if ("won" in show and not is_told) or level.is_missing or level.outcome == "does not compile":
-        said.append(_ending(level))
-        said += (*level.ends[:_MOST_ENDS], *level.questions)
+            return sentences
+    has_part = "won" in parts and level.won
+    if ("won" in show and not has_part) or level.is_missing or level.outcome == "does not compile":
+        sentences.append(_ending(level))
+        sentences += (*level.ends[:_MOST_ENDS], *level.questions)
         if level.ends:
-            said.append(f"To see that: logical-robots play {quote(level.file)} YOUR-PROGRAM")
+            sentences.append(f"To see that: logical-robots play {quote(level.file)} YOUR-PROGRAM")
     if "ticks" in show and "ticks" not in parts and level.ticks is not None:
-        said.append(f"Won in {level.ticks:,} ticks.")
+        sentences.append(f"Won in {level.ticks:,} ticks.")
     if "size" in show and "size" not in parts and level.size is not None:
-        said.append(f"{count_of(level.size, 'symbol')}.")
+        sentences.append(f"{count_of(level.size, 'symbol')}.")
     if "distance" in show and level.distance:
-        said.append(f"{level.distance:,.0f} units driven.")
+        sentences.append(f"{level.distance:,.0f} units driven.")
     if "starts" in show and level.starts and (level.wins or level.lost):
         if "starts" not in parts:
-            said.append(f"Won from {level.wins} of {level.starts} varied starts.")
+            sentences.append(f"Won from {level.wins} of {level.starts} varied starts.")
         if level.lost:
-            said.append(f"Lost from varied start {', '.join(map(str, level.lost))}.")
+            sentences.append(f"Lost from varied start {', '.join(map(str, level.lost))}.")
             program = f"YOUR-PROGRAM --start {level.lost[0]}"
-            said.append(f"To see that: logical-robots play {quote(level.file)} {program}")
-    return said + list(level.messages)
+            sentences.append(f"To see that: logical-robots play {quote(level.file)} {program}")
+    return sentences + list(level.messages)
 
 
 def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
@@ -457,29 +459,29 @@ def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
             test["score"] = level.points
         test["output"] = "\n".join(map(harmless_text, _level_feedback(level, show)))
         tests.append(test)
-    said = [grade.said] * (grade.points is None) + grade.remarks
-    remarks = "\n".join(map(harmless_text, said))
+    sentences = [grade.points_text] * (grade.points is None) + grade.remarks
+    remarks = "\n".join(map(harmless_text, sentences))
     score = {} if grade.points is None else {"score": grade.points}
     return {**score, "output": remarks, "output_format": "text", "tests": tests}
 
 
-def _json(data: Any) -> bytes:
-    return msgspec.json.format(msgspec.json.encode(data), indent=2) + b"\n"
+def _json(document: Any) -> bytes:
+    return msgspec.json.format(msgspec.json.encode(document), indent=2) + b"\n"
 
 
 def _junit(title: str, grades: list[Grade]) -> bytes:
     top = ElementTree.Element("testsuites", name=harmless_text(title))
     for grade in grades:
-        called = harmless_text(grade.student.called)
-        suite = ElementTree.SubElement(top, "testsuite", name=called)
+        label = harmless_text(grade.student.label)
+        suite = ElementTree.SubElement(top, "testsuite", name=label)
         counts = dict.fromkeys(("failures", "errors", "skipped"), 0)
         for level in grade.levels:
-            case = ElementTree.SubElement(suite, "testcase", classname=called, name=level.level)
+            case = ElementTree.SubElement(suite, "testcase", classname=label, name=level.level)
             kind = _junit_kind(level)
             if kind:
                 counts[{"failure": "failures", "error": "errors"}.get(kind, kind)] += 1
-                found = ElementTree.SubElement(case, kind, message=level.failure or level.outcome)
-                found.text = "\n".join(map(harmless_text, level.messages))
+                element = ElementTree.SubElement(case, kind, message=level.failure or level.outcome)
+                element.text = "\n".join(map(harmless_text, level.messages))
         suite.set("tests", str(len(grade.levels)))
         for kind, count in counts.items():
             suite.set(kind, str(count))

@@ -15,7 +15,7 @@ from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.lab.archives import (
     MOST_PACKED,
     File,
-    Room,
+    UnpackBudget,
     is_archive,
     is_hidden,
     stem_of,
@@ -67,7 +67,7 @@ _LETTERS = str.maketrans(
 _COPY = re.compile(r"[-_ ]*(?:\(\d+\)|\d+)$")  # what Canvas and browsers add to a name
 
 
-class Owner(NamedTuple):
+class FileOwner(NamedTuple):
     """Whose a file is, as far as its name says."""
 
     key: str
@@ -80,11 +80,11 @@ class Owner(NamedTuple):
 class Submission:
     """A submission: its texts by level's name ("" for all levels), with remarks on oddities."""
 
-    def __init__(self, owner: Owner) -> None:
+    def __init__(self, owner: FileOwner) -> None:
         self.owner = owner
         self.programs: dict[str, str] = {}
         self.remarks: list[str] = []
-        self.changed = 0.0
+        self.mtime = 0.0
         self.is_late = False
         self.files: list[tuple[File, str]] = []  # each with the name that tells its level
 
@@ -104,42 +104,42 @@ class Submission:
     def read(self, stems: Mapping[str, str]) -> None:
         """Find the program of each level among the files."""
         unnamed: list[tuple[str, str, float]] = []
-        others: list[str] = []
-        taken: dict[str, str] = {}
-        nearest = sorted(self.files, key=lambda each: (len(each[0].parts), -each[0].changed))
+        other_files: list[str] = []
+        paths: dict[str, str] = {}
+        nearest = sorted(self.files, key=lambda entry: (len(entry[0].parts), -entry[0].mtime))
         for file, name in nearest:
-            shown = "/".join(file.parts[1:]) or file.parts[0]
+            path = "/".join(file.parts[1:]) or file.parts[0]
             if file.problem:
-                self.remarks.append(f"{shown}: {file.problem}")
+                self.remarks.append(f"{path}: {file.problem}")
             elif not name.casefold().endswith(SUFFIX):
-                others += [shown] * bool(name)
+                other_files += [path] * bool(name)
             else:
                 try:
                     text = _text(file.content)
                 except ValueError as error:
-                    self.remarks.append(f"{shown}: {error}")
+                    self.remarks.append(f"{path}: {error}")
                     continue
                 stem = stem_of(name, SUFFIX)
                 level = stems.get(plain(stem)) or stems.get(plain(_COPY.sub("", stem)))
-                if level in taken:
-                    self.remarks.append(f"{shown}: {taken[level]} is there for this level, too")
+                if level in paths:
+                    self.remarks.append(f"{path}: {paths[level]} is there for this level, too")
                 elif level:
-                    taken[level] = shown
-                    self._take(level, text, file.changed)
+                    paths[level] = path
+                    self._add_program(level, text, file.mtime)
                 else:
-                    unnamed.append((shown, text, file.changed))
+                    unnamed.append((path, text, file.mtime))
         if len(unnamed) == 1 and not self.programs:
-            self._take("", *unnamed[0][1:])
+            self._add_program("", *unnamed[0][1:])
         else:
-            self.remarks += [f"{shown} is not named after a level" for shown, *_ in unnamed]
+            self.remarks += [f"{path} is not named after a level" for path, *_ in unnamed]
         self.files = [(file._replace(content=b""), name) for file, name in self.files]
-        if not self.programs and (others or not self.remarks):
-            more = f", only {join_names(others[:_MOST_NAMED])}" if others else ""
-            self.remarks.append(f"there is no program (*{SUFFIX}) in it{more}")
+        if not self.programs and (other_files or not self.remarks):
+            detail = f", only {join_names(other_files[:_MOST_NAMED])}" if other_files else ""
+            self.remarks.append(f"there is no program (*{SUFFIX}) in it{detail}")
 
-    def _take(self, level: str, text: str, changed: float) -> None:
+    def _add_program(self, level: str, text: str, mtime: float) -> None:
         self.programs[level] = text
-        self.changed = max(self.changed, changed)
+        self.mtime = max(self.mtime, mtime)
 
 
 def _text(content: bytes) -> str:
@@ -187,35 +187,35 @@ def entries_of(place: Path, stems: Mapping[str, str], pattern: str = "") -> dict
     `pattern` is how their names are made, such as ``{name}_{id}_{level}.l``; those of Moodle,
     Canvas and Gradescope are known. Raises InputError if unreadable or names are equal.
     """
-    files = _unwrapped(list(_files(place)), stems) if not is_folder(place) else list(_files(place))
+    files = _unwrap(list(_files(place)), stems) if not is_folder(place) else list(_files(place))
     students = _students_of_gradescope(files)
     patterns = _patterns(pattern, stems)
-    found: dict[str, Submission] = {}
+    submissions: dict[str, Submission] = {}
     for file in files:
         if file.parts == (_METADATA,):
             continue
         owner, name = _owner(file.parts, patterns, students)
-        entry = found.setdefault(owner.key, Submission(owner))
+        entry = submissions.setdefault(owner.key, Submission(owner))
         entry.files.append((file, owner.level or name))
         entry.is_late |= owner.is_late
-    shown: dict[str, Submission] = {}
-    for key, entry in sorted(found.items()):
+    entries: dict[str, Submission] = {}
+    for key, entry in sorted(submissions.items()):
         if not entry.owner.id and not entry.owner.name and len(entry.tops) > 1:
             message = f"Several entries have this name: {', '.join(map(readable, entry.tops))}"
             raise InputError(message, place=str(place / key), hint="Keep one of them.")
         entry.read(stems)
         name = readable(key)
-        while name in shown:  # what can't be shown in them may be all that differs
+        while name in entries:  # what can't be shown in them may be all that differs
             name += "'"
-        shown[name] = entry
-    return shown
+        entries[name] = entry
+    return entries
 
 
 def _files(place: Path) -> Iterator[File]:
     """Yield all files, in the order of their paths, those of archives too."""
-    found: Iterable[File]
+    files: Iterable[File]
     if is_folder(place):
-        found = _walked(place, ())
+        files = _walk(place, ())
     elif is_archive(place.name):
         try:
             content = read_ordinary(place, MOST_PACKED + 1)
@@ -224,9 +224,9 @@ def _files(place: Path) -> Iterator[File]:
         if len(content) > MOST_PACKED:
             hint = "Unpack it, and name the folder."
             raise InputError("This archive is too large", place=str(place), hint=hint)
-        room = Room(100_000, MOST_PACKED)
-        found = sorted(unpack(File((), content), room, _most))
-        for file in found[:1]:
+        budget = UnpackBudget(100_000, MOST_PACKED)
+        files = sorted(unpack(File((), content), budget, _size_limit))
+        for file in files[:1]:
             if not file.parts:
                 raise InputError(
                     f"can't be read: {file.problem}", place=str(place), hint="Unpack it by hand."
@@ -234,44 +234,44 @@ def _files(place: Path) -> Iterator[File]:
     else:
         hint = "It has one folder, file or archive for each student or player."
         raise InputError("This is neither a folder nor an archive", place=str(place), hint=hint)
-    rooms: dict[str, Room] = defaultdict(Room)
-    for file in found:
-        yield from _opened(file, rooms[file.parts[0]], 2)
+    budgets: dict[str, UnpackBudget] = defaultdict(UnpackBudget)
+    for file in files:
+        yield from _expand(file, budgets[file.parts[0]], 2)
 
 
-def _walked(folder: Path, parts: tuple[str, ...]) -> Iterator[File]:
+def _walk(folder: Path, parts: tuple[str, ...]) -> Iterator[File]:
     for path in sorted(folder.iterdir()) if len(parts) < _MOST_DEPTH else ():
-        here, is_link = (*parts, path.name), path.is_symlink()
+        file_parts, is_link = (*parts, path.name), path.is_symlink()
         if is_hidden(path.name):
             continue
         if path.is_dir() and not is_link:
             try:
                 if not parts and not any(path.iterdir()):
-                    yield File((*here, ""))  # it is empty
-                yield from _walked(path, here)
+                    yield File((*file_parts, ""))  # it is empty
+                yield from _walk(path, file_parts)
             except OSError as error:
-                yield File(here, problem=error.strerror or str(error))
-        elif most := _most(path.name) or (is_link and path.is_dir()):
+                yield File(file_parts, problem=error.strerror or str(error))
+        elif limit := _size_limit(path.name) or (is_link and path.is_dir()):
             try:
                 if is_link:
                     raise OSError(None, "it is a link")
-                content = read_ordinary(path, most + 1)
-                if len(content) > most:
-                    raise OSError(None, f"it is larger than {most // 10**6} MB")
-                yield File(here, content, path.stat().st_mtime)
+                content = read_ordinary(path, limit + 1)
+                if len(content) > limit:
+                    raise OSError(None, f"it is larger than {limit // 10**6} MB")
+                yield File(file_parts, content, path.stat().st_mtime)
             except OSError as error:
-                yield File(here, problem=error.strerror or str(error))
+                yield File(file_parts, problem=error.strerror or str(error))
         else:
-            yield File(here)
+            yield File(file_parts)
 
 
-def _most(name: str) -> int:
+def _size_limit(name: str) -> int:
     if is_archive(name):
         return _MOST_ARCHIVE
     return MOST_BYTES if name.casefold().endswith(SUFFIX) or name == _METADATA else 0
 
 
-def _opened(file: File, room: Room, depth: int) -> Iterator[File]:
+def _expand(file: File, budget: UnpackBudget, depth: int) -> Iterator[File]:
     """Yield a file, or those of an archive, which are as old as it."""
     if file.problem or not is_archive(file.parts[-1]):
         yield file
@@ -279,21 +279,21 @@ def _opened(file: File, room: Room, depth: int) -> Iterator[File]:
         yield file._replace(problem="it is in an archive in an archive")
     else:
         is_empty = True
-        for inner in unpack(file, room, _most):
+        for inner in unpack(file, budget, _size_limit):
             is_empty = False
-            yield from _opened(inner._replace(changed=file.changed), room, depth - 1)
+            yield from _expand(inner._replace(mtime=file.mtime), budget, depth - 1)
         if is_empty:
             yield file._replace(problem="it is empty")
 
 
-def _unwrapped(files: list[File], stems: Mapping[str, str]) -> list[File]:
+def _unwrap(files: list[File], stems: Mapping[str, str]) -> list[File]:
     """Return files without the one folder that an archive of the class puts around them."""
     tops = {file.parts[0] for file in files}
     inner = {file.parts[1] for file in files if len(file.parts) > 1}
     levels = [name for name in inner if plain(stem_of(name, SUFFIX)) in stems]
     if len(tops) > 1 or len(inner) < 2 or levels or any(len(file.parts) < 2 for file in files):
         return files
-    if any(each.fullmatch(top) for each in _EXPORTS for top in tops):
+    if any(pattern.fullmatch(top) for pattern in _EXPORTS for top in tops):
         return files
     return [file._replace(parts=file.parts[1:]) for file in files]
 
@@ -304,15 +304,15 @@ def _students_of_gradescope(files: list[File]) -> dict[str, tuple[str, str]]:
     if file and file.problem:
         raise InputError(f"can't be read: {file.problem}", place=_METADATA)
     entries = _yaml(file.content) if file else {}
-    found: dict[str, tuple[str, str]] = {}
+    students: dict[str, tuple[str, str]] = {}
     for folder, entry in entries.items() if isinstance(entries, dict) else ():
         submitters = entry.get(":submitters") if isinstance(entry, dict) else ()
         first = submitters[0] if isinstance(submitters, list) and submitters else ()
         if isinstance(first, dict):
             texts = (first.get(f":{key}") for key in ("name", "sid"))
             name, student = (text.strip() if isinstance(text, str) else "" for text in texts)
-            found[folder] = name, student
-    return found
+            students[folder] = name, student
+    return students
 
 
 def _yaml(content: bytes) -> object:
@@ -334,8 +334,8 @@ def _yaml(content: bytes) -> object:
                 items = stack.pop()
                 pairs = zip(items[::2], items[1::2], strict=False)
                 is_list = isinstance(event, yaml.SequenceEndEvent)
-                named = {key: value for key, value in pairs if not is_list and isinstance(key, str)}
-                stack[-1].append(items if is_list else named)
+                table = {key: value for key, value in pairs if not is_list and isinstance(key, str)}
+                stack[-1].append(items if is_list else table)
     except (yaml.YAMLError, ValueError) as error:
         mark = getattr(error, "problem_mark", None)
         reason = getattr(error, "problem", None) or getattr(error, "reason", str(error))
@@ -352,7 +352,7 @@ def _patterns(pattern: str, stems: Mapping[str, str]) -> list[re.Pattern[str]]:
     if not pattern:
         return []
     levels = "|".join(r"[\W_]*".join(stem) for stem in sorted(stems, key=len, reverse=True))
-    found = []
+    expressions = []
     for level in (levels, FIELDS["level"]):
         fields = FIELDS | {"level": level}
         pieces = re.split(r"\{(\w+)\}", stem_of(pattern, SUFFIX))
@@ -360,39 +360,39 @@ def _patterns(pattern: str, stems: Mapping[str, str]) -> list[re.Pattern[str]]:
             f"(?P<{piece}>{fields[piece]})" if number % 2 else re.escape(piece)
             for number, piece in enumerate(pieces)
         ]
-        found.append(re.compile("".join(texts), re.I))
-    return found
+        expressions.append(re.compile("".join(texts), re.I))
+    return expressions
 
 
 def _owner(
     parts: tuple[str, ...],
     patterns: list[re.Pattern[str]],
     students: Mapping[str, tuple[str, str]],
-) -> tuple[Owner, str]:
+) -> tuple[FileOwner, str]:
     """Return whose a file is, and its name without what tells that."""
     top, name = parts[0], parts[-1]
-    for each in patterns:
+    for pattern in patterns:
         for text in ("/".join(parts), name, top):
-            if match := each.fullmatch(stem_of(text, SUFFIX)):
+            if match := pattern.fullmatch(stem_of(text, SUFFIX)):
                 fields = match.groupdict()
-                who = fields.get("name", ""), fields.get("id", "")
+                identity = fields.get("name", ""), fields.get("id", "")
                 is_program = text[-len(name) :] == name and name.casefold().endswith(SUFFIX)
                 level = fields["level"] + SUFFIX if "level" in fields and is_program else ""
-                return Owner("_".join(filter(None, who)), *who, level), name
+                return FileOwner("_".join(filter(None, identity)), *identity, level), name
     if top in students and any(students[top]):
-        who = students[top]
-        return Owner("_".join(filter(None, who)), *who), name
-    for each in _EXPORTS:
-        if match := each.fullmatch(top):
-            who = match["name"] or "", match["id"]
-            late = "late" in each.groupindex and bool(match["late"])
-            rest = match["rest"] or ""
-            owner = Owner("_".join(filter(None, who)), *who, is_late=late)
-            return owner, rest if len(parts) == 1 else name
-    return Owner(stem_of(top, SUFFIX) if len(parts) == 1 or is_archive(top) else top), name
+        identity = students[top]
+        return FileOwner("_".join(filter(None, identity)), *identity), name
+    for export in _EXPORTS:
+        if match := export.fullmatch(top):
+            identity = match["name"] or "", match["id"]
+            is_late = "late" in export.groupindex and bool(match["late"])
+            file_name = match["rest"] or ""
+            owner = FileOwner("_".join(filter(None, identity)), *identity, is_late=is_late)
+            return owner, file_name if len(parts) == 1 else name
+    return FileOwner(stem_of(top, SUFFIX) if len(parts) == 1 or is_archive(top) else top), name
 
 
-def matched(
+def match_roster(
     roster: Iterable[Mapping[str, str]], entries: Mapping[str, Submission]
 ) -> dict[str, str]:
     """Return the entries of the students of a roster, by id.
@@ -402,40 +402,40 @@ def matched(
     several that are equally near none counts.
     """
     keys: dict[str, set[str]] = defaultdict(set)
-    for shown, entry in entries.items():
+    for name, entry in entries.items():
         owner = entry.owner
-        names = {shown, owner.key, *entry.tops, *(stem_of(top, SUFFIX) for top in entry.tops)}
-        for key in names | {plain(name) for name in {*names, owner.id, owner.name}}:
-            keys[key].add(shown)
-    found: dict[str, str] = {}
-    for nearness in _KEYS:
+        names = {name, owner.key, *entry.tops, *(stem_of(top, SUFFIX) for top in entry.tops)}
+        for key in names | {plain(alias) for alias in {*names, owner.id, owner.name}}:
+            keys[key].add(name)
+    matches: dict[str, str] = {}
+    for keys_of in _KEYS:
         claims: dict[str, set[str]] = {}
-        taken = set(found.values()) if nearness is not _KEYS[0] else set()
+        used_entries = set(matches.values()) if keys_of is not _KEYS[0] else set()
         for row in roster:
-            if row["id"] not in found:
-                near = {shown for key in nearness(row) if key for shown in keys.get(key, ())}
-                claims[row["id"]] = near - taken
-        counts = Counter(shown for near in claims.values() for shown in near)
-        for student, near in claims.items():
-            if len(near) == 1 and (counts[min(near)] == 1 or nearness is _KEYS[0]):
-                found[student] = min(near)
-    return found
+            if row["id"] not in matches:
+                candidates = {name for key in keys_of(row) if key for name in keys.get(key, ())}
+                claims[row["id"]] = candidates - used_entries
+        counts = Counter(name for candidates in claims.values() for name in candidates)
+        for student, candidates in claims.items():
+            if len(candidates) == 1 and (counts[min(candidates)] == 1 or keys_of is _KEYS[0]):
+                matches[student] = min(candidates)
+    return matches
 
 
-def _exact(row: Mapping[str, str]) -> list[str]:
-    own = row.get("submission") or row["id"]
-    return [own, stem_of(own, SUFFIX)]
+def _exact_keys(row: Mapping[str, str]) -> list[str]:
+    submission = row.get("submission") or row["id"]
+    return [submission, stem_of(submission, SUFFIX)]
 
 
-def _alike(row: Mapping[str, str]) -> list[str]:
-    own, student = plain(stem_of(row.get("submission") or "", SUFFIX)), plain(row["id"])
-    return [own, student, student.removeprefix("participant")]  # as Moodle's tables have it
+def _plain_keys(row: Mapping[str, str]) -> list[str]:
+    submission, student = plain(stem_of(row.get("submission") or "", SUFFIX)), plain(row["id"])
+    return [submission, student, student.removeprefix("participant")]  # as Moodle's tables have it
 
 
-def _called(row: Mapping[str, str]) -> list[str]:
+def _name_keys(row: Mapping[str, str]) -> list[str]:
     words = re.findall(r"\w+", row.get("name") or "")
     orders = range(len(words) if len(words) <= _MOST_WORDS else 1)
     return [plain("".join(words[n:] + words[:n])) for n in orders]
 
 
-_KEYS = (_exact, _alike, _called)
+_KEYS = (_exact_keys, _plain_keys, _name_keys)

@@ -1,4 +1,4 @@
-"""Who is how good: shares of points, their intervals over starts, strengths, and cycles."""
+"""Rankings: shares of points, their intervals over starts, strengths, and cycles."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from logical_robots_tui.lab.exporting import done_runs
+from logical_robots_tui.lab.exporting import finished_runs
 from logical_robots_tui.lab.folder import Ledger, Manifest
 from logical_robots_tui.lab.running import Result
 
@@ -66,23 +66,23 @@ class Ranking(NamedTuple):
     cycles: tuple[tuple[str, str, str], ...]
 
 
-def share_of_points(own: float, other: float) -> float:
+def share_of_points(points: float, opponent_points: float) -> float:
     """Return the share of the points, from 0 to 1; one half if both have none.
 
-    If points are below 0, the lower of the two counts as 0 and the other from there.
+    If points are below 0, the lower of the two counts as 0 and the higher one from there.
     """
-    low = min(0.0, own, other)
-    own, other = own - low, other - low
-    return own / (own + other) if own + other else 0.5
+    low = min(0.0, points, opponent_points)
+    points, opponent_points = points - low, opponent_points - low
+    return points / (points + opponent_points) if points + opponent_points else 0.5
 
 
 def share_of_match(result: Result, seats: Mapping[str, str], player: str) -> float:
     lost = {seats[team] for team in result.forfeit}
     if lost:
         return 0.5 if len(lost) > 1 else float(player not in lost)
-    own = sum(points for team, points in result.points.items() if seats[team] == player)
-    other = sum(points for team, points in result.points.items() if seats[team] != player)
-    return share_of_points(own, other)
+    player_points = sum(points for team, points in result.points.items() if seats[team] == player)
+    opponent_points = sum(points for team, points in result.points.items() if seats[team] != player)
+    return share_of_points(player_points, opponent_points)
 
 
 def ranking_of(manifest: Manifest, ledger: Ledger, *, resamples: int = RESAMPLES) -> Ranking:
@@ -90,19 +90,19 @@ def ranking_of(manifest: Manifest, ledger: Ledger, *, resamples: int = RESAMPLES
     players = manifest.players
     pairs = [pair for pairs in manifest.rounds for pair in pairs]
     names = [player.name for player in players]
-    number = {(names[i], names[j]): n for n, (i, j) in enumerate(pairs)}
+    pair_index = {(names[i], names[j]): n for n, (i, j) in enumerate(pairs)}
     shares = np.full((2, len(pairs), manifest.starts + 1), np.nan)
     for n, pair in enumerate(pairs):
         lost = [bool(players[index].lost) for index in pair]
         if any(lost):
             shares[:, n] = 0.5 if all(lost) else float(lost[1])
-    for done in done_runs(manifest, ledger):
-        seats = {team: str(name) for team, name in done.cell.settings.items()}
+    for run in finished_runs(manifest, ledger):
+        seats = {team: str(name) for team, name in run.cell.settings.items()}
         first, second, *_ = seats.values()
-        turned = (first, second) not in number
-        both = (second, first) if turned else (first, second)
-        share = share_of_match(done.result, seats, both[0])
-        shares[int(turned), number[both], done.start] = share
+        is_swapped = (first, second) not in pair_index
+        pair_names = (second, first) if is_swapped else (first, second)
+        share = share_of_match(run.result, seats, pair_names[0])
+        shares[int(is_swapped), pair_index[pair_names], run.start] = share
     return ranking_of_shares(names, pairs, shares.mean(axis=0), resamples=resamples)
 
 
@@ -110,66 +110,66 @@ def ranking_of_shares(
     players: list[str], pairs: list[tuple[int, int]], shares: Numbers, *, resamples: int = RESAMPLES
 ) -> Ranking:
     """Return the ranking; `shares` are the first player's, pairs x starts, NaN where missing."""
-    known = ~np.isnan(shares)
-    kept = [bool(row.any()) for row in known]
-    pairs = [pair for pair, keep in zip(pairs, kept, strict=True) if keep]
-    shares, known = shares[kept], known[kept]
+    is_present = ~np.isnan(shares)
+    has_shares = [bool(row.any()) for row in is_present]
+    pairs = [pair for pair, has_share in zip(pairs, has_shares, strict=True) if has_share]
+    shares, is_present = shares[has_shares], is_present[has_shares]
     starts = shares.shape[1]
     chance = np.random.default_rng(_SEED)
     weights = chance.multinomial(starts, [1 / starts] * starts, size=resamples).astype(float)
-    means = _means(np.ones((1, starts)), shares, known)
-    tried = _means(weights, shares, known)
-    tried = np.where(np.isnan(tried), means, tried)
-    low, high = (np.round(each, _DIGITS) for each in _interval(tried))
+    means = _means(np.ones((1, starts)), shares, is_present)
+    resampled = _means(weights, shares, is_present)
+    resampled = np.where(np.isnan(resampled), means, resampled)
+    low, high = (np.round(bound, _DIGITS) for bound in _interval(resampled))
     (mean,) = np.round(means, _DIGITS)
-    found: dict[tuple[str, str], Pairing] = {}
+    pairings: dict[tuple[str, str], Pairing] = {}
     for (i, j), *pairing in zip(pairs, mean.tolist(), low.tolist(), high.tolist(), strict=True):
-        share, least, most = pairing
-        found[players[i], players[j]] = Pairing(share, least, most)
-        found[players[j], players[i]] = Pairing(1 - share, 1 - most, 1 - least)
-    standings = _standings(players, pairs, mean, tried)
-    beaten = {both for both, pairing in found.items() if pairing.low > 1 / 2}
-    return Ranking(standings, found, _cycles([each.player for each in standings], beaten))
+        share, lowest, highest = pairing
+        pairings[players[i], players[j]] = Pairing(share, lowest, highest)
+        pairings[players[j], players[i]] = Pairing(1 - share, 1 - highest, 1 - lowest)
+    standings = _standings(players, pairs, mean, resampled)
+    wins = {names for names, pairing in pairings.items() if pairing.low > 1 / 2}
+    return Ranking(standings, pairings, _cycles([standing.player for standing in standings], wins))
 
 
-def _means(weights: Numbers, shares: Numbers, known: NDArray[np.bool_]) -> Numbers:
+def _means(weights: Numbers, shares: Numbers, is_present: NDArray[np.bool_]) -> Numbers:
     """Return the mean share of each pair over weighted starts: resamples x pairs."""
     # Not as a product of matrices, whose sums depend on the machine.
-    totals = np.einsum("bs,ms->bm", weights, np.where(known, shares, 0.0))
+    totals = np.einsum("bs,ms->bm", weights, np.where(is_present, shares, 0.0))
     with np.errstate(invalid="ignore"):
-        means: Numbers = totals / np.einsum("bs,ms->bm", weights, known.astype(float))
+        means: Numbers = totals / np.einsum("bs,ms->bm", weights, is_present.astype(float))
     return means
 
 
-def _interval(tried: Numbers) -> Numbers:
-    found: Numbers = np.quantile(tried, (0.025, 0.975), axis=0)
-    return found
+def _interval(samples: Numbers) -> Numbers:
+    bounds: Numbers = np.quantile(samples, (0.025, 0.975), axis=0)
+    return bounds
 
 
 def _standings(
-    players: list[str], pairs: list[tuple[int, int]], mean: Numbers, tried: Numbers
+    players: list[str], pairs: list[tuple[int, int]], mean: Numbers, resampled: Numbers
 ) -> tuple[Standing, ...]:
     wins = np.zeros((len(players), len(players)))
     ends: list[tuple[float, float]] = []
     for n, (i, j) in enumerate(pairs):
         wins[i, j], wins[j, i] = mean[n], 1 - mean[n]
     for index in range(len(players)):
-        own = [tried[:, n] for n, (i, _) in enumerate(pairs) if i == index]
-        own += [1 - tried[:, n] for n, (_, j) in enumerate(pairs) if j == index]
-        low, high = _interval(np.mean(own, axis=0)) if own else (0.0, 1.0)
+        player_shares = [resampled[:, n] for n, (i, _) in enumerate(pairs) if i == index]
+        player_shares += [1 - resampled[:, n] for n, (_, j) in enumerate(pairs) if j == index]
+        low, high = _interval(np.mean(player_shares, axis=0)) if player_shares else (0.0, 1.0)
         ends.append((round(float(low), _DIGITS), round(float(high), _DIGITS)))
     games = wins + wins.T > 0
     strength = strengths(wins)
-    found = []
+    standings = []
     for index, name in enumerate(players):
         low, high = ends[index]
         count = int(games[index].sum())
         share = round(float(wins[index].sum()) / count, _DIGITS) if count else 0.5
-        best = 1 + sum(other > high for other, _ in ends)
-        worst = len(players) - sum(other < low for _, other in ends)
-        rated = round(float(strength[index]), 3)
-        found.append(Standing(name, best, worst, share, low, high, rated, count))
-    return tuple(sorted(found, key=lambda each: (-each.share, each.player)))
+        best = 1 + sum(other_low > high for other_low, _ in ends)
+        worst = len(players) - sum(other_high < low for _, other_high in ends)
+        rating = round(float(strength[index]), 3)
+        standings.append(Standing(name, best, worst, share, low, high, rating, count))
+    return tuple(sorted(standings, key=lambda standing: (-standing.share, standing.player)))
 
 
 def strengths(wins: Numbers) -> Numbers:
@@ -181,23 +181,23 @@ def strengths(wins: Numbers) -> Numbers:
     against the column's; both sides of a pairing add up to 1, or are 0 if they have not met.
     """
     games = wins + wins.T
-    won = wins.sum(axis=1) + _PRIOR / 2
-    now = np.ones(len(wins))
+    win_totals = wins.sum(axis=1) + _PRIOR / 2
+    gamma = np.ones(len(wins))
     for _ in range(_MOST_STEPS):
-        before = now
-        expected = (games / (now[:, None] + now[None, :])).sum(axis=1) + _PRIOR / (now + 1)
-        now = won / expected
-        if np.abs(np.log(now / before)).max(initial=0.0) < 1e-12:
+        previous = gamma
+        expected = (games / (gamma[:, None] + gamma[None, :])).sum(axis=1) + _PRIOR / (gamma + 1)
+        gamma = win_totals / expected
+        if np.abs(np.log(gamma / previous)).max(initial=0.0) < 1e-12:
             break
-    found: Numbers = _ELO * np.log10(now)
-    return found
+    points: Numbers = _ELO * np.log10(gamma)
+    return points
 
 
-def _cycles(ranked: list[str], beaten: set[tuple[str, str]]) -> tuple[tuple[str, str, str], ...]:
-    found = []
-    for a, b, c in combinations(ranked, 3):
-        if (a, b) in beaten and (b, c) in beaten and (c, a) in beaten:
-            found.append((a, b, c))
-        elif (a, c) in beaten and (c, b) in beaten and (b, a) in beaten:
-            found.append((a, c, b))
-    return tuple(found)
+def _cycles(players: list[str], wins: set[tuple[str, str]]) -> tuple[tuple[str, str, str], ...]:
+    cycles = []
+    for a, b, c in combinations(players, 3):
+        if (a, b) in wins and (b, c) in wins and (c, a) in wins:
+            cycles.append((a, b, c))
+        elif (a, c) in wins and (c, b) in wins and (b, a) in wins:
+            cycles.append((a, c, b))
+    return tuple(cycles)

@@ -24,16 +24,16 @@ from logical_robots_tui.lab.competing import (
     tournament_tables,
 )
 from logical_robots_tui.lab.exporting import (
-    Done,
-    Table,
+    ResultTable,
+    RunRecord,
     as_code,
     as_page,
     as_percent,
     as_table,
     check_extra,
-    done_runs,
     export_runs,
     failed_runs,
+    finished_runs,
     harmless_text,
     measures_of,
     settings_of,
@@ -66,34 +66,34 @@ class Share(NamedTuple):
         return self.won / self.tried if self.tried else 0.0
 
 
-def share_of(done: Iterable[Done]) -> Share:
+def share_of(runs: Iterable[RunRecord]) -> Share:
     """Return the share of runs won, with its 95% interval (Wilson's score interval)."""
-    results = [each.result for each in done]
+    results = [run.result for run in runs]
     ticks = [result.ticks for result in results if result.outcome == "won"]
-    won, tried = len(ticks), len(results)
-    if not tried:
+    won, total = len(ticks), len(results)
+    if not total:
         return Share(0, 0, 0.0, 1.0, None)
     z = NormalDist().inv_cdf(0.975)
-    share, z2 = won / tried, z * z / tried
+    share, z2 = won / total, z * z / total
     middle = (share + z2 / 2) / (1 + z2)
-    half = z / (1 + z2) * math.sqrt(share * (1 - share) / tried + z2 / tried / 4)
+    half = z / (1 + z2) * math.sqrt(share * (1 - share) / total + z2 / total / 4)
     low = 0.0 if not won else middle - half
-    high = 1.0 if won == tried else middle + half
-    return Share(won, tried, low, high, median(ticks) if ticks else None)
+    high = 1.0 if won == total else middle + half
+    return Share(won, total, low, high, median(ticks) if ticks else None)
 
 
-def by_cell(done: Iterable[Done]) -> list[tuple[Cell, list[Done]]]:
-    found: dict[int, tuple[Cell, list[Done]]] = {}
-    for each in done:
-        found.setdefault(id(each.cell), (each.cell, []))[1].append(each)
-    return list(found.values())
+def by_cell(runs: Iterable[RunRecord]) -> list[tuple[Cell, list[RunRecord]]]:
+    groups: dict[int, tuple[Cell, list[RunRecord]]] = {}
+    for run in runs:
+        groups.setdefault(id(run.cell), (run.cell, []))[1].append(run)
+    return list(groups.values())
 
 
-def by_level(done: Iterable[Done]) -> dict[str, list[Done]]:
-    found: dict[str, list[Done]] = defaultdict(list)
-    for each in done:
-        found[each.cell.level_name].append(each)
-    return dict(found)
+def by_level(runs: Iterable[RunRecord]) -> dict[str, list[RunRecord]]:
+    groups: dict[str, list[RunRecord]] = defaultdict(list)
+    for run in runs:
+        groups[run.cell.level_name].append(run)
+    return dict(groups)
 
 
 def setting_text(cell: Cell) -> str:
@@ -106,36 +106,36 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
     if manifest.kind == "tournament":
         return tournament_lines(manifest, ledger)
     check_extra("plotext", "A report")
-    done = list(done_runs(manifest, ledger))
+    runs = list(finished_runs(manifest, ledger))
     if manifest.kind == "grade":
         grades = grades_of(manifest, ledger)
         points = [grade.points for grade in grades if grade.points is not None]
-        left = [f"{each.student.called}: {each.said}" for each in grades if each.points is None]
-        given = by_level(each for each in done if not each.start)
-        winners = {level: share_of(runs).won for level, runs in given.items()}
+        ungraded = [f"{g.student.label}: {g.points_text}" for g in grades if g.points is None]
+        given_runs = by_level(run for run in runs if not run.start)
+        winners = {level: share_of(level_runs).won for level, level_runs in given_runs.items()}
         lines = _bars("Students who win from the given start", winners)
         counts = Counter(math.floor(point) for point in points)
         lines += _bars("Students by points", {str(n): counts[n] for n in sorted(counts)})
-        return lines + left + fault_lines(manifest, ledger, _WIDTH)
-    return _sweep_lines(manifest, done)
+        return lines + ungraded + fault_lines(manifest, ledger, _WIDTH)
+    return _sweep_lines(manifest, runs)
 
 
-def _sweep_lines(manifest: Manifest, done: list[Done]) -> list[str]:
-    cells = _by_label(manifest, done)
-    ways = {"": cells}
+def _sweep_lines(manifest: Manifest, all_runs: list[RunRecord]) -> list[str]:
+    cells = _by_label(manifest, all_runs)
+    groupings = {"": cells}
     if len(cells) > _MOST_BARS:
-        ways = {f", over {name}": _by_value(name, done) for name in _varied(manifest)}
+        groupings = {f", over {name}": _by_value(name, all_runs) for name in _axes(manifest)}
     lines = []
-    for over, groups in ways.items():
+    for suffix, groups in groupings.items():
         shares = {label: share_of(runs).share for label, runs in groups.items()}
-        lines += _bars(f"Starts won{over}", shares)
+        lines += _bars(f"Starts won{suffix}", shares)
         for name, measure in measures_of(manifest).items():
             spreads = {label: _spread(map(measure, runs)) for label, runs in groups.items()}
             medians = {label: spread[0] for label, spread in spreads.items() if spread}
             if len({*medians.values()}) > 1:
-                lines += _bars(f"{name}, medians{over}", medians)
-    for name, (ticks, found) in _over_time(manifest, done).items():
-        lines += _plot(name, ticks, found)
+                lines += _bars(f"{name}, medians{suffix}", medians)
+    for name, (ticks, curves) in _over_time(manifest, all_runs).items():
+        lines += _plot(name, ticks, curves)
     return lines
 
 
@@ -147,10 +147,10 @@ def _bars(title: str, values: Mapping[str, float]) -> list[str]:
     plotext.clear_figure()
     plotext.simple_bar(list(values), list(values.values()), width=_WIDTH, title=title)
     is_count = all(isinstance(value, int) for value in values.values())
-    return [line.removesuffix(".00") if is_count else line for line in _built()]
+    return [line.removesuffix(".00") if is_count else line for line in _plot_lines()]
 
 
-def _built() -> list[str]:
+def _plot_lines() -> list[str]:
     import plotext
 
     text: str = plotext.uncolorize(plotext.build())
@@ -167,7 +167,7 @@ def _plot(title: str, ticks: list[int], lines: Mapping[str, list[Spread | None]]
         if points:
             plotext.plot(*zip(*points, strict=True), label=label)
     plotext.title(f"{title} by tick, medians")
-    return _built()
+    return _plot_lines()
 
 
 _BARS = 20
@@ -175,17 +175,17 @@ _BARS = 20
 
 def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
     """Write the report; return its path, or raise InputError, also for a missing library."""
-    done = list(done_runs(manifest, ledger))
+    runs = list(finished_runs(manifest, ledger))
     if manifest.kind == "tournament":
-        parts = [*tournament_parts(manifest, ledger, done), _failures(manifest, ledger, done)]
+        parts = [*tournament_parts(manifest, ledger, runs), _failures(manifest, ledger, runs)]
     else:
         check_extra("pygal", "A report")
         if manifest.kind == "grade":
-            main = [*class_parts(folder, manifest, ledger), _overview(done), _ticks(done)]
+            main = [*class_parts(folder, manifest, ledger), _overview(runs), _ticks(runs)]
         else:
-            main = [_overview(done), _variation(manifest, done), _ticks(done)]
-            main.append(_failures(manifest, ledger, done))
-        parts = [*main, _cells(folder, manifest, done)]
+            main = [_overview(runs), _variation(manifest, runs), _ticks(runs)]
+            main.append(_failures(manifest, ledger, runs))
+        parts = [*main, _cells(folder, manifest, runs)]
     file = folder.path / "report.html"
     folder.put(file, as_page(manifest.title, parts))
     return str(file)
@@ -198,16 +198,16 @@ def export(
 
     Feedback has pictures of what was not won, if there is something that draws them.
     """
-    written = export_runs(folder, manifest, ledger)
+    file_names = export_runs(folder, manifest, ledger)
     if manifest.kind == "grade":
-        written += export_grades(folder, manifest, ledger, draw)
-        written += export_similar(folder, manifest)
+        file_names += export_grades(folder, manifest, ledger, draw)
+        file_names += export_similar(folder, manifest)
     elif manifest.kind == "tournament":
-        written += export_tournament(folder, manifest, ledger)
-    return written
+        file_names += export_tournament(folder, manifest, ledger)
+    return file_names
 
 
-def tables_of(manifest: Manifest, ledger: Ledger) -> dict[str, Table]:
+def tables_of(manifest: Manifest, ledger: Ledger) -> dict[str, ResultTable]:
     """Return all tables by name, the one of most interest first."""
     runs = tables_of_runs(manifest, ledger)
     if manifest.kind == "grade":
@@ -219,18 +219,18 @@ def _interval(share: Share) -> str:
     return f"{as_percent(share.low)} to {as_percent(share.high)}"
 
 
-def _overview(done: list[Done]) -> str:
+def _overview(all_runs: list[RunRecord]) -> str:
     rows: list[Sequence[Any]] = []
-    for level, runs in by_level(done).items():
+    for level, runs in by_level(all_runs).items():
         cells: list[Any] = [level]
-        for wanted in (False, True):
-            share = share_of(run for run in runs if bool(run.start) == wanted)
+        for is_varied in (False, True):
+            share = share_of(run for run in runs if bool(run.start) == is_varied)
             cells += [share.tried, share.won, as_percent(share.share) if share.tried else ""]
             cells.append(_interval(share) if share.tried else "")
         rows.append((*cells, share_of(runs).ticks))
-    given = ("programs", "won from the given start", "share", "95% interval")
-    varied = ("varied starts", "won", "share", "95% interval")
-    head = ("level", *given, *varied, "median ticks to win")
+    given_head = ("programs", "won from the given start", "share", "95% interval")
+    varied_head = ("varied starts", "won", "share", "95% interval")
+    head = ("level", *given_head, *varied_head, "median ticks to win")
     return "<h2>Levels</h2>" + as_table(head, rows)
 
 
@@ -239,19 +239,19 @@ Spread: TypeAlias = tuple[float, float, float]
 
 
 def _spread(values: Iterable[float | None]) -> Spread | None:
-    found = [value for value in values if value is not None]
-    if not found:
+    numbers = [value for value in values if value is not None]
+    if not numbers:
         return None
-    low, middle, high = quantiles(found, method="inclusive") if len(found) > 1 else found * 3
+    low, middle, high = quantiles(numbers, method="inclusive") if len(numbers) > 1 else numbers * 3
     return middle, low, high
 
 
-def _share(runs: list[Done]) -> Spread:
+def _share(runs: list[RunRecord]) -> Spread:
     share = share_of(runs)
     return 100 * share.share, 100 * share.low, 100 * share.high
 
 
-def _varied(manifest: Manifest) -> list[str]:
+def _axes(manifest: Manifest) -> list[str]:
     cells = manifest.cells
     names = ["level"] * (len({cell.level_name for cell in cells}) > 1)
     names += ["program"] * (len({cell.program_name for cell in cells}) > 1)
@@ -259,86 +259,86 @@ def _varied(manifest: Manifest) -> list[str]:
 
 
 def _value_of(cell: Cell, name: str) -> bool | int | float | str:
-    own = {"level": cell.level_name, "program": cell.program_name}
-    return cell.settings.get(name, own.get(name, "as written"))
+    built_in = {"level": cell.level_name, "program": cell.program_name}
+    return cell.settings.get(name, built_in.get(name, "as written"))
 
 
-def _by_value(name: str, done: list[Done]) -> dict[str, list[Done]]:
+def _by_value(name: str, all_runs: list[RunRecord]) -> dict[str, list[RunRecord]]:
     """Return runs by the value of what was varied, of many numbers by parts of their range."""
-    found: dict[Any, list[Done]] = {}
-    for each in done:
-        found.setdefault(_value_of(each.cell, name), []).append(each)
-    numbers = sorted(value for value in found if type(value) in (int, float))
-    others = {str(value): runs for value, runs in found.items() if type(value) not in (int, float)}
+    groups: dict[Any, list[RunRecord]] = {}
+    for run in all_runs:
+        groups.setdefault(_value_of(run.cell, name), []).append(run)
+    numbers = sorted(value for value in groups if type(value) in (int, float))
+    texts = {str(value): runs for value, runs in groups.items() if type(value) not in (int, float)}
     if len(numbers) <= _MOST_VALUES:
-        return {f"{value:.6g}": found[value] for value in numbers} | others
+        return {f"{value:.6g}": groups[value] for value in numbers} | texts
     low, width = numbers[0], (numbers[-1] - numbers[0]) / _PARTS
-    parts: dict[str, list[Done]] = {}
+    parts: dict[str, list[RunRecord]] = {}
     for value in numbers:
         begin = low + min(int((value - low) / width), _PARTS - 1) * width
-        parts.setdefault(f"{begin:.4g} to {begin + width:.4g}", []).extend(found[value])
-    return parts | others
+        parts.setdefault(f"{begin:.4g} to {begin + width:.4g}", []).extend(groups[value])
+    return parts | texts
 
 
-def _by_label(manifest: Manifest, done: list[Done]) -> dict[str, list[Done]]:
+def _by_label(manifest: Manifest, runs: list[RunRecord]) -> dict[str, list[RunRecord]]:
     """Return runs by all that was varied."""
-    names = _varied(manifest)
-    found: dict[str, list[Done]] = {}
-    for each in done:
-        own = [_value_of(each.cell, name) for name in names if name in ("level", "program")]
-        label = " ".join(map(str, [*own, setting_text(each.cell)])).strip()
-        found.setdefault(label or each.cell.program_name, []).append(each)
-    return found
+    names = _axes(manifest)
+    groups: dict[str, list[RunRecord]] = {}
+    for run in runs:
+        values = [_value_of(run.cell, name) for name in names if name in ("level", "program")]
+        label = " ".join(map(str, [*values, setting_text(run.cell)])).strip()
+        groups.setdefault(label or run.cell.program_name, []).append(run)
+    return groups
 
 
 def _over_time(
-    manifest: Manifest, done: list[Done]
+    manifest: Manifest, all_runs: list[RunRecord]
 ) -> dict[str, tuple[list[int], dict[str, list[Spread | None]]]]:
-    """Return, for each question that is asked over time, ticks and what it gave at them."""
-    groups = _by_label(manifest, done)
+    """Return, for each question that is asked over time, ticks and its numbers at them."""
+    groups = _by_label(manifest, all_runs)
     if len(groups) > _MOST_LINES:
-        groups = {"all runs": done}
-    found = {}
-    for asked in manifest.asked:
-        if not asked.every:
+        groups = {"all runs": all_runs}
+    curves = {}
+    for measure in manifest.asked:
+        if not measure.every:
             continue
         numbers = {
-            label: [dict(s.numbers) for r in runs if (s := r.result.series.get(asked.name))]
+            label: [dict(s.numbers) for r in runs if (s := r.result.series.get(measure.name))]
             for label, runs in groups.items()
         }
-        last = max((max(each, default=0) for runs in numbers.values() for each in runs), default=0)
-        step = asked.every * max(1, -(-last // asked.every // _MOST_POINTS))
+        last = max((max(s, default=0) for runs in numbers.values() for s in runs), default=0)
+        step = measure.every * max(1, -(-last // measure.every // _MOST_POINTS))
         ticks = sorted({1, *range(step, last + 1, step)})
-        found[asked.name] = (
+        curves[measure.name] = (
             ticks,
             {
-                label: [_spread(each.get(tick) for each in runs) for tick in ticks]
+                label: [_spread(s.get(tick) for s in runs) for tick in ticks]
                 for label, runs in numbers.items()
             },
         )
-    return found
+    return curves
 
 
 _INTERVAL = "95%"
 
 
-def _variation(manifest: Manifest, done: list[Done]) -> str:
-    names = _varied(manifest)
+def _variation(manifest: Manifest, all_runs: list[RunRecord]) -> str:
+    names = _axes(manifest)
     parts = []
     for name in names:
-        groups = _by_value(name, done)
+        groups = _by_value(name, all_runs)
         parts.append(f"<h2>Over {html.escape(harmless_text(name))}</h2>")
-        won = {"won": [_share(runs) for runs in groups.values()]}
-        parts.append(_chart(f"% of starts won, over {name}", name, [*groups], won, _INTERVAL))
-        for what, measure in measures_of(manifest).items():
+        shares = {"won": [_share(runs) for runs in groups.values()]}
+        parts.append(_chart(f"% of starts won, over {name}", name, [*groups], shares, _INTERVAL))
+        for title, measure in measures_of(manifest).items():
             spreads = [_spread(map(measure, runs)) for runs in groups.values()]
             if len({spread for spread in spreads if spread}) > 1:
-                parts.append(_chart(f"{what}, over {name}", name, [*groups], {"median": spreads}))
+                parts.append(_chart(f"{title}, over {name}", name, [*groups], {"median": spreads}))
     if len(names) == 2:
-        parts.append(_grid(manifest, names[0], names[1], done))
-    for name, (ticks, found) in _over_time(manifest, done).items():
+        parts.append(_grid(manifest, names[0], names[1], all_runs))
+    for name, (ticks, curves) in _over_time(manifest, all_runs).items():
         parts.append(f"<h2>{html.escape(harmless_text(name))} over time</h2>")
-        parts.append(_chart(f"{name}, medians", "tick", [f"{t:,}" for t in ticks], found))
+        parts.append(_chart(f"{name}, medians", "tick", [f"{t:,}" for t in ticks], curves))
     return "\n".join(parts)
 
 
@@ -358,38 +358,38 @@ def _chart(
     for label, spreads in lines.items():
         chart.add(harmless_text(label), [spread and spread[0] for spread in spreads])
     for label, spreads in lines.items() if len(lines) <= _MOST_BANDS else ():
-        for which, said in ((1, "from"), (2, "to")):
-            called = harmless_text(f"{label}, {said}" * (len(lines) > 1) or said) + f" ({band})"
-            values = [spread and spread[which] for spread in spreads]
-            chart.add(called, values, stroke_style={"dasharray": "4"}, show_dots=False)
+        for index, bound in ((1, "from"), (2, "to")):
+            name = harmless_text(f"{label}, {bound}" * (len(lines) > 1) or bound) + f" ({band})"
+            values = [spread and spread[index] for spread in spreads]
+            chart.add(name, values, stroke_style={"dasharray": "4"}, show_dots=False)
     return _svg(chart, title)
 
 
-def _grid(manifest: Manifest, across: str, down: str, done: list[Done]) -> str:
-    columns, measures = _by_value(across, done), measures_of(manifest)
-    column_of = {id(each): name for name, runs in columns.items() for each in runs}
+def _grid(manifest: Manifest, across: str, down: str, all_runs: list[RunRecord]) -> str:
+    columns, measures = _by_value(across, all_runs), measures_of(manifest)
+    column_of = {id(run): name for name, runs in columns.items() for run in runs}
 
-    def cell(runs: list[Done]) -> str:
+    def cell(runs: list[RunRecord]) -> str:
         if not runs:
             return ""
         share = share_of(runs)
-        said = [f"{as_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"]
+        texts = [f"{as_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"]
         spreads = {name: _spread(map(measure, runs)) for name, measure in measures.items()}
-        said += [f"{name} {spread[0]:,.6g}" for name, spread in spreads.items() if spread]
-        return shade(share.share, "; ".join(said))
+        texts += [f"{name} {spread[0]:,.6g}" for name, spread in spreads.items() if spread]
+        return shade(share.share, "; ".join(texts))
 
     rows = [
-        (line, *(cell([each for each in runs if column_of[id(each)] == c]) for c in columns))
-        for line, runs in _by_value(down, done).items()
+        (line, *(cell([run for run in runs if column_of[id(run)] == c]) for c in columns))
+        for line, runs in _by_value(down, all_runs).items()
     ]
-    said = "<h2>The grid</h2><p>Won, and medians of what was measured.</p>"
-    return said + as_table((f"{down} \\ {across}", *columns), rows)
+    intro = "<h2>The grid</h2><p>Won, and medians of what was measured.</p>"
+    return intro + as_table((f"{down} \\ {across}", *columns), rows)
 
 
-def _ticks(done: list[Done]) -> str:
+def _ticks(all_runs: list[RunRecord]) -> str:
     parts = ["<h2>Ticks to win</h2>"]
-    for level, runs in by_level(done).items():
-        ticks = sorted(each.result.ticks for each in runs if each.result.outcome == "won")
+    for level, runs in by_level(all_runs).items():
+        ticks = sorted(run.result.ticks for run in runs if run.result.outcome == "won")
         if not ticks:
             continue
         width = max(1, -(-(ticks[-1] + 1 - ticks[0]) // _BARS))
@@ -402,26 +402,26 @@ def _ticks(done: list[Done]) -> str:
     return "\n".join(parts) if len(parts) > 1 else ""
 
 
-def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
-    kinds: dict[tuple[str, str, str], list[Done]] = {}
-    for each in done:
-        result = each.result
+def _failures(manifest: Manifest, ledger: Ledger, all_runs: list[RunRecord]) -> str:
+    kinds: dict[tuple[str, str, str], list[RunRecord]] = {}
+    for run in all_runs:
+        result = run.result
         if result.outcome == "won" or (result.outcome == "played" and not result.first):
             continue
-        why = (
+        reason = (
             result.mistakes[0].message
             if result.mistakes
             else result.first[2]
             if result.first
             else ""
         )
-        kinds.setdefault((each.cell.level_name, result.outcome, why), []).append(each)
-    for each in failed_runs(manifest, ledger):
-        why = each.result.first[2] if each.result.first else ""
-        kinds.setdefault((each.cell.level_name, each.result.outcome, why), []).append(each)
+        kinds.setdefault((run.cell.level_name, result.outcome, reason), []).append(run)
+    for run in failed_runs(manifest, ledger):
+        reason = run.result.first[2] if run.result.first else ""
+        kinds.setdefault((run.cell.level_name, run.result.outcome, reason), []).append(run)
     rows: list[Sequence[Any]] = []
-    for (level, outcome, why), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
-        rows.append((level, outcome, why, len(runs), as_code(manifest.command(*runs[0][:2]))))
+    for (level, outcome, reason), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
+        rows.append((level, outcome, reason, len(runs), as_code(manifest.command(*runs[0][:2]))))
     head = ("level", "how it ended", "why", "runs", "one of them")
     title = "What failed" if manifest.kind == "tournament" else "Not won"
     return f"<h2>{title}</h2>" + as_table(head, rows) if rows else ""
@@ -430,16 +430,16 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
 _EXPLAIN = "replace <code>play</code> with <code>why</code> to explain a tick."
 
 
-def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
+def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str:
     rows: list[Sequence[Any]] = []
-    names = {student.id: student.called for student in manifest.students}
+    names = {student.id: student.label for student in manifest.students}
     measures = measures_of(manifest)
     if manifest.kind != "sweep":
         measures = {"ticks": measures["ticks"]}
-    for cell, runs in by_cell(done):
+    for cell, runs in by_cell(all_runs):
         share = share_of(runs)
         # A run that was lost, from a varied start if there is one, else the given start.
-        shown = next((r for r in runs[::-1] if r.result.outcome != "won"), runs[0])
+        example = next((r for r in runs[::-1] if r.result.outcome != "won"), runs[0])
         rows.append(
             (
                 names.get(cell.student) or setting_text(cell),
@@ -448,28 +448,28 @@ def _cells(folder: Folder, manifest: Manifest, done: list[Done]) -> str:
                 runs[0].result.outcome,
                 f"{share.won} of {share.tried}",
                 _interval(share),
-                *((spread := _spread(map(each, runs))) and spread[0] for each in measures.values()),
+                *((spread := _spread(map(m, runs))) and spread[0] for m in measures.values()),
                 as_code(
-                    play_command(folder, manifest, cell, shown.start)
+                    play_command(folder, manifest, cell, example.start)
                     if names
-                    else manifest.command(cell, shown.start)
+                    else manifest.command(cell, example.start)
                 ),
             )
         )
     medians = [f"median {name}" for name in measures]
     head = ("", "level", "program", "given start", "won", "95% interval", *medians, "replay")
-    said = f"Run the commands in this folder; {_EXPLAIN}"
+    intro = f"Run the commands in this folder; {_EXPLAIN}"
     if names:
-        said = "Run the commands where this folder is. In one from runs.csv, "
-        said += _EXPLAIN
-    return f"<h2>Programs in levels</h2><p>{said}</p>" + as_table(head, rows)
+        intro = "Run the commands where this folder is. In one from runs.csv, "
+        intro += _EXPLAIN
+    return f"<h2>Programs in levels</h2><p>{intro}</p>" + as_table(head, rows)
 
 
 def _pygal() -> Any:
     """Return the library for plots, without its importer, which makes Python 3.11 warn."""
     import pygal
 
-    sys.meta_path[:] = [each for each in sys.meta_path if hasattr(each, "find_spec")]
+    sys.meta_path[:] = [finder for finder in sys.meta_path if hasattr(finder, "find_spec")]
     return pygal
 
 

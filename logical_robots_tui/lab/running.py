@@ -71,10 +71,10 @@ Outcome: TypeAlias = Literal[
 `infrastructure` could not be done."""
 
 
-Way: TypeAlias = Literal["last", "min", "max", "mean", "sum"]
+Reduction: TypeAlias = Literal["last", "min", "max", "mean", "sum"]
 
 
-class Asked(msgspec.Struct, frozen=True):
+class QueryMeasure(msgspec.Struct, frozen=True):
     """A question asked as a measure every so many ticks, in the first and in the last one.
 
     0 means in the last one only. `reduce` are the ways to make one number of many.
@@ -83,10 +83,10 @@ class Asked(msgspec.Struct, frozen=True):
     name: str
     query: str
     every: int
-    reduce: tuple[Way, ...] = ()
+    reduce: tuple[Reduction, ...] = ()
 
 
-class Task(msgspec.Struct, frozen=True):
+class RunTask(msgspec.Struct, frozen=True):
     """Runs in one level, of texts of programs by team, "" if all robots think alike.
 
     Start 0 is the given one; if `given_first`, a program that does not win from it is done. A
@@ -100,7 +100,7 @@ class Task(msgspec.Struct, frozen=True):
     programs: dict[str, str]
     ticks: int
     starts: tuple[int, ...]
-    asked: tuple[Asked, ...]
+    measures: tuple[QueryMeasure, ...]
     steps: int
     seconds: float
     given_first: bool
@@ -130,8 +130,8 @@ class End(msgspec.Struct, frozen=True):
     y: float
     since: int
 
-    def said(self, last: int) -> str:
-        """Say it in words, for a run that ended with tick `last`."""
+    def sentence(self, last: int) -> str:
+        """Describe it, for a run whose last tick was `last`."""
         where = f"{self.robot} ended at ({self.x:g}, {self.y:g}), and "
         is_still = self.since < last
         return where + (
@@ -139,7 +139,7 @@ class End(msgspec.Struct, frozen=True):
         )
 
 
-class Found(msgspec.Struct, frozen=True):
+class RunFinding(msgspec.Struct, frozen=True):
     """A finding of the diagnosis; the line is 0 if it has none."""
 
     kind: str
@@ -169,10 +169,10 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     rules: int = 0
     ends: tuple[End, ...] = ()
     paths: dict[str, tuple[tuple[int, int], ...]] = {}
-    findings: tuple[Found, ...] = ()
+    findings: tuple[RunFinding, ...] = ()
 
 
-class Answer(msgspec.Struct, frozen=True):
+class WorkerAnswer(msgspec.Struct, frozen=True):
     """The answer of a worker (host and process).
 
     `results` are start, result as JSON and processor seconds of each run; `refused` means that the
@@ -191,9 +191,9 @@ def engine() -> dict[str, str]:
     """Return the versions of everything that can affect the result of a run."""
     from importlib import metadata
 
-    own = Path(__file__).read_bytes()
+    source = Path(__file__).read_bytes()
     return {
-        "code": hashlib.sha256(simulation_digest() + own).hexdigest(),
+        "code": hashlib.sha256(simulation_digest() + source).hexdigest(),
         **{name: metadata.version(name) for name in ("logica", "numpy", "sqlglot")},
         "sqlite": sqlite3.sqlite_version,
         "python": platform.python_version(),
@@ -207,57 +207,57 @@ def fingerprint() -> str:
     return hashlib.sha256(msgspec.json.encode(engine(), order="deterministic")).hexdigest()
 
 
-def execute(task: Task) -> Answer:
+def execute(task: RunTask) -> WorkerAnswer:
     """Run as many runs of a task as fit into the time of a chunk, at least one."""
     if task.fingerprint != fingerprint():
-        return Answer(refused=True)
+        return WorkerAnswer(refused=True)
     worker = f"{socket.gethostname()}/{os.getpid()}"
-    until = perf_counter() + CHUNK_SECONDS
+    deadline = perf_counter() + CHUNK_SECONDS
     results: list[tuple[int, str, float]] = []
-    prepared: _Prepared | None = None
+    runner: _TaskRunner | None = None
     for start in task.starts:
-        if results and perf_counter() > until:
+        if results and perf_counter() > deadline:
             break
         began = thread_time()
         try:
-            prepared = prepared or _Prepared(task)
-            result = prepared.run(start)
+            runner = runner or _TaskRunner(task)
+            result = runner.run(start)
         except (LateError, MemoryError, ProgramError, Stopped) as error:
             is_final = isinstance(error, Stopped)
-            return Answer(tuple(results), worker, _reason(error, task), is_final=is_final)
+            return WorkerAnswer(tuple(results), worker, _reason(error, task), is_final=is_final)
         seconds = thread_time() - began
         results.append((start, msgspec.json.encode(result).decode(), seconds))
         if start == 0 and task.given_first and result.outcome != "won":
             break
-    return Answer(tuple(results), worker)
+    return WorkerAnswer(tuple(results), worker)
 
 
-def _reason(error: Exception, task: Task) -> str:
+def _reason(error: Exception, task: RunTask) -> str:
     if isinstance(error, LateError):
         return "a thought took too long or had too little memory"
     if isinstance(error, MemoryError):
         return "the worker has too little memory"
     if isinstance(error, ProgramError):
         return "the program could not be compiled in time"
-    return took_too_long(task)
+    return timeout_reason(task)
 
 
-def took_too_long(task: Task) -> str:
+def timeout_reason(task: RunTask) -> str:
     return f"it took more than {task.seconds:g} second{'s' * (task.seconds != 1)}"
 
 
-class _Prepared:
-    def __init__(self, task: Task) -> None:
+class _TaskRunner:
+    def __init__(self, task: RunTask) -> None:
         self.task = task
         self.level: Level = _level(task.level)
         self.limits = Limits(think_steps=task.steps, query_steps=max(task.steps, 200_000_000))
         self.mistakes: tuple[Diagnostic, ...] = ()
-        self.questions: dict[Asked, CompiledQuery] = {}
+        self.questions: dict[QueryMeasure, CompiledQuery] = {}
         try:
             self.program = Program.compile(task.programs)
             self.size = sum(map(size_of, task.programs.values()))
-            for asked in task.asked:
-                self.questions[asked] = self.program.question(asked.query)
+            for measure in task.measures:
+                self.questions[measure] = self.program.question(measure.query)
             self.until = self.program.question(task.until) if task.until else None
         except ProgramError as error:
             if error.is_unfinished:
@@ -272,49 +272,49 @@ class _Prepared:
         """
         if self.mistakes:
             return Result("does not compile", mistakes=self.mistakes)
-        watcher = _Watcher(self)
-        level, is_over, history = start_of(self.level, start), watcher.is_over, None
+        monitor = _RunMonitor(self)
+        level, is_over, history = start_of(self.level, start), monitor.is_over, None
         if self.task.is_explained and not start:
             history = History(start_frame(level), level)
-            is_over = partial(self._keep, history, is_over)
-        played = play_through(
+            is_over = partial(self._record_frame, history, is_over)
+        playthrough = play_through(
             level, self.program, self.task.ticks, limits=self.limits, is_over=is_over
         )
-        lasts: Outcome = "played" if self.level.teams else "out of ticks"
-        if played.won_at is not None:
+        final_outcome: Outcome = "played" if self.level.teams else "out of ticks"
+        if playthrough.won_at is not None:
             history = None
         return Result(
-            "won" if played.won_at is not None else watcher.ended or lasts,
-            played.ticks,
-            played.distance,
+            "won" if playthrough.won_at is not None else monitor.outcome or final_outcome,
+            playthrough.ticks,
+            playthrough.distance,
             self.size,
-            dict(watcher.notices),
-            watcher.first,
-            {asked.name: watcher.series(asked) for asked in watcher.asked},
-            points=watcher.points(),
-            forfeit=watcher.forfeit(),
-            ends=watcher.ends(),
+            dict(monitor.notices),
+            monitor.first,
+            {measure.name: monitor.series(measure) for measure in monitor.measures},
+            points=monitor.points(),
+            forfeit=monitor.forfeit(),
+            ends=monitor.ends(),
             paths=_paths(history) if history else {},
-            findings=self._findings(history, watcher) if history else (),
+            findings=self._findings(history, monitor) if history else (),
         )
 
-    def _keep(self, history: History, is_over: IsOver, frame: Frame, mind: Mind) -> bool:
+    def _record_frame(self, history: History, is_over: IsOver, frame: Frame, mind: Mind) -> bool:
         history.add(frame, self.program)
         return is_over(frame, mind)
 
-    def _findings(self, history: History, watcher: _Watcher) -> tuple[Found, ...]:
+    def _findings(self, history: History, monitor: _RunMonitor) -> tuple[RunFinding, ...]:
         """Return what stands out in a run, most significant first, if it can be found out."""
-        if watcher.ended in ("too slow", "too many steps") or watcher.steps > _MOST_EXPLAINED:
+        if monitor.outcome in ("too slow", "too many steps") or monitor.steps > _MOST_EXPLAINED:
             return ()
         limits = replace(self.limits, query_steps=_QUESTION_STEPS)
         work = diagnose_history(history, self.program, limits, _QUESTIONS)
         try:
-            found = asyncio.run(_within(work, _FINDING_SECONDS))
+            diagnosis = asyncio.run(_with_timeout(work, _FINDING_SECONDS))
         except (asyncio.CancelledError, MemoryError, QueryError, Stopped):
             return ()
         return tuple(
-            Found(each.kind, each.span.line if each.span else 0, each.message[:_LONGEST_FINDING])
-            for each in found.findings[: _MOST_FINDINGS * found.is_reliable]
+            RunFinding(f.kind, f.span.line if f.span else 0, f.message[:_LONGEST_FINDING])
+            for f in diagnosis.findings[: _MOST_FINDINGS * diagnosis.is_reliable]
         )
 
 
@@ -327,12 +327,12 @@ def _paths(history: History) -> dict[str, tuple[tuple[int, int], ...]]:
     return {name: tuple(points) for name, points in paths.items()}
 
 
-async def _within(work: Awaitable[T], seconds: float) -> T:
+async def _with_timeout(work: Awaitable[T], seconds: float) -> T:
     """Return a result, or raise CancelledError after so many seconds of a processor."""
-    task, until = asyncio.ensure_future(work), process_time() + seconds
+    task, deadline = asyncio.ensure_future(work), process_time() + seconds
     while not task.done():
         await asyncio.wait([task], timeout=_LOOK_SECONDS)
-        if process_time() > until:
+        if process_time() > deadline:
             task.cancel()
     return task.result()
 
@@ -342,7 +342,7 @@ def _level(text: str) -> Level:
     return read_level(text, "level")
 
 
-class _Watcher:
+class _RunMonitor:
     """Counts notices, asks questions, and detects when nothing can change any more.
 
     That is when world and memories are exactly as after the last tick that is a power of two
@@ -351,30 +351,30 @@ class _Watcher:
     every tick.
     """
 
-    def __init__(self, prepared: _Prepared) -> None:
-        self._task = prepared.task
-        self._questions = questions = prepared.questions
-        self._level = level = prepared.level
-        tuned = prepared.program.tuned.get("Robot")
+    def __init__(self, runner: _TaskRunner) -> None:
+        self._task = runner.task
+        self._questions = questions = runner.questions
+        self._level = level = runner.level
+        tuned = runner.program.tuned.get("Robot")
         reads = {"clock"} if tuned is None else {*tuned.columns.get("Sensor", ())}
         reads_clock = not reads.isdisjoint({"clock", "sensor"})
-        self._until = prepared.until
+        self._until = runner.until
         self._can_repeat = not (questions or self._until or level.teams or reads_clock)
         self._team_of = {robot.name: robot.team for robot in level.robots}
         self._robots = Counter(self._team_of.values())
         self._state: WorldState | None = None
-        self._kept: Frame | None = None
-        self._keep_at = 1
+        self._stored_frame: Frame | None = None
+        self._next_stored_tick = 1
         self._slow: Counter[str] = Counter()  # by team: ticks with too many steps
         self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
         self._cells = self.steps = 0
         self._places = [(robot.x, robot.y, 0) for robot in level.robots]
-        self._latest = thread_time() + prepared.task.seconds
-        self._columns: dict[Asked, tuple[str, ...]] = {}
-        self._rows: dict[Asked, list[tuple[Any, ...]]] = {asked: [] for asked in questions}
-        self._numbers: dict[Asked, list[tuple[int, int | float | None]]] = {}
-        self._failures: dict[Asked, str] = {}
-        self.ended: Outcome | None = None
+        self._deadline = thread_time() + runner.task.seconds
+        self._columns: dict[QueryMeasure, tuple[str, ...]] = {}
+        self._rows: dict[QueryMeasure, list[tuple[Any, ...]]] = {m: [] for m in questions}
+        self._numbers: dict[QueryMeasure, list[tuple[int, int | float | None]]] = {}
+        self._failures: dict[QueryMeasure, str] = {}
+        self.outcome: Outcome | None = None
         self.notices: Counter[str] = Counter()
         self.first: tuple[int, str, str] | None = None
 
@@ -384,7 +384,7 @@ class _Watcher:
         Raises Stopped if the run has taken more than its seconds.
         """
         self._state = frame.after
-        if thread_time() > self._latest and frame.after.won_at is None:
+        if thread_time() > self._deadline and frame.after.won_at is None:
             raise Stopped
         if any(decision.notices for decision in frame.decisions):
             self._note(frame)
@@ -396,33 +396,33 @@ class _Watcher:
                 self._places[number] = robot.x, robot.y, frame.tick
         self.steps += mind.steps
         if self.steps > self._task.run_steps > 0:
-            self.ended = self.ended or "too slow"
+            self.outcome = self.outcome or "too slow"
         tick, has_won = frame.tick, frame.after.won_at is not None
-        if self._until and not (self.ended or has_won):
+        if self._until and not (self.outcome or has_won):
             table = self._answer(_UNTIL, self._until, frame, mind)
             if table and matching_rows(self._until, table).rows:
-                self.ended = "stopped"
-        is_last = self.ended or has_won or tick >= self._task.ticks
-        for asked, question in self._questions.items():
-            if is_last or (asked.every and (tick == 1 or tick % asked.every == 0)):
-                self._ask(asked, question, frame, mind)
-        return self.ended is not None
+                self.outcome = "stopped"
+        is_last = self.outcome or has_won or tick >= self._task.ticks
+        for measure, question in self._questions.items():
+            if is_last or (measure.every and (tick == 1 or tick % measure.every == 0)):
+                self._ask(measure, question, frame, mind)
+        return self.outcome is not None
 
     @property
-    def asked(self) -> list[Asked]:
+    def measures(self) -> list[QueryMeasure]:
         return [*self._questions, *({_UNTIL} & {*self._failures})]
 
-    def series(self, asked: Asked) -> Series:
-        columns = ("tick", *self._columns.get(asked, ()))
-        rows, numbers = self._rows.get(asked, ()), self._numbers.get(asked, ())
-        return Series(columns, tuple(rows), self._failures.get(asked, ""), tuple(numbers))
+    def series(self, measure: QueryMeasure) -> Series:
+        columns = ("tick", *self._columns.get(measure, ()))
+        rows, numbers = self._rows.get(measure, ()), self._numbers.get(measure, ())
+        return Series(columns, tuple(rows), self._failures.get(measure, ""), tuple(numbers))
 
     def points(self) -> dict[str, float]:
         return {} if self._state is None else standing(self._level, self._state)
 
     def ends(self) -> tuple[End, ...]:
-        named = zip(self._level.robots, self._places, strict=True)
-        return tuple(End(bot.name, round(x, 1), round(y, 1), at) for bot, (x, y, at) in named)
+        pairs = zip(self._level.robots, self._places, strict=True)
+        return tuple(End(bot.name, round(x, 1), round(y, 1), since) for bot, (x, y, since) in pairs)
 
     def forfeit(self) -> tuple[str, ...]:
         ticks = self._state.tick if self._state is not None else 0
@@ -430,63 +430,65 @@ class _Watcher:
         return tuple(t for t in teams if self._slow[t] >= _SLOW_TICKS or self._failed[t] == ticks)
 
     def _note(self, frame: Frame) -> None:
-        found = [(d.robot_name, notice) for d in frame.decisions for notice in d.notices]
-        self.notices.update({notice.kind for _, notice in found})
+        notices = [(d.robot_name, notice) for d in frame.decisions for notice in d.notices]
+        self.notices.update({notice.kind for _, notice in notices})
         if self.first is None:
-            self.first = (frame.tick, found[0][0], found[0][1].message)
-        failed = {robot: notice.message for robot, notice in found if notice.kind == "failed"}
+            self.first = (frame.tick, notices[0][0], notices[0][1].message)
+        failed = {robot: notice.message for robot, notice in notices if notice.kind == "failed"}
         slow = {robot for robot, message in failed.items() if _TOO_MANY_STEPS.search(message)}
         self._slow.update({self._team_of[robot] for robot in slow})
         robots = Counter(self._team_of[robot] for robot in failed)
         self._failed.update(team for team, count in robots.items() if count == self._robots[team])
         if max(self._slow.values(), default=0) >= _SLOW_TICKS:
-            self.ended = "too many steps"
+            self.outcome = "too many steps"
 
     def _compare(self, frame: Frame) -> None:
         """Compare a tick with the stored one; store it instead when due."""
-        state, kept = frame.after, self._kept
+        state, stored = frame.after, self._stored_frame
         if (
-            kept is not None
-            and state.robots[0].x == kept.after.robots[0].x  # most differ in that already
-            and (state.robots, state.areas) == (kept.after.robots, kept.after.areas)
-            and _exactly(frame) == _exactly(kept)
+            stored is not None
+            and state.robots[0].x == stored.after.robots[0].x  # most differ in that already
+            and (state.robots, state.areas) == (stored.after.robots, stored.after.areas)
+            and _exact_state(frame) == _exact_state(stored)
         ):
-            self.ended = self.ended or "nothing changes"
-        if state.tick >= self._keep_at:
-            self._keep_at = 2 * state.tick
-            self._kept = frame
+            self.outcome = self.outcome or "nothing changes"
+        if state.tick >= self._next_stored_tick:
+            self._next_stored_tick = 2 * state.tick
+            self._stored_frame = frame
 
     def _answer(
-        self, asked: Asked, question: CompiledQuery, frame: Frame, mind: Mind
+        self, measure: QueryMeasure, question: CompiledQuery, frame: Frame, mind: Mind
     ) -> ResultTable | None:
         try:
             return mind.ask(question, frame.sensors, frame.memories_before)
         except QueryError as error:
-            self._failures.setdefault(asked, f"tick {frame.tick}: {error}")
+            self._failures.setdefault(measure, f"tick {frame.tick}: {error}")
             return None
 
-    def _ask(self, asked: Asked, question: CompiledQuery, frame: Frame, mind: Mind) -> None:
-        tick, table = frame.tick, self._answer(asked, question, frame, mind)
+    def _ask(
+        self, measure: QueryMeasure, question: CompiledQuery, frame: Frame, mind: Mind
+    ) -> None:
+        tick, table = frame.tick, self._answer(measure, question, frame, mind)
         number = number_of(question, table) if table else None
-        self._numbers.setdefault(asked, []).append((tick, number))
+        self._numbers.setdefault(measure, []).append((tick, number))
         if table is None:
             return
         columns, rows = table.columns, table.rows
         if table.viewers:
             columns = ("robot", *columns)
             rows = tuple((name, *row) for name, row in zip(table.viewers, rows, strict=True))
-        self._columns.setdefault(asked, columns)
+        self._columns.setdefault(measure, columns)
         self._cells += len(rows) * (1 + len(columns))
         if table.truncated or self._cells > _MOST_CELLS:
-            self._failures.setdefault(asked, f"tick {tick}: there are too many rows to keep")
+            self._failures.setdefault(measure, f"tick {tick}: there are too many rows to keep")
         if self._cells <= _MOST_CELLS:
-            self._rows[asked] += [(tick, *row) for row in rows]
+            self._rows[measure] += [(tick, *row) for row in rows]
 
 
-_UNTIL = Asked("until", "", 0)
+_UNTIL = QueryMeasure("until", "", 0)
 
 
-def _exactly(frame: Frame) -> str:
+def _exact_state(frame: Frame) -> str:
     """Return world and memories as text that distinguishes 1, 1.0 and true."""
     memories = [decision.memory for decision in frame.decisions]
     return repr((frame.after.robots, frame.after.areas, memories))

@@ -20,7 +20,7 @@ from logical_robots_tui.lab.handins import (
     MOST_BYTES,
     Submission,
     entries_of,
-    matched,
+    match_roster,
     pattern_problem,
     readable,
     stems_of,
@@ -47,8 +47,8 @@ _TABLES: dict[tuple[str, str], tuple[tuple[str, ...], tuple[str, ...]]] = {
 _COLUMNS = {"identifier": "id", "full name": "name", "student": "name"}  # of Moodle and Canvas
 
 
-class _Table(NamedTuple):
-    """A table of students: its rows by line, and what is to be said of its columns."""
+class _StudentTable(NamedTuple):
+    """A table of students: its rows by line, and notes on its columns."""
 
     file: str
     rows: dict[int, dict[str, str]]
@@ -117,18 +117,18 @@ def read_assignment(spec: TomlFile) -> Assignment:
 
     What is wrong with parts of it is reported only.
     """
-    found = spec.draft(Assignment)
-    if not any(msgspec.structs.astuple(found.points)):
+    assignment = spec.draft(Assignment)
+    if not any(msgspec.structs.astuple(assignment.points)):
         spec.problem(("points",), "At least one share of the points must be more than 0")
-    if found.points.starts and not found.assignment.starts:
+    if assignment.points.starts and not assignment.assignment.starts:
         spec.problem(("points", "starts"), "There are points for starts, but starts = 0")
-    if wrong := pattern_problem(found.assignment.pattern):
-        spec.problem(("assignment", "pattern"), wrong)
-    names = [level.name for level in found.level]
+    if problem := pattern_problem(assignment.assignment.pattern):
+        spec.problem(("assignment", "pattern"), problem)
+    names = [level.name for level in assignment.level]
     for number, name in enumerate(names):
         if name in names[:number]:
             spec.problem(("level", number, "name"), f'The level "{name}" is there twice')
-    return found
+    return assignment
 
 
 def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, str]]:
@@ -148,7 +148,7 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
     tables = {path: _table(spec, assignment, path) for path in _TABLES}
     roster, late, extensions, by_hand = tables.values()
     deadlines = _deadlines(spec, extensions)
-    added = _added(spec, by_hand)
+    adjustments = _adjustments(spec, by_hand)
     spec.refuse()
     entries = entries_of(submissions, stems_of(levels), assignment.assignment.pattern)
     if not entries:
@@ -156,13 +156,13 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
         raise InputError("There are no submissions in it", place=str(submissions), hint=hint)
     is_late = {row["id"] for row in late.rows.values()}
     rows = [*roster.rows.values()]
-    students, strays = _students(assignment, entries, rows, is_late, deadlines, added)
-    known = dict.fromkeys(student.id for student in students)
+    students, strays = _students(assignment, entries, rows, is_late, deadlines, adjustments)
+    ids = dict.fromkeys(student.id for student in students)
     for table in (late, extensions, by_hand) if rows else (by_hand,):
         for line, row in table.rows.items():
-            if (nobody := row["id"]) not in known:
-                said = f"{printable(nobody)} is not among the students. "
-                spec.problem_in(table.file, line, (said + did_you_mean(nobody, known)).strip())
+            if (name := row["id"]) not in ids:
+                message = f"{printable(name)} is not among the students. "
+                spec.problem_in(table.file, line, (message + did_you_mean(name, ids)).strip())
     spec.refuse()
     manifest, inputs = _manifest(spec, assignment, levels, students, entries)
     notes = tuple(readable(note) for table in tables.values() for note in table.notes)
@@ -171,11 +171,11 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
 
 def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]]:
     levels: dict[str, tuple[str, int]] = {}
-    for number, each in enumerate(assignment.level):
+    for number, level_table in enumerate(assignment.level):
         path, ticks = ("level", number, "name"), assignment.assignment.ticks
-        found = level_to_run(spec, path, each.name, ("assignment", "ticks"), ticks)
-        if found is not None:
-            level, text, last = found
+        level_run = level_to_run(spec, path, level_table.name, ("assignment", "ticks"), ticks)
+        if level_run is not None:
+            level, text, last = level_run
             _check_reference(spec, assignment, level)
             levels[level.name] = text, last
     return levels
@@ -184,44 +184,44 @@ def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]
 def _check_reference(spec: TomlFile, assignment: Assignment, level: Level) -> None:
     for key in ("ticks", "size"):
         if getattr(assignment.points, key) and reference_for(level) is None:
-            said = f"{level.name} has no reference program to compare {key} with"
-            spec.problem(("points", key), said)
+            message = f"{level.name} has no reference program to compare {key} with"
+            spec.problem(("points", key), message)
 
 
-def _deadlines(spec: TomlFile, table: _Table) -> dict[str, datetime]:
-    found = {}
+def _deadlines(spec: TomlFile, table: _StudentTable) -> dict[str, datetime]:
+    deadlines = {}
     for line, row in table.rows.items():
         try:
-            found[row["id"]] = until = datetime.fromisoformat(row.get("until", "").strip())
+            deadlines[row["id"]] = until = datetime.fromisoformat(row.get("until", "").strip())
             if until.tzinfo is None:
                 raise ValueError
         except ValueError:
-            said = f"until for {printable(row['id'])} must be like 2026-01-31T23:59:00+01:00"
-            spec.problem_in(table.file, line, said)
-    return found
+            message = f"until for {printable(row['id'])} must be like 2026-01-31T23:59:00+01:00"
+            spec.problem_in(table.file, line, message)
+    return deadlines
 
 
-def _added(spec: TomlFile, table: _Table) -> dict[str, tuple[tuple[float, str], ...]]:
+def _adjustments(spec: TomlFile, table: _StudentTable) -> dict[str, tuple[tuple[float, str], ...]]:
     """Return points that were given by hand, with their reasons, by student."""
-    found: dict[str, list[tuple[float, str]]] = defaultdict(list)
+    adjustments: dict[str, list[tuple[float, str]]] = defaultdict(list)
     for line, row in table.rows.items():
         try:
             points = float(row.get("points", ""))
             if not math.isfinite(points):
                 raise ValueError
         except ValueError:
-            said = f"points for {printable(row['id'])} must be a number"
-            spec.problem_in(table.file, line, said)
+            message = f"points for {printable(row['id'])} must be a number"
+            spec.problem_in(table.file, line, message)
         else:
             reason = readable(row.get("reason", ""))
-            found[row["id"]].append((points, reason))
-    return {student: tuple(points) for student, points in found.items()}
+            adjustments[row["id"]].append((points, reason))
+    return {student: tuple(points) for student, points in adjustments.items()}
 
 
-def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> _Table:
+def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> _StudentTable:
     """Return the table that a key names, which may be none; report what is wrong with it."""
     file: str = getattr(getattr(assignment, path[0]), path[1])
-    table = _Table(file, {}, [])
+    table = _StudentTable(file, {}, [])
     if not file:
         return table
     try:
@@ -237,22 +237,22 @@ def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> _Ta
         reason = getattr(error, "strerror", None) or str(error)
         spec.problem(path, f"{file} can't be read: {reason}")
         return table
-    needed, others = _TABLES[path]
-    for column in needed if rows else ():
+    required, optional = _TABLES[path]
+    for column in required if rows else ():
         if column not in heads:
-            said = f'There is no column "{column}"; the first line names the columns: '
-            spec.problem_in(file, 1, said + printable(", ".join(heads)))
+            message = f'There is no column "{column}"; the first line names the columns: '
+            spec.problem_in(file, 1, message + printable(", ".join(heads)))
             return table
-    left = [column for column in others if column not in heads]
+    unused_columns = [column for column in optional if column not in heads]
     for head in heads:
-        if head not in (*needed, *others) and (hint := did_you_mean(head, left)):
+        if head not in (*required, *optional) and (hint := did_you_mean(head, unused_columns)):
             table.notes.append(f'{file}: The column "{head}" is not known. {hint}')
-    seen: set[str] = set()
+    ids: set[str] = set()
     for line, row in rows:
-        if row["id"] in seen and path != _BY_HAND:
+        if row["id"] in ids and path != _BY_HAND:
             spec.problem_in(file, line, f"{printable(row['id'])} is there twice")
         elif row["id"].strip():
-            seen.add(row["id"])
+            ids.add(row["id"])
             table.rows[line] = row
     return table
 
@@ -261,42 +261,42 @@ def _students(
     assignment: Assignment,
     entries: Mapping[str, Submission],
     roster: list[dict[str, str]],
-    late: set[str],
+    late_ids: set[str],
     deadlines: Mapping[str, datetime],
-    added: Mapping[str, tuple[tuple[float, str], ...]],
+    adjustments: Mapping[str, tuple[tuple[float, str], ...]],
 ) -> tuple[list[Student], list[str]]:
     """Return the students of the roster and others who submitted, and files that are nobody's."""
-    found = matched(roster, entries)
-    used = set(found.values())
-    known = [(found.get(row["id"], ""), row) for row in roster]
-    strays = [name for name in entries if name not in used and entries[name].is_stray]
-    used.update(strays)
-    others = [name for name in entries if name not in used]
+    matches = match_roster(roster, entries)
+    used_names = set(matches.values())
+    roster_entries = [(matches.get(row["id"], ""), row) for row in roster]
+    strays = [name for name in entries if name not in used_names and entries[name].is_stray]
+    used_names.update(strays)
+    other_names = [name for name in entries if name not in used_names]
     students = []
-    for name, row in [*known, *((name, dict[str, str]()) for name in others)]:
+    for name, row in [*roster_entries, *((name, dict[str, str]()) for name in other_names)]:
         entry = entries.get(name)
         remarks = [] if entry is None else list(entry.remarks)
         if entry is None:
-            remarks.append(UNMATCHED if others or strays else NOTHING)
+            remarks.append(UNMATCHED if other_names or strays else NOTHING)
         if roster and not row:
             remarks.append(NOT_IN_ROSTER)
-        mine = readable(row.get("id") or name)
-        is_late, late_by = mine in late, 0.0
-        after = deadlines.get(mine, assignment.late.after)
-        if entry is not None and after is not None:
-            changed = datetime.fromtimestamp(entry.changed, UTC)
-            late_by = max(0.0, (changed - after).total_seconds())
+        student_id = readable(row.get("id") or name)
+        is_late, late_by = student_id in late_ids, 0.0
+        deadline = deadlines.get(student_id, assignment.late.after)
+        if entry is not None and deadline is not None:
+            handed_in_at = datetime.fromtimestamp(entry.mtime, UTC)
+            late_by = max(0.0, (handed_in_at - deadline).total_seconds())
         elif entry is not None:
             is_late = is_late or entry.is_late
         students.append(
             Student(
-                mine,
+                student_id,
                 readable(row.get("name") or (entry.owner.name if entry else "")),
                 name,
                 is_late or late_by > 0,
-                tuple(readable(remark) for remark in _first(remarks)),
+                tuple(readable(remark) for remark in _shorten(remarks)),
                 late_by,
-                added.get(mine, ()),
+                adjustments.get(student_id, ()),
             )
         )
     return students, [top for name in strays for top in map(readable, entries[name].tops)]
@@ -305,28 +305,28 @@ def _students(
 def account_of(manifest: Manifest) -> list[str]:
     """Return who of the roster handed in something, what nobody in it did, and what is odd."""
     students = manifest.students
-    others = [each for each in students if NOT_IN_ROSTER in each.remarks]
-    roster = [each for each in students if NOT_IN_ROSTER not in each.remarks]
-    missing = [each.called for each in roster if not each.submission]
+    unlisted = [student for student in students if NOT_IN_ROSTER in student.remarks]
+    roster = [student for student in students if NOT_IN_ROSTER not in student.remarks]
+    missing = [student.label for student in roster if not student.submission]
     if manifest.assignment["assignment"]["roster"]:
-        said = f"{len(roster):,} in the roster, {len(roster) - len(missing):,} matched"
+        summary = f"{len(roster):,} in the roster, {len(roster) - len(missing):,} matched"
     else:
-        said = f"{count_of(len(roster), 'submission')}"
-    nobody = [*(each.submission for each in others), *manifest.strays]
+        summary = f"{count_of(len(roster), 'submission')}"
+    strays = [*(student.submission for student in unlisted), *manifest.strays]
     if missing:
-        what = "not matched:" if nobody else "nothing was handed in by"
-        said += f"; {what} {', '.join(missing)}"
-    lines = [said + (f"; files matched to no student: {', '.join(nobody)}" if nobody else "")]
+        phrase = "not matched:" if strays else "nothing was handed in by"
+        summary += f"; {phrase} {', '.join(missing)}"
+    lines = [summary + (f"; files matched to no student: {', '.join(strays)}" if strays else "")]
     return [*lines, *manifest.notes] + [
-        f"{each.called}: {'; '.join(each.remarks)}"
-        for each in roster
-        if each.submission and each.remarks
+        f"{student.label}: {'; '.join(student.remarks)}"
+        for student in roster
+        if student.submission and student.remarks
     ]
 
 
-def _first(remarks: list[str]) -> list[str]:
-    more = len(remarks) - _MOST_REMARKS
-    return remarks if more <= 0 else [*remarks[:_MOST_REMARKS], f"and {more:,} more"]
+def _shorten(remarks: list[str]) -> list[str]:
+    excess = len(remarks) - _MOST_REMARKS
+    return remarks if excess <= 0 else [*remarks[:_MOST_REMARKS], f"and {excess:,} more"]
 
 
 def _manifest(
@@ -339,20 +339,20 @@ def _manifest(
     """Return the manifest and its inputs; programs that normalise to the same text run once."""
     inputs = {digest(text): text for text, _ in levels.values()}
     cells: list[Cell] = []
-    first: dict[str, str] = {}
+    first_digests: dict[str, str] = {}
     for student in students:
         programs = entries[student.submission].programs if student.submission else {}
         for level, (level_text, ticks) in levels.items():
             text = programs.get(level, programs.get(""))
             if text is None:
                 continue
-            own = digest(text)
-            program = first.setdefault(normalise(text), own)
-            inputs[own] = text
+            text_digest = digest(text)
+            program = first_digests.setdefault(normalise(text), text_digest)
+            inputs[text_digest] = text
             name = level + SUFFIX if level in programs else student.submission + SUFFIX
-            same = "" if own == program else own
+            variant = "" if text_digest == program else text_digest
             cells.append(
-                Cell(digest(level_text), program, level, name, ticks, {}, student.id, same)
+                Cell(digest(level_text), program, level, name, ticks, {}, student.id, variant)
             )
     table, limits = assignment.assignment, assignment.limits
     manifest = Manifest(
@@ -377,13 +377,13 @@ def normalise(text: str) -> str:
     source = prepare(text)
     if source.problems or '"""' in source.text:
         return text
-    kept: list[str] = []
+    characters: list[str] = []
     is_quoted = False
     for character, bare in zip(source.text, source.skeleton, strict=True):
         if character == '"' and bare == " ":
             is_quoted = not is_quoted
         if is_quoted or not character.isspace():
-            kept.append(character)
-        elif kept and kept[-1] != " ":
-            kept.append(" ")
-    return "".join(kept).strip()
+            characters.append(character)
+        elif characters and characters[-1] != " ":
+            characters.append(" ")
+    return "".join(characters).strip()

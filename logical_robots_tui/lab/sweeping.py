@@ -20,7 +20,7 @@ from logical_robots_tui.game.measuring import patience_for
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, digest
-from logical_robots_tui.lab.running import Asked, Way
+from logical_robots_tui.lab.running import QueryMeasure, Reduction
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.toml_files import Bounds, Given, Path_, TomlFile
 from logical_robots_tui.world import Level, load_level
@@ -58,7 +58,7 @@ class Query(msgspec.Struct, frozen=True):
     query: Name
     at: Literal["end"] | None = None
     every: Annotated[int, Bounds(0)] = 0
-    reduce: Way | list[Way] = []
+    reduce: Reduction | list[Reduction] = []
 
 
 class Vary(msgspec.Struct, frozen=True):
@@ -74,7 +74,7 @@ class Vary(msgspec.Struct, frozen=True):
     between: Annotated[list[int | float], Bounds(2, 2)] | None = None
 
 
-class Sample(msgspec.Struct, frozen=True):
+class SampleTable(msgspec.Struct, frozen=True):
     """``[sample]``: how many values are taken of each range that is sampled."""
 
     count: Annotated[int, Bounds(1, _MOST_VALUES)]
@@ -109,7 +109,7 @@ class Experiment(msgspec.Struct, frozen=True):
     experiment: ExperimentTable
     vary: list[Vary] = []
     case: list[Case] = []
-    sample: Sample | None = None
+    sample: SampleTable | None = None
     measure: dict[str, Literal["end"] | Query] = {}
     limits: RunLimit = RunLimit()
 
@@ -119,37 +119,37 @@ def read_experiment(spec: TomlFile) -> Experiment:
 
     What is wrong with parts of it is reported only.
     """
-    found = spec.draft(Experiment)
-    for number, vary in enumerate(found.vary):
+    draft = spec.draft(Experiment)
+    for number, vary in enumerate(draft.vary):
         path: Path_ = ("vary", number)
         if spec.is_wrong(path):
             continue
         if bool(vary.constant) == bool(vary.level):
             spec.problem(path, 'Name either a "constant" or a field of the "level" to vary')
-        ways = (vary.values or None, vary.range, vary.between)
-        if sum(way is not None for way in ways) != 1:
-            said = 'Give "values", a "range" [from, to, step], or "between" [from, to]'
-            spec.problem(path, said)
+        sources = (vary.values or None, vary.range, vary.between)
+        if sum(source is not None for source in sources) != 1:
+            message = 'Give "values", a "range" [from, to, step], or "between" [from, to]'
+            spec.problem(path, message)
         elif vary.between is not None:
             first, last = vary.between
             if not -math.inf < first <= last < math.inf:
                 spec.problem((*path, "between"), "It is between [from, to], the smaller one first")
             if "sample" not in spec.data:
-                said = "Say how many values to sample: [sample] count = 20"
-                spec.problem((*path, "between"), said)
-        elif vary.range is not None and not _in_range(vary.range):
+                message = "Say how many values to sample: [sample] count = 20"
+                spec.problem((*path, "between"), message)
+        elif vary.range is not None and not _range_numbers(vary.range):
             spec.problem((*path, "range"), f"A range is [from, to, step], at most {_MOST_VALUES:,}")
         _check_texts(spec, (*path, "values"), vary.values)
-    for number, case in enumerate(found.case):
+    for number, case in enumerate(draft.case):
         _check_texts(spec, ("case", number, "constants"), case.constants.values())
         _check_texts(spec, ("case", number, "level"), case.level.values())
-    if found.sample and not any(vary.between for vary in found.vary):
+    if draft.sample and not any(vary.between for vary in draft.vary):
         spec.problem(("sample",), '[sample] needs a [[vary]] with "between"')
-    first, last = found.experiment.span if not spec.is_wrong(("experiment", "starts")) else (1, 1)
+    first, last = draft.experiment.span if not spec.is_wrong(("experiment", "starts")) else (1, 1)
     if not -1 <= last - first < _MOST_VALUES:
-        said = f"Varied starts are [from, to], at most {_MOST_VALUES:,}"
-        spec.problem(("experiment", "starts"), said)
-    for name, measure in found.measure.items():
+        message = f"Varied starts are [from, to], at most {_MOST_VALUES:,}"
+        spec.problem(("experiment", "starts"), message)
+    for name, measure in draft.measure.items():
         path = ("measure", name)
         if spec.is_wrong(path):
             continue
@@ -167,7 +167,7 @@ def read_experiment(spec: TomlFile) -> Experiment:
                 else f'Write {name} = {{query = "...", every = 10}}; measured without a query are '
                 + ", ".join(BUILT_IN),
             )
-    return found
+    return draft
 
 
 _COLUMNS = {
@@ -179,11 +179,11 @@ _COLUMNS = {
 def _values_of(vary: Vary) -> list[Scalar]:
     if vary.between is not None:
         return [vary.between[0]]
-    return _in_range(vary.range) if vary.range is not None else vary.values
+    return _range_numbers(vary.range) if vary.range is not None else vary.values
 
 
-def sampled(
-    sample: Sample, ranges: dict[_Parameter, list[int | float]]
+def draw_samples(
+    sample: SampleTable, ranges: dict[_Parameter, list[int | float]]
 ) -> list[dict[_Parameter, Scalar]]:
     """Return values of each range by its key, together `sample.count` times, always the same.
 
@@ -200,15 +200,15 @@ def sampled(
     return [dict(zip(ranges, values, strict=True)) for values in zip(*columns, strict=True)]
 
 
-def _in_range(bounds: list[float]) -> list[Scalar]:
+def _range_numbers(bounds: list[float]) -> list[Scalar]:
     """Return the numbers of a range by step; [] if there are infinitely or too many."""
     first, last, step = (*bounds, 1.0)[:3]
     steps = (last - first) / step if step else -1.0
     if not 0 <= steps < _MOST_VALUES:
         return []
-    found = [float(f"{first + number * step:.12g}") for number in range(int(steps + 1e-9) + 1)]
-    whole = all(number.is_integer() for number in found)
-    return [int(n) if whole else n for n in found]
+    numbers = [float(f"{first + number * step:.12g}") for number in range(int(steps + 1e-9) + 1)]
+    whole = all(number.is_integer() for number in numbers)
+    return [int(n) if whole else n for n in numbers]
 
 
 def _check_texts(spec: TomlFile, path: Path_, values: Iterable[Scalar]) -> None:
@@ -237,16 +237,16 @@ def _last_tick(level: Level, ticks: int | str) -> int:
     """Return a run's last tick; raises ValueError for no expression or no reference program."""
     if isinstance(ticks, int):
         return ticks
-    found = _TICKS.fullmatch(ticks.strip())
-    if not found:
+    match = _TICKS.fullmatch(ticks.strip())
+    if not match:
         raise ValueError('"ticks" is a number or like "2*reference+200"')
     reference = reference_for(level)
     if reference is None:
         raise ValueError(
             f"{level.name} has no reference program; give a number, such as ticks = 2000"
         )
-    most = patience_for(10**9)
-    return min(int(found[1] or 1) * reference.ticks + int(found[2] or 0), most)
+    limit = patience_for(10**9)
+    return min(int(match[1] or 1) * reference.ticks + int(match[2] or 0), limit)
 
 
 def level_to_run(
@@ -290,14 +290,14 @@ class _Plan:
 
     def manifest(self) -> tuple[Manifest, dict[str, str]]:
         table = self._experiment.experiment
-        for name in _several(table.level):
+        for name in _unique_names(table.level):
             place = ("experiment", "level"), name, ("experiment", "ticks")
-            if (found := level_to_run(self._spec, *place, table.ticks)) is not None:
-                self._levels[name] = found
-        for number, name in enumerate(_several(table.program), 1):
+            if (level_run := level_to_run(self._spec, *place, table.ticks)) is not None:
+                self._levels[name] = level_run
+        for number, name in enumerate(_unique_names(table.program), 1):
             self._load_program(name, number)
         self._spec.refuse()
-        asked = tuple(self._asked())
+        query_measures = tuple(self._query_measures())
         combinations = list(self._combinations())
         self._spec.refuse()
         cells = [
@@ -317,7 +317,7 @@ class _Plan:
             last - first + 1,
             table.given_first,
             measures or BUILT_IN,
-            asked,
+            query_measures,
             limits.steps,
             limits.seconds,
             tuple(cell for cell in cells if cell is not None),
@@ -339,30 +339,31 @@ class _Plan:
         except InputError as error:
             self._spec.problem(path, str(error))
         except ProgramError as error:
-            for found in error.diagnostics:
-                self._spec.problem(path, f"{name}:{found.line}:{found.column}: {found.message}")
+            for d in error.diagnostics:
+                self._spec.problem(path, f"{name}:{d.line}:{d.column}: {d.message}")
         else:
             self._programs[name] = text
 
-    def _asked(self) -> list[Asked]:
+    def _query_measures(self) -> list[QueryMeasure]:
         """Return the measures that are questions; report programs that can't answer one."""
-        asked = []
+        measures = []
         if until := self._experiment.experiment.until:
             self._check_question(("experiment", "until"), until)
         for name, measure in self._experiment.measure.items():
             if isinstance(measure, Query):
-                ways = [measure.reduce] if isinstance(measure.reduce, str) else measure.reduce
-                asked.append(Asked(name, measure.query, measure.every, tuple(dict.fromkeys(ways))))
+                kinds = [measure.reduce] if isinstance(measure.reduce, str) else measure.reduce
+                reduction = tuple(dict.fromkeys(kinds))
+                measures.append(QueryMeasure(name, measure.query, measure.every, reduction))
                 self._check_question(("measure", name), measure.query)
-        return asked
+        return measures
 
     def _check_question(self, path: Path_, query: str) -> None:
         for program, text in self._programs.items():
             try:
                 Program.compile(text).question(query)
             except ProgramError as error:
-                said = "; ".join(found.message for found in error.diagnostics)
-                self._spec.problem(path, f"{program}: {said}")
+                messages = "; ".join(d.message for d in error.diagnostics)
+                self._spec.problem(path, f"{program}: {messages}")
 
     def _combinations(self) -> list[_Combination]:
         """Return all combinations of values; report those that can't be put in, one by one."""
@@ -377,19 +378,19 @@ class _Plan:
                 ranges[key] = vary.between
             for level, program in itertools.product(self._levels, self._programs):
                 self._cell(level, program, _combination(("vary", number), {key: values[0]}))
-        found: list[_Combination] = []
+        combinations: list[_Combination] = []
         sample = self._experiment.sample
-        samples = sampled(sample, ranges) if sample and ranges else [{}]
+        samples = draw_samples(sample, ranges) if sample and ranges else [{}]
         if varied or not self._experiment.case:
-            for each, some in itertools.product(itertools.product(*varied.values()), samples):
-                crossed = dict(zip(varied, each, strict=True))
-                found.append(_combination(("vary",), crossed | some))
-                if len(found) > _MOST_CELLS:
+            for choice, point in itertools.product(itertools.product(*varied.values()), samples):
+                grid = dict(zip(varied, choice, strict=True))
+                combinations.append(_combination(("vary",), grid | point))
+                if len(combinations) > _MOST_CELLS:
                     self._spec.problem(("vary",), f"More than {_MOST_CELLS:,} combinations")
                     break
         for number, case in enumerate(self._experiment.case):
-            found.append((("case", number), case.constants, case.level))
-        return found
+            combinations.append((("case", number), case.constants, case.level))
+        return combinations
 
     def _cell(self, level_name: str, program_name: str, combination: _Combination) -> Cell | None:
         path, constants, fields = combination
@@ -403,8 +404,8 @@ class _Plan:
             if fields and digest(level_text) not in self._inputs:
                 read_level(level_text, level_name)
         except ProgramError as error:
-            for found in error.diagnostics:
-                self._spec.problem(path, f"{program_name}: {found.message}. {found.hint}".strip())
+            for d in error.diagnostics:
+                self._spec.problem(path, f"{program_name}: {d.message}. {d.hint}".strip())
             return None
         except InputError as error:
             self._spec.problem(path, str(error))
@@ -414,9 +415,9 @@ class _Plan:
         return Cell(level, text, level_name, program_name, ticks, {**constants, **fields})
 
 
-def _several(names: str | list[str]) -> list[str]:
-    found = [names] if isinstance(names, str) else [each for each in names if each is not None]
-    return list(dict.fromkeys(found))
+def _unique_names(names: str | list[str]) -> list[str]:
+    candidates = [names] if isinstance(names, str) else [name for name in names if name is not None]
+    return list(dict.fromkeys(candidates))
 
 
 def _literal(value: Scalar) -> str:
@@ -432,10 +433,10 @@ def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
     A key looks like ``robots.*.battery.capacity``.
     """
     if is_of_web(text):
-        data = json.loads(text)
+        tree = json.loads(text)
         for key, value in fields:
-            _set(data, key.split("."), key, value)
-        return json.dumps(data, indent=2, ensure_ascii=False)
+            _set(tree, key.split("."), key, value)
+        return json.dumps(tree, indent=2, ensure_ascii=False)
     import tomlkit
 
     document = tomlkit.parse(text)
@@ -444,38 +445,38 @@ def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
     return tomlkit.dumps(document)
 
 
-def _set(data: Any, keys: list[str], whole: str, value: Scalar) -> None:
+def _set(tree: Any, keys: list[str], whole: str, value: Scalar) -> None:
     """Set a key in nested data; ``*`` stands for all list items that have the other keys."""
     *path, last = keys
-    found = [data]
+    nodes = [tree]
     for key in path:
-        found = [inner for each in found for inner in _inside(each, key)]
-    tables = [each for each in found if isinstance(each, dict)]
+        nodes = [inner for node in nodes for inner in _children(node, key)]
+    tables = [node for node in nodes if isinstance(node, dict)]
     if not tables:
         hint = "Only tables that the level has can be varied, such as areas.0 in areas.0.radius."
         raise InputError("The level has no such key", place=whole, hint=hint)
     for table in tables:
         if isinstance(table.get(last), list) and type(value) is int:
-            _keep(data, table, last, whole, value)
+            _truncate(tree, table, last, whole, value)
         else:
             table[last] = value
 
 
-def _keep(data: Any, table: Any, key: str, whole: str, count: int) -> None:
+def _truncate(tree: Any, table: Any, key: str, whole: str, count: int) -> None:
     """Keep the first ones of a list, such as the robots, and goals for those only."""
-    found = table[key]
-    if not 0 <= count <= len(found):
-        raise InputError(f"The level has {len(found)}, so there can't be {count}", place=whole)
-    gone = {each.get("name") for each in found[count:] if isinstance(each, dict)}
-    del found[count:]
-    for area in data.get("areas", []) if key == "robots" else ():
+    items = table[key]
+    if not 0 <= count <= len(items):
+        raise InputError(f"The level has {len(items)}, so there can't be {count}", place=whole)
+    removed_names = {item.get("name") for item in items[count:] if isinstance(item, dict)}
+    del items[count:]
+    for area in tree.get("areas", []) if key == "robots" else ():
         for goal in {"goal_for", "victory_robots"} & area.keys():
-            area[goal] = [name for name in area[goal] if name not in gone]
+            area[goal] = [name for name in area[goal] if name not in removed_names]
 
 
-def _inside(data: Any, key: str) -> list[Any]:
-    if isinstance(data, list):
+def _children(node: Any, key: str) -> list[Any]:
+    if isinstance(node, list):
         if key == "*":
-            return list(data)
-        return data[int(key) : int(key) + 1] if key.isdecimal() else []
-    return [data[key]] if isinstance(data, dict) and key in data else []
+            return list(node)
+        return node[int(key) : int(key) + 1] if key.isdecimal() else []
+    return [node[key]] if isinstance(node, dict) and key in node else []

@@ -11,7 +11,7 @@ from typing import get_args
 import pytest
 
 from logical_robots_tui.lab.folder import BUILT_IN
-from logical_robots_tui.lab.running import Outcome, Way
+from logical_robots_tui.lab.running import Outcome, Reduction
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.inspector.register import PAGES
 from tests.house.examples import commands
@@ -37,7 +37,7 @@ CALLS = ("logical-robots {}", "`{}`")
 NAMED = [
     # a page, a heading of it, what is named below it, and how it may be written there
     ("lab.md", EXPERIMENT, BUILT_IN, ("{}",)),
-    ("lab.md", EXPERIMENT, get_args(Way), ("`{}`",)),
+    ("lab.md", EXPERIMENT, get_args(Reduction), ("`{}`",)),
     ("lab.md", ENDS, get_args(Outcome), ("`{}`",)),
     ("playing.md", "Keys", [entry.title for entry in COMMANDS if not entry.keys], ("{}",)),
     *(

@@ -12,7 +12,7 @@ from contextlib import closing
 from pathlib import Path
 
 from logical_robots_tui.lab import running
-from logical_robots_tui.lab.running import Answer, Task
+from logical_robots_tui.lab.running import RunTask, WorkerAnswer
 from logical_robots_tui.paths import shipped_folder
 from tests.waiting import PATIENCE, until
 
@@ -102,18 +102,18 @@ class InlineEngine:
 
     def __init__(self, slots: int) -> None:
         self.slots = slots
-        self._tasks: deque[tuple[object, Task]] = deque()
+        self._tasks: deque[tuple[object, RunTask]] = deque()
 
     @property
     def free(self) -> int:
         return self.slots - len(self._tasks)
 
-    def submit(self, key: object, task: Task) -> None:
+    def submit(self, key: object, task: RunTask) -> None:
         self._tasks.append((key, task))
 
-    def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
+    def wait(self, seconds: float) -> Iterator[tuple[object, WorkerAnswer]]:
         key, task = self._tasks.popleft()
-        died = Answer(failure="its worker process died")
+        died = WorkerAnswer(failure="its worker process died")
         yield key, died if is_deadly(task) else running.execute(task)
 
     def close(self, *, at_once: bool = False) -> None:
@@ -175,19 +175,19 @@ def killed(out: Path, arguments: Sequence[object], workers: Sequence[int]) -> li
     return counts[1:]
 
 
-def endless(task: Task) -> Answer:
+def endless(task: RunTask) -> WorkerAnswer:
     """Execute a task, but compute for ever if the program says so."""
     while "# endless" in "".join(task.programs.values()):
         pass
     return running.execute(task)
 
 
-def is_deadly(task: Task) -> bool:
+def is_deadly(task: RunTask) -> bool:
     text = "".join(task.programs.values())
     return any(f"# deadly from {start};" in text for start in task.starts)
 
 
-def deadly(task: Task) -> Answer:
+def deadly(task: RunTask) -> WorkerAnswer:
     """Execute a task, but end the worker at a start of which the program says so."""
     if is_deadly(task):
         os._exit(9)

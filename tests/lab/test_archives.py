@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.lab.archives import File, Room, unpack
+from logical_robots_tui.lab.archives import File, UnpackBudget, unpack
 from tests.lab.test_handins import tarred, zipped
 
 MB = 1_000_000
@@ -19,9 +19,9 @@ MB = 1_000_000
 many = settings(max_examples=settings().max_examples * 6, deadline=None)
 
 
-def unpacked(content: bytes, room: Room | None = None) -> dict[str, str]:
+def unpacked(content: bytes, room: UnpackBudget | None = None) -> dict[str, str]:
     """The problems of what is in an archive, by path; "" if it can be read."""
-    found = unpack(File(("a.zip",), content), room or Room(), lambda _name: MB)
+    found = unpack(File(("a.zip",), content), room or UnpackBudget(), lambda _name: MB)
     return {"/".join(file.parts): file.problem for file in found}
 
 
@@ -59,10 +59,10 @@ def test_what_is_too_much_is_refused() -> None:
     much = "it holds too much"
     many = {f"{number}.l": "" for number in range(101)}
     for pack in (zipped, tarred):
-        assert unpacked(pack(many), Room(members=100))["a.zip"] == much
-        assert "a.zip" not in unpacked(pack(many), Room(members=102))
+        assert unpacked(pack(many), UnpackBudget(members=100))["a.zip"] == much
+        assert "a.zip" not in unpacked(pack(many), UnpackBudget(members=102))
         large = {f"{number}.l": "x" * MB for number in range(5)}
-        assert unpacked(pack(large), Room(bytes=3 * MB))["a.zip"] == much
+        assert unpacked(pack(large), UnpackBudget(bytes=3 * MB))["a.zip"] == much
         assert unpacked(pack({"x.l": "x" * (MB + 1)})) in (
             {"a.zip/x.l": "it is larger than 1 MB"},
             {"a.zip": much},  # for it is packed very tightly
@@ -105,7 +105,7 @@ def test_damage_ends_in_a_problem(seed: bytes, changes: list[tuple[int, int]], l
     content = bytearray(seed)
     for place, value in changes:
         content[place % len(content)] = value
-    room = Room(members=100, bytes=MB)
+    room = UnpackBudget(members=100, bytes=MB)
     for file in unpack(File(("a",), bytes(content[: length or None])), room, lambda _name: MB):
         assert file.parts[0] == "a"
         assert not {"..", "", "__MACOSX"} & {*file.parts}
@@ -115,7 +115,7 @@ def test_damage_ends_in_a_problem(seed: bytes, changes: list[tuple[int, int]], l
 @many
 @given(st.binary(max_size=2_000), st.sampled_from([b"", b"PK", b"\x1f\x8b", b"BZh", b"\xfd7zXZ\0"]))
 def test_noise_is_not_an_archive(noise: bytes, magic: bytes) -> None:
-    found = [*unpack(File(("a",), magic + noise), Room(), lambda _name: MB)]
+    found = [*unpack(File(("a",), magic + noise), UnpackBudget(), lambda _name: MB)]
     assert all(file.problem or not file.content for file in found)
 
 
@@ -129,6 +129,6 @@ def test_any_name_stays_inside(files: dict[str, bytes]) -> None:
                 archive.writestr(name, content)
             except (IndexError, UnicodeEncodeError):  # no name, or half of a pair
                 continue
-    for file in unpack(File(("a",), out.getvalue()), Room(), lambda _name: MB):
+    for file in unpack(File(("a",), out.getvalue()), UnpackBudget(), lambda _name: MB):
         assert file.parts[0] == "a"
         assert not any("/" in part or part in ("", ".", "..") for part in file.parts[1:])

@@ -14,7 +14,7 @@ import pytest
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab import coordinating
 from logical_robots_tui.lab import engines as cluster
-from logical_robots_tui.lab.coordinating import Coordinator, Tally
+from logical_robots_tui.lab.coordinating import Coordinator, RunTally
 from logical_robots_tui.lab.engines import ClusterEngine
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.sweeping import plan_sweep
@@ -109,9 +109,9 @@ def test_a_worker_that_is_stopped_for_a_while_goes_on(tmp_path: Path, machines: 
     assert recorded(out) == 40
 
 
-def worked(machines: Cluster, folder: Folder, file: Path) -> Tally:
+def worked(machines: Cluster, folder: Folder, file: Path) -> RunTally:
     with ExitStack() as stack:
-        stack.enter_context(folder.locked())
+        stack.enter_context(folder.lock())
         ledger = stack.enter_context(folder.ledger())
         engine = ClusterEngine(machines.address)
         stack.callback(engine.close)

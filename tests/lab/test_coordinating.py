@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.lab.coordinating import Coordinator
-from logical_robots_tui.lab.exporting import done_runs
+from logical_robots_tui.lab.exporting import finished_runs
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
-from logical_robots_tui.lab.running import Answer, Task
+from logical_robots_tui.lab.running import RunTask, WorkerAnswer
 from tests.lab.laboratory import InlineEngine
 
 
@@ -23,12 +23,12 @@ class Whimsical(InlineEngine):
         self.failures: Counter[str] = Counter()
         self.executions: Counter[tuple[str, int]] = Counter()
 
-    def submit(self, key: object, task: Task) -> None:
+    def submit(self, key: object, task: RunTask) -> None:
         assert self.free
         assert task.starts
         super().submit(key, task)
 
-    def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
+    def wait(self, seconds: float) -> Iterator[tuple[object, WorkerAnswer]]:
         self._chance.shuffle(self._tasks)
         key, task = self._tasks.pop()
         fails = self.failures[task.programs[""]] < 2 and self._chance.random() < 0.6
@@ -38,14 +38,14 @@ class Whimsical(InlineEngine):
             self.executions[task.programs[""], start] += 1
             done.append((start, result(task.programs[""], start), 0.1))
             if start == 0 and task.given_first and '"won"' not in done[-1][1]:
-                yield key, Answer(tuple(done), "w")
+                yield key, WorkerAnswer(tuple(done), "w")
                 return
         if fails and len(done) < len(task.starts):
             self.failures[task.programs[""]] += 1
             dies = self._chance.random() < 0.5
-            yield key, Answer(() if dies else tuple(done), "" if dies else "w", "it failed")
+            yield key, WorkerAnswer(() if dies else tuple(done), "" if dies else "w", "it failed")
             return
-        yield key, Answer(tuple(done), "w")
+        yield key, WorkerAnswer(tuple(done), "w")
 
 
 def result(program: str, start: int) -> str:
@@ -69,13 +69,13 @@ CELLS = tuple(
 @pytest.mark.parametrize("seed", range(12))
 def test_the_ledger_ends_the_same(tmp_path: Path, seed: int, *, given_first: bool) -> None:
     folder, engine = Folder(tmp_path), Whimsical(seed)
-    with folder.locked(), folder.ledger() as ledger:
+    with folder.lock(), folder.ledger() as ledger:
         plan = Manifest("sweep", "t", "", 6, given_first, ("won",), (), 1, 1.0, CELLS)
         manifest = folder.write(plan, {digest(text): text for text in [*TEXTS, "level"]})
         coordinator = Coordinator(folder, manifest, ledger)
         coordinator.work(engine, lambda: False, lambda: None)
         assert coordinator.tally().is_complete
-        runs = done_runs(manifest, ledger)
+        runs = finished_runs(manifest, ledger)
         found = Counter((done.cell.program_name, done.result.outcome) for done in runs)
         wins = {(name, "won"): 6 for name in ("wins a", "wins b", "wins c", "wins  c")}
         lost = {(name, "out of ticks"): 1 for name, _ in wins}

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from logical_robots_tui.cli.main import main
-from logical_robots_tui.lab.exporting import Table, csv_of
+from logical_robots_tui.lab.exporting import ResultTable, csv_of
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.grading import grades_of
 from tests.cli.running import Command
@@ -70,7 +70,7 @@ def test_no_cell_is_a_formula_and_no_control_character_passes(exported: Path) ->
     for file in [*exported.rglob("*.md"), *exported.rglob("*.xml"), *exported.rglob("*.html")]:
         assert "\x1b" not in file.read_text("utf-8")
     cells = ["=1+1", " @x", "+a", "-a", "\t=x", "a\x1b[0m\nb", -3, 2.5, None, True]
-    written = csv_of(Table(("x",), [(cell,) for cell in cells])).splitlines()[1:]
+    written = csv_of(ResultTable(("x",), [(cell,) for cell in cells])).splitlines()[1:]
     replaced = "a\N{REPLACEMENT CHARACTER}[0m b"
     assert written == ["'=1+1", "' @x", "'+a", "'-a", "' =x", replaced, "-3", "2.5", '""', "true"]
 

@@ -97,7 +97,7 @@ def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
     folder = Folder(tmp_path / "out")
     with pytest.raises(InputError, match="There is no manifest"):
         folder.manifest()
-    with folder.locked():
+    with folder.lock():
         written = folder.write(*plan_sweep(write_experiment(tmp_path)))
     assert folder.manifest() == written
     program = written.cells[0].program
@@ -116,7 +116,7 @@ def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
 def swept(tmp_path_factory: pytest.TempPathFactory) -> Folder:
     path = tmp_path_factory.mktemp("swept")
     folder = Folder(path / "out")
-    with folder.locked():
+    with folder.lock():
         manifest = folder.write(*plan_sweep(write_experiment(path)))
     with folder.ledger() as ledger:
         job = manifest.job(manifest.cells[0], 0)

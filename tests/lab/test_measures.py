@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.lab import Results, sweep
-from logical_robots_tui.lab.exporting import reduced
-from logical_robots_tui.lab.running import Asked, Result, Series, Way
-from logical_robots_tui.lab.sweeping import Sample, plan_sweep, sampled
+from logical_robots_tui.lab.exporting import reduce_series
+from logical_robots_tui.lab.running import QueryMeasure, Reduction, Result, Series
+from logical_robots_tui.lab.sweeping import SampleTable, draw_samples, plan_sweep
 from logical_robots_tui.toml_files import TomlFileError
 from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, exported
@@ -37,7 +37,7 @@ def wrong(*vary: dict[str, Any], **more: Any) -> str:
 
 @given(st.integers(0, 99), st.integers(0, 9))
 def test_between_whole_numbers_are_whole_ones_and_ends(low: int, size: int) -> None:
-    points = sampled(Sample(300), {("N", True): [low, low + size]})
+    points = draw_samples(SampleTable(300), {("N", True): [low, low + size]})
     assert {point["N", True] for point in points} == {*range(low, low + size + 1)}
 
 
@@ -122,16 +122,16 @@ def test_what_is_not_varied_is_said(vary: dict[str, Any], more: dict[str, Any], 
 
 @given(st.lists(st.integers(-99, 99) | st.floats(-99, 99), min_size=1))
 def test_a_series_is_reduced_to_one_number(numbers: list[float]) -> None:
-    asked = Asked("a", "1", 1)
+    asked = QueryMeasure("a", "1", 1)
     result = Result("won", series={"a": Series((), (), "", tuple(enumerate(numbers, 1)))})
-    ways: tuple[Way, ...] = ("last", "min", "max", "mean", "sum")
+    ways: tuple[Reduction, ...] = ("last", "min", "max", "mean", "sum")
     expected = [numbers[-1], min(numbers), max(numbers), fmean(numbers), sum(numbers)]
-    assert [reduced(result, asked, how) for how in ways] == expected
+    assert [reduce_series(result, asked, how) for how in ways] == expected
     # What could not be measured in every tick is not reduced.
     for measured in ((), ((1, None),), ((1, 2), (2, None))):
         result = Result("won", series={"a": Series((), (), "", measured)})
-        assert reduced(result, asked, "max") is None
-    assert reduced(Result("does not compile"), asked, "max") is None
+        assert reduce_series(result, asked, "max") is None
+    assert reduce_series(Result("does not compile"), asked, "max") is None
 
 
 def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:

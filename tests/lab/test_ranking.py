@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from logical_robots_tui.lab.competing import _rows, pair_off
-from logical_robots_tui.lab.folder import Manifest, Player
+from logical_robots_tui.lab.folder import Manifest, TournamentPlayer
 from logical_robots_tui.lab.ranking import (
     Ranking,
     Standing,
@@ -65,7 +65,7 @@ def test_strengths_are_those_that_the_shares_were_made_with() -> None:
     assert strengths(np.zeros((2, 2))) == pytest.approx([0, 0])
     # A strength of nothing has no sign of minus.
     standing = Standing("ada", 1, 1, 0.5, 0.5, 0.5, -0.04, 1)
-    players = (Player("ada"),)
+    players = (TournamentPlayer("ada"),)
     manifest = Manifest("tournament", "", "", 1, False, (), (), 1, 1.0, (), players=players)
     (row,) = _rows(manifest, Ranking((standing,), {}, ()))
     assert row[4] == "+0"
@@ -134,7 +134,7 @@ def test_matches_that_are_missing_are_left_out() -> None:
 
 def rounds_of(count: int, rounds: int) -> list[tuple[tuple[int, int], ...]]:
     """The rounds of a tournament in which the higher number wins."""
-    players = tuple(Player(f"p{n:02}", f"{n * 7919 % 1000:03}") for n in range(count))
+    players = tuple(TournamentPlayer(f"p{n:02}", f"{n * 7919 % 1000:03}") for n in range(count))
     manifest = Manifest("tournament", "", "", 0, False, (), (), 1, 1, (), players=players)
     for _ in range(rounds):
         wins = {player.name: 0.0 for player in manifest.players}

@@ -7,10 +7,10 @@ import pytest
 
 from logical_robots_tui.game.measuring import play_through, start_of
 from logical_robots_tui.lab.running import (
-    Answer,
-    Asked,
+    QueryMeasure,
     Result,
-    Task,
+    RunTask,
+    WorkerAnswer,
     _reason,
     execute,
     fingerprint,
@@ -22,12 +22,12 @@ from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, SENSOR, STANDING, STILL, lane, program_text
 
 
-def task(program: str, **changes: Any) -> Task:
-    plain = Task(lane("A lane"), {"": program}, 300, (0,), (), 10**8, 60.0, False, fingerprint())
+def task(program: str, **changes: Any) -> RunTask:
+    plain = RunTask(lane("A lane"), {"": program}, 300, (0,), (), 10**8, 60.0, False, fingerprint())
     return msgspec.structs.replace(plain, **changes)
 
 
-def only(answer: Answer) -> Result:
+def only(answer: WorkerAnswer) -> Result:
     ((_, result, _),) = answer.results
     return msgspec.json.decode(result, type=Result)
 
@@ -93,22 +93,22 @@ def test_a_program_that_does_not_compile_says_where() -> None:
 
 
 def test_questions_are_asked_every_so_many_ticks_or_at_the_end() -> None:
-    asked = (Asked("often", "Robot(robot_name:)", 100), Asked("last", "1 + 1", 0))
-    result = only(execute(task(STANDING, asked=asked)))
+    measures = (QueryMeasure("often", "Robot(robot_name:)", 100), QueryMeasure("last", "1 + 1", 0))
+    result = only(execute(task(STANDING, measures=measures)))
     assert result.series["often"].columns == ("tick", "robot", "robot_name")
     assert result.series["often"].rows == tuple((tick, "Ada", "Ada") for tick in (1, 100, 200, 300))
     assert [row[0] for row in result.series["last"].rows] == [300]
 
 
 def test_an_answer_is_one_number_of_each_tick_that_is_asked() -> None:
-    asked = (
-        Asked("rows", "Robot(robot_name:)", 7),
-        Asked("value", "Max{sensor.clock :- Sensor(sensor:)}", 7),
-        Asked("truth", "Sensor(sensor:), sensor.clock > 10", 7),
-        Asked("text", '"a"', 7),
-        Asked("fails", "Sum{1 / 0}", 7),
+    measures = (
+        QueryMeasure("rows", "Robot(robot_name:)", 7),
+        QueryMeasure("value", "Max{sensor.clock :- Sensor(sensor:)}", 7),
+        QueryMeasure("truth", "Sensor(sensor:), sensor.clock > 10", 7),
+        QueryMeasure("text", '"a"', 7),
+        QueryMeasure("fails", "Sum{1 / 0}", 7),
     )
-    result = only(execute(task(STANDING, asked=asked, ticks=24)))
+    result = only(execute(task(STANDING, measures=measures, ticks=24)))
     numbers = {name: dict(series.numbers) for name, series in result.series.items()}
     ticks = [1, 7, 14, 21, 24]
     assert (numbers["rows"], list(numbers["value"])) == (dict.fromkeys(ticks, 1), ticks)
@@ -118,17 +118,17 @@ def test_an_answer_is_one_number_of_each_tick_that_is_asked() -> None:
     assert numbers["text"] == dict.fromkeys(ticks)
 
     # The last tick is asked once.
-    often = (Asked("often", "1", 10),)
-    result = only(execute(task(STANDING, asked=often, ticks=20)))
+    often = (QueryMeasure("often", "1", 10),)
+    result = only(execute(task(STANDING, measures=often, ticks=20)))
     assert result.series["often"].numbers == ((1, 1), (10, 1), (20, 1))
-    result = only(execute(task(FIRST_STEPS, asked=often)))
+    result = only(execute(task(FIRST_STEPS, measures=often)))
     assert result.series["often"].numbers[-1] == (result.ticks, 1)
 
 
 def test_a_run_stops_when_its_question_holds() -> None:
     until = "Sensor(sensor:), sensor.clock >= 50"
-    asked = (Asked("last", "Max{sensor.clock :- Sensor(sensor:)}", 0),)
-    result = only(execute(task(STANDING, asked=asked, until=until)))
+    measures = (QueryMeasure("last", "Max{sensor.clock :- Sensor(sensor:)}", 0),)
+    result = only(execute(task(STANDING, measures=measures, until=until)))
     assert result.outcome == "stopped"
     assert [number for _, number in result.series["last"].numbers] == [50]
     assert [tick for tick, _ in result.series["last"].numbers] == [result.ticks]

@@ -15,7 +15,7 @@ from logical_robots_tui.lab.sweeping import (
     ExperimentTable,
     Query,
     RunLimit,
-    Sample,
+    SampleTable,
     Vary,
     plan_sweep,
     read_experiment,
@@ -96,7 +96,7 @@ def test_the_page_names_every_key_of_an_experiment(tmp_path: Path) -> None:
     spec = TomlFile(write_files(tmp_path, {"e.toml": text.removeprefix("toml")}) / "e.toml")
     read_experiment(spec)
     assert spec.problems == ()
-    kinds = (Experiment, ExperimentTable, Vary, Sample, Case, Query, RunLimit)
+    kinds = (Experiment, ExperimentTable, Vary, SampleTable, Case, Query, RunLimit)
     named = {key for kind in kinds for key in kind.__struct_fields__} - {"title", "steps"}
     assert {key for key in named if f"{key} =" not in text and f"{key}]" not in text} == set()
     with pytest.raises(TomlFileError, match="can't be read"):

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.lab import engines
-from logical_robots_tui.lab.coordinating import Coordinator, Engine, Tally
+from logical_robots_tui.lab.coordinating import Coordinator, Engine, RunTally
 from logical_robots_tui.lab.engines import LocalEngine
-from logical_robots_tui.lab.exporting import done_runs, export_runs
+from logical_robots_tui.lab.exporting import export_runs, finished_runs
 from logical_robots_tui.lab.folder import Entry, Folder
-from logical_robots_tui.lab.running import Answer
+from logical_robots_tui.lab.running import WorkerAnswer
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.cli.running import Command, in_terminal
 from tests.lab.laboratory import (
@@ -36,8 +36,8 @@ from tests.waiting import until
 SHORT = f"Near() = 40;\n{AHEAD}"
 
 
-def work(engine: Engine, folder: Folder, file: Path, show: object = None) -> Tally:
-    with folder.locked(), folder.ledger() as ledger:
+def work(engine: Engine, folder: Folder, file: Path, show: object = None) -> RunTally:
+    with folder.lock(), folder.ledger() as ledger:
         coordinator = Coordinator(folder, folder.write(*plan_sweep(file)), ledger)
         coordinator.work(engine, lambda: False, show if callable(show) else lambda: None)
         engine.close()
@@ -92,7 +92,7 @@ def test_nothing_is_computed_again_and_differences_are_told(copied: Path, comman
     # Two results of a run that differ are said loudly.
     folder = Folder(copied)
     with folder.ledger() as ledger:
-        (run, *_), manifest = done_runs(folder.manifest(), ledger), folder.manifest()
+        (run, *_), manifest = finished_runs(folder.manifest(), ledger), folder.manifest()
         result = '{"outcome":"won","ticks":1}'
         ledger.record([Entry(run.job, manifest.run(run.job), result, 0.1, "elsewhere/1")])
     told = command("lab", "status", copied, status=1)
@@ -103,7 +103,7 @@ def test_nothing_is_computed_again_and_differences_are_told(copied: Path, comman
 def test_a_worker_that_dies_is_told_of_and_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engines, "execute", deadly)
     with closing(LocalEngine(1)) as engine:
-        answers: list[tuple[object, Answer]] = []
+        answers: list[tuple[object, WorkerAnswer]] = []
         for text in (SHORT + "# deadly from 0;\n", SHORT):
             engine.submit(text, task(text, ticks=3))
             while not engine.free:
@@ -154,7 +154,7 @@ def test_a_silent_worker_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyP
     said: list[str] = []
     finish = engines._Worker.finish
 
-    def noted(worker: engines._Worker) -> tuple[object, Answer]:
+    def noted(worker: engines._Worker) -> tuple[object, WorkerAnswer]:
         key, answer = finish(worker)
         said.append(answer.failure)
         return key, answer
@@ -247,7 +247,7 @@ def test_the_second_interrupt_ends_at_once(tmp_path: Path) -> None:
 
 def test_a_second_coordinator_is_refused(swept: Path, command: Command) -> None:
     out = swept / "out"
-    with Folder(out).locked():
+    with Folder(out).lock():
         assert "Another process is at work in this folder" in command("lab", "resume", out).refusal
         assert command("lab", "status", out).status == 0
 

@@ -9,7 +9,7 @@ import pytest
 from logical_robots_tui.lab import engines
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Manifest, Student, digest
-from logical_robots_tui.lab.running import Answer, Task, execute
+from logical_robots_tui.lab.running import RunTask, WorkerAnswer, execute
 from tests.cli.running import Command
 from tests.lab.laboratory import (
     FIRST_STEPS,
@@ -48,19 +48,19 @@ class Recorder(InlineEngine):
         self.order: list[str] = []
         self.during: Callable[[], None] = lambda: None  # called while a task is at work
 
-    def submit(self, key: object, task: Task) -> None:
+    def submit(self, key: object, task: RunTask) -> None:
         super().submit(key, task)
         self.order.append(task.programs[""])
 
-    def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
+    def wait(self, seconds: float) -> Iterator[tuple[object, WorkerAnswer]]:
         self.during()
         key, task = self._tasks.pop()
         if "stuck" in task.programs[""]:
-            yield key, Answer((), "w", "it took more than 1 seconds", is_final=True)
+            yield key, WorkerAnswer((), "w", "it took more than 1 seconds", is_final=True)
             return
         took = 9.0 if "slow" in task.programs[""] else 0.1
         won = '{"outcome":"won","ticks":7}'
-        yield key, Answer(tuple((start, won, took) for start in task.starts[:1]), "w")
+        yield key, WorkerAnswer(tuple((start, won, took) for start in task.starts[:1]), "w")
 
 
 def test_students_whose_programs_take_long_come_last(tmp_path: Path) -> None:
@@ -70,7 +70,7 @@ def test_students_whose_programs_take_long_come_last(tmp_path: Path) -> None:
     students = tuple(Student(name) for name in ("ada", "ben", "cem"))
     plan = Manifest("grade", "t", "", 1, True, (), (), 1, 1.0, cells, students)
     folder, engine = Folder(tmp_path), Recorder()
-    with folder.locked(), folder.ledger() as ledger:
+    with folder.lock(), folder.ledger() as ledger:
         manifest = folder.write(plan, {digest(text): text for text in [*texts, "level"]})
         coordinator = Coordinator(folder, manifest, ledger)
         named: set[str] = set()
@@ -78,7 +78,7 @@ def test_students_whose_programs_take_long_come_last(tmp_path: Path) -> None:
         def note() -> None:
             seconds, cell = coordinator.longest() or (-1.0, cells[0])
             assert 0 <= seconds < PATIENCE
-            named.add(manifest.called(cell))
+            named.add(manifest.label_of(cell))
 
         engine.during = note
         coordinator.work(engine, lambda: False, lambda: None)
