@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import CompiledQuery, Decision, Limits, Mind, ResultTable
     from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import RobotState
-    from logical_robots_tui.world.world import Wanted
+    from logical_robots_tui.world.world import DesireLike
 
 OneProgram: TypeAlias = str | Path
 """A Logica text, or the name or path of a program. What has a ``;`` or a line break is a text."""
@@ -125,7 +125,7 @@ class Simulation:
         """The points of each team; {} where nothing is scored."""
         return standing(self.level, self.frame.after)
 
-    def step(self, desires: Mapping[str, Wanted] | None = None) -> Frame:
+    def step(self, desires: Mapping[str, DesireLike] | None = None) -> Frame:
         """Let all robots sense, think and act once.
 
         Args:

@@ -223,7 +223,7 @@ async def _replay(
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.world.levels.labyrinths import Daily
 
-    if world.name_now(level) not in world.list_levels() and Daily.named(level) is None:
+    if world.current_name(level) not in world.list_levels() and Daily.parse(level) is None:
         return "neither a shipped level nor a labyrinth of the day"
     where = world.load_level(level)
     if is_reference(where, text):

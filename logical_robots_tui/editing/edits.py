@@ -27,11 +27,11 @@ class Delta(NamedTuple):
         differing = tuple(each for each in pairs if each[1] != each[2])
         old, new = before.walls, after.walls
         if old.shape != new.shape:
-            return cls(differing, _Redrawn(PackedBits.of(old), PackedBits.of(new)))
+            return cls(differing, _Redrawn(PackedBits.pack(old), PackedBits.pack(new)))
         if (box := difference_box(old, new)) is None:
             return cls(differing, None)
         down, across = box
-        flips = _Flips(down.start, across.start, PackedBits.of(old[box] ^ new[box]))
+        flips = _Flips(down.start, across.start, PackedBits.pack(old[box] ^ new[box]))
         return cls(differing, flips)
 
     @property

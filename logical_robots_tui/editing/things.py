@@ -60,7 +60,7 @@ def resize(
     map.
     """
     sizes = Fields({"width": width, "height": height}, level.name)
-    width, height = sizes.whole("width", least=1), sizes.whole("height", least=1)
+    width, height = sizes.whole("width", minimum=1), sizes.whole("height", minimum=1)
     sizes.check_size("width", width, height)
     if (width, height, left, top) == (level.width, level.height, 0, 0):
         return level

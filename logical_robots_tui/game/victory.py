@@ -129,7 +129,7 @@ def measures_of(
 def reached_goals(level: Level, found: Mapping[GoalKind, int]) -> Iterator[str]:
     """Yield the bonus goals that are reached, as far as what they limit was found."""
     for goal in level.second_goals:
-        if goal.kind in found and found[goal.kind] <= goal.most:
+        if goal.kind in found and found[goal.kind] <= goal.limit:
             yield goal.words
 
 

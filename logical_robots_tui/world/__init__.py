@@ -19,11 +19,11 @@ if TYPE_CHECKING:
         Visibility,
     )
     from logical_robots_tui.world.levels.load import (
+        current_name,
         list_arenas,
         list_levels,
         list_shipped,
         load_level,
-        name_now,
     )
     from logical_robots_tui.world.world import World
 

@@ -77,13 +77,13 @@ ROBOT_WIDTH = 18
 
 
 def drive(
-    mover: Mover, left: float, right: float, level: Level, others: Iterable[RobotState] = ()
+    mover: Mover, left: float, right: float, level: Level, bodies: Iterable[RobotState] = ()
 ) -> None:
     """Turn and move a robot, in place, for one tick.
 
-    The turn always succeeds. The move is cancelled if it ends in a wall, or closer to one of the
-    others than before and closer than they are wide; there are no walls outside the
-    labyrinth. The wanted power is finite.
+    The turn always succeeds. The move is cancelled if it ends in a wall, or closer to another body
+    than before and closer than robots are wide. There are no walls outside the labyrinth. Engine
+    powers are finite.
     """
     left, right = min(1.0, max(-1.0, left)), min(1.0, max(-1.0, right))
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
@@ -93,16 +93,16 @@ def drive(
     mover.left_engine, mover.right_engine, mover.angle = left, right, angle
     column, row = math.floor(x), math.floor(y)
     is_on_map = 0 <= column < level.width and 0 <= row < level.height
-    into_wall = is_on_map and level.walls[row, column]
-    if into_wall or any(_pushes(mover, x, y, other) for other in others):
+    is_in_wall = is_on_map and level.walls[row, column]
+    if is_in_wall or any(_is_blocked_by(mover, x, y, body) for body in bodies):
         mover.blocked = speed != 0
     else:
         mover.x, mover.y = x, y
 
 
-def _pushes(mover: Mover, x: float, y: float, other: RobotState) -> bool:
-    distance = math.hypot(x - other.x, y - other.y)
-    return distance < ROBOT_WIDTH and distance < math.hypot(mover.x - other.x, mover.y - other.y)
+def _is_blocked_by(mover: Mover, x: float, y: float, body: RobotState) -> bool:
+    distance = math.hypot(x - body.x, y - body.y)
+    return distance < ROBOT_WIDTH and distance < math.hypot(mover.x - body.x, mover.y - body.y)
 
 
 def push_out(mover: Mover, areas: Iterable[Area]) -> None:
@@ -136,8 +136,8 @@ def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
     """Return this tick's sources, before any move: stations, then robots with charge to give."""
     stations = [beacon for beacon in level.beacons if beacon.charging_station]
     pairs = zip(level.robots, movers, strict=True)
-    givers = (mover for robot, mover in pairs if robot.has_battery and robot.can_charge)
-    return [*stations, *(mover for mover in givers if mover.battery_level > 0)]
+    chargers = (mover for robot, mover in pairs if robot.has_battery and robot.can_charge)
+    return [*stations, *(mover for mover in chargers if mover.battery_level > 0)]
 
 
 def run_battery(
@@ -145,7 +145,7 @@ def run_battery(
 ) -> None:
     """Charge one robot from sources around it, or let it pay for its engines.
 
-    Giving robots are drained in place. The wanted power is finite and not clamped.
+    Sources that are robots are drained in place. Engine powers are finite and not clamped.
     """
     if not robot.has_battery:
         return
@@ -173,34 +173,34 @@ def run_batteries(
     """Charge all robots before they move; each source divides what it gives.
 
     The order makes no difference. A share that a battery has no room for is lost. A robot that
-    no source charges pays for its engines, whose wanted power is finite and not clamped.
+    no source charges pays for its engines, whose powers are finite and not clamped.
     """
     shares: list[list[float]] = [[] for _ in movers]
-    given: dict[int, float] = {}
-    needy = [
+    losses: dict[int, float] = {}
+    candidates = [
         (i, mover, mover.x, mover.y)
         for i, (robot, mover) in enumerate(zip(robots, movers, strict=True))
         if robot.has_battery and mover.battery_level < robot.battery_capacity
     ]
     for source in sources:
         x, y = source.x, source.y
-        around = [
+        receivers = [
             i
-            for i, mover, its_x, its_y in needy
+            for i, mover, its_x, its_y in candidates
             if abs(its_x - x) < CHARGING_RADIUS
             and math.hypot(its_x - x, its_y - y) < CHARGING_RADIUS
             and mover is not source
         ]
-        gift = float(CHARGING_RATE)
-        if isinstance(source, Mover) and around:
-            gift = given[id(source)] = min(gift, source.battery_level)
-        for i in around:
-            shares[i].append(gift / len(around))
-    for robot, mover, (left, right), received in zip(robots, movers, engines, shares, strict=True):
+        charge = float(CHARGING_RATE)
+        if isinstance(source, Mover) and receivers:
+            charge = losses[id(source)] = min(charge, source.battery_level)
+        for i in receivers:
+            shares[i].append(charge / len(receivers))
+    for robot, mover, (left, right), charges in zip(robots, movers, engines, shares, strict=True):
         if not robot.has_battery:
             continue
-        cost = 0.0 if received else _cost(robot, left, right)
-        level = mover.battery_level + math.fsum(received) - given.get(id(mover), 0.0) - cost
+        cost = 0.0 if charges else _cost(robot, left, right)
+        level = mover.battery_level + math.fsum(charges) - losses.get(id(mover), 0.0) - cost
         mover.battery_level = max(0.0, min(robot.battery_capacity, level))
 
 
@@ -219,11 +219,11 @@ def starts_active(area: Area) -> bool:
     return not area.on_beacon
 
 
-def next_active(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
-    """Return whether an area is on after this tick; `seen` are beacons on any radar."""
-    if area.off_beacon and area.off_beacon in seen:
+def next_active(area: Area, active: bool, visible_beacons: AbstractSet[str]) -> bool:
+    """Return whether an area is on after this tick; the beacons are those on any radar."""
+    if area.off_beacon and area.off_beacon in visible_beacons:
         return False
-    if area.on_beacon and area.on_beacon in seen:
+    if area.on_beacon and area.on_beacon in visible_beacons:
         return True
     if area.sticky_switch and (area.on_beacon or area.off_beacon):
         return active
@@ -232,12 +232,12 @@ def next_active(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
 
 def is_won(areas: Iterable[tuple[Area, AreaState]], all_goals: bool = False) -> bool:
     """Return whether an active goal, or each, contains all the robots that it requires."""
-    reached = [
+    goal_states = [
         state.active and set(area.victory_robots) <= set(state.visitors)
         for area, state in areas
         if area.victory_robots
     ]
-    return bool(reached) and (all if all_goals else any)(reached)
+    return bool(goal_states) and (all if all_goals else any)(goal_states)
 
 
 _PER_UNIT = 1000
@@ -263,16 +263,16 @@ def _worth(level: Level, score: Score, tally: int) -> float:
     return tally
 
 
-def tallies_at_start(
+def start_tallies(
     level: Level, robots: Sequence[RobotState], areas: Sequence[AreaState]
 ) -> tuple[tuple[int, ...], ...]:
-    nothing = ((0,) * len(level.teams),) * len(level.scores)
-    return tally_tick(level, nothing, 0, robots, areas, ())
+    zeros = ((0,) * len(level.teams),) * len(level.scores)
+    return tally_tick(level, zeros, 0, robots, areas, ())
 
 
 def tally_tick(
     level: Level,
-    before: Sequence[tuple[int, ...]],
+    previous: Sequence[tuple[int, ...]],
     tick: int,
     robots: Sequence[RobotState],
     areas: Sequence[AreaState],
@@ -286,15 +286,15 @@ def tally_tick(
     that can drive on. Inactive areas count for nothing. Rows are what robots sensed in the
     tick.
     """
-    if tick > level.match_ticks or not before:
-        return tuple(before)
-    moment = _Moment(level, tick, robots, areas, rows)
+    if tick > level.match_ticks or not previous:
+        return tuple(previous)
+    scoring = _ScoredTick(level, tick, robots, areas, rows)
     return tuple(
-        moment.tally(score, tallies) for score, tallies in zip(level.scores, before, strict=True)
+        scoring.tally(score, tallies) for score, tallies in zip(level.scores, previous, strict=True)
     )
 
 
-class _Moment:
+class _ScoredTick:
     def __init__(
         self,
         level: Level,
@@ -314,46 +314,46 @@ class _Moment:
         for robot in robots:
             self._robots[self._team[robot.name]].append(robot)
 
-    def tally(self, score: Score, before: tuple[int, ...]) -> tuple[int, ...]:
+    def tally(self, score: Score, previous: tuple[int, ...]) -> tuple[int, ...]:
         areas = self._areas[score.area]
         if score.kind == "beacons":
-            return self._beacons(before)
+            return self._beacons(previous)
         if score.kind == "charged":
-            return tuple(sum(not robot.dead for robot in mine) for mine in self._robots)
+            return tuple(sum(not robot.dead for robot in team) for team in self._robots)
         if score.kind == "near":
-            return tuple(self._distance(mine, [area for area, _ in areas]) for mine in self._robots)
-        if self._tick == 0 or (score.kind == "first" and any(before)):
-            return before
+            return tuple(self._distance(team, [area for area, _ in areas]) for team in self._robots)
+        if self._tick == 0 or (score.kind == "first" and any(previous)):
+            return previous
         teams = range(len(self._robots))
-        found = [[self._team[name] for name in state.visitors] for _, state in areas]
-        counts = [[each.count(team) for team in teams] for each in found]
+        visiting_teams = [[self._team[name] for name in state.visitors] for _, state in areas]
+        counts = [[visitors.count(team) for team in teams] for visitors in visiting_teams]
         if score.kind == "first":
-            inside = [any(each) for each in zip(*counts, strict=True)] or [False] * len(before)
+            inside = [any(row) for row in zip(*counts, strict=True)] or [False] * len(previous)
             return tuple(self._tick * is_in for is_in in inside)
-        leading = [_leads(count, alone=score.kind == "hold") for count in counts]
-        return tuple(map(sum, zip(before, *leading, strict=True)))
+        leaders = [_leaders(count, alone=score.kind == "hold") for count in counts]
+        return tuple(map(sum, zip(previous, *leaders, strict=True)))
 
-    def _beacons(self, before: tuple[int, ...]) -> tuple[int, ...]:
+    def _beacons(self, previous: tuple[int, ...]) -> tuple[int, ...]:
         names = list(dict.fromkeys(beacon.name for beacon in self._level.beacons))
         bits = {name: 1 << i for i, name in enumerate(names)}
-        seen = list(before)
+        masks = list(previous)
         for row in self._rows:
             team = self._team[row["robot_name"]]
             for ray in row["sensor"]["radar"]:
                 if ray["object"] == "beacon":
-                    seen[team] |= bits[ray["label"]]
-        return tuple(seen)
+                    masks[team] |= bits[ray["label"]]
+        return tuple(masks)
 
     def _distance(self, robots: Sequence[RobotState], areas: Sequence[Area]) -> int:
         pairs = product(robots, areas)
-        ways = [math.hypot(one.x - area.x, one.y - area.y) - area.radius for one, area in pairs]
+        gaps = [math.hypot(r.x - area.x, r.y - area.y) - area.radius for r, area in pairs]
         farthest = math.hypot(self._level.width, self._level.height)
-        return round(max(0.0, min(ways, default=farthest)) * _PER_UNIT)
+        return round(max(0.0, min(gaps, default=farthest)) * _PER_UNIT)
 
 
-def _leads(count: Sequence[int], *, alone: bool) -> list[bool]:
+def _leaders(count: Sequence[int], *, alone: bool) -> list[bool]:
     """Return which team has an area: alone, or with more robots than any other."""
     return [
-        mine > max([0, *count[:i], *count[i + 1 :]]) and (not alone or mine == sum(count))
-        for i, mine in enumerate(count)
+        robots > max([0, *count[:i], *count[i + 1 :]]) and (not alone or robots == sum(count))
+        for i, robots in enumerate(count)
     ]

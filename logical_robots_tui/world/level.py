@@ -158,18 +158,18 @@ class SecondGoal(NamedTuple):
     """What a player may achieve besides winning.
 
     Attributes:
-        kind: What is limited: ticks, the program's symbols, the units driven, in how many ticks a
+        kind: What is counted: ticks, the program's symbols, the units driven, in how many ticks a
             robot was blocked, how many varied starts are lost, or whether the mirrored level is.
-        most: The limit.
+        limit: The most of these that it allows.
     """
 
     kind: GoalKind
-    most: int = 0
+    limit: int = 0
 
     @property
     def words(self) -> str:
         """The goal as a level file says it."""
-        return _WORDS.get(self.kind) or f"at most {self.most} {self.kind}{'s' * (self.most != 1)}"
+        return _WORDS.get(self.kind) or f"at most {self.limit} {self.kind}{'s' * (self.limit != 1)}"
 
     @property
     def is_tried_later(self) -> bool:
@@ -177,11 +177,11 @@ class SecondGoal(NamedTuple):
         return self.kind in ("starts", "mirrored")
 
     @classmethod
-    def of(cls, words: str) -> SecondGoal | None:
+    def parse(cls, words: str) -> SecondGoal | None:
         """Return the goal that a level file says, or None."""
         number = re.fullmatch("at most ([0-9]{1,9}) [a-z]+", words)
-        most = int(number[1]) if number else 0
-        goals = (cls(kind, most) for kind in get_args(GoalKind))
+        limit = int(number[1]) if number else 0
+        goals = (cls(kind, limit) for kind in get_args(GoalKind))
         return next((goal for goal in goals if goal.words == words), None)
 
     @staticmethod
@@ -273,7 +273,7 @@ class Level:
 
     def team_of(self, robot_name: str) -> str:
         """Return the team of a robot, or "" if it has none."""
-        return next((each.team for each in self.robots if each.name == robot_name), "")
+        return next((robot.team for robot in self.robots if robot.name == robot_name), "")
 
 
 def rename_in_areas(
@@ -298,10 +298,10 @@ COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source
 """The attributes by which levels are alike, besides their walls."""
 
 
-def alike(one: Level, other: Level) -> bool:
+def alike(level: Level, other: Level) -> bool:
     """Whether two levels are the same, regardless of their files."""
-    return one is other or (
-        all(getattr(one, name) == getattr(other, name) for name in COMPARED)
-        and one.walls.shape == other.walls.shape
-        and bool((one.walls == other.walls).all())
+    return level is other or (
+        all(getattr(level, name) == getattr(other, name) for name in COMPARED)
+        and level.walls.shape == other.walls.shape
+        and bool((level.walls == other.walls).all())
     )

@@ -53,8 +53,8 @@ class Rays(NamedTuple):
     cos: _Floats
     sin: _Floats
 
-    def some(self, which: _Places) -> Rays:
-        return Rays._make(part[which] for part in self)
+    def take(self, indices: _Places) -> Rays:
+        return Rays._make(part[indices] for part in self)
 
 
 class Circles(NamedTuple):
@@ -76,18 +76,18 @@ class Circles(NamedTuple):
         return Circles._make(part[near] for part in self)
 
 
-def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:
-    some = [robots[place] for place in which]
-    x = np.array([robot.x for robot in some])
-    y = np.array([robot.y for robot in some])
-    angle = np.array([robot.angle for robot in some])
+def rays_of(robots: Sequence[RobotState], indices: Sequence[int]) -> Rays:
+    casters = [robots[index] for index in indices]
+    x = np.array([robot.x for robot in casters])
+    y = np.array([robot.y for robot in casters])
+    angle = np.array([robot.angle for robot in casters])
     headings = (angle - RADAR_SPAN / 2)[:, None] + _TURNS
     headings[:, FORWARD] = angle
     # math.cos and not numpy's, which differs between processors.
-    each = headings.ravel().tolist()
-    cos = np.fromiter(map(math.cos, each), np.float64, len(each)).reshape(headings.shape)
-    sin = np.fromiter(map(math.sin, each), np.float64, len(each)).reshape(headings.shape)
-    number = np.array(which, dtype=np.intp)
+    flat = headings.ravel().tolist()
+    cos = np.fromiter(map(math.cos, flat), np.float64, len(flat)).reshape(headings.shape)
+    sin = np.fromiter(map(math.sin, flat), np.float64, len(flat)).reshape(headings.shape)
+    number = np.array(indices, dtype=np.intp)
     return Rays(number, x, y, angle, angle[:, None] - headings, cos, sin)
 
 
@@ -117,8 +117,8 @@ class Pairs(NamedTuple):
     squared: _Floats
     radius: _Floats
 
-    def some(self, which: _Places) -> Pairs:
-        return Pairs._make(part[which] for part in self)
+    def take(self, indices: _Places) -> Pairs:
+        return Pairs._make(part[indices] for part in self)
 
 
 class Chords(NamedTuple):
@@ -142,7 +142,7 @@ def take_nearer_circles(hits: _Ints, codes: int, rays: Rays, circles: Circles) -
     """
     possible = len(rays.robot) * len(circles.number)
     if possible == 1 or (
-        possible <= FEWEST and _take_one_by_one(hits, codes, rays, circles, most=FEWEST_NEAR)
+        possible <= FEWEST and _take_one_by_one(hits, codes, rays, circles, limit=FEWEST_NEAR)
     ):
         return
     pairs = _within_reach(hits, codes, rays, circles)
@@ -151,19 +151,20 @@ def take_nearer_circles(hits: _Ints, codes: int, rays: Rays, circles: Circles) -
     if len(pairs.robot) <= FEW:
         _take(hits, codes, rays, circles, pairs, _of_all_rays(rays, pairs))
         return
-    least = np.maximum(np.floor(np.sqrt(pairs.squared) - pairs.radius), 1.0).astype(np.int64)
-    least = least * codes + circles.number[pairs.circle] + 1
+    bounds = np.maximum(np.floor(np.sqrt(pairs.squared) - pairs.radius), 1.0).astype(np.int64)
+    bounds = bounds * codes + circles.number[pairs.circle] + 1
     if len(pairs.robot) <= _PAIRS_AT_ONCE:
-        _take(hits, codes, rays, circles, pairs, _between_tangents(hits, least, rays, pairs))
+        _take(hits, codes, rays, circles, pairs, _between_tangents(hits, bounds, rays, pairs))
         return
     # Nearest first: in a crowd they hide most of the others.
-    order = least.argsort()
-    pairs, least = pairs.some(order), least[order]
+    order = bounds.argsort()
+    pairs, bounds = pairs.take(order), bounds[order]
     for start in range(0, len(order), _PAIRS_AT_ONCE):
         worst = hits.max(axis=1)[pairs.robot[start : start + _PAIRS_AT_ONCE]]
-        shown = (least[start : start + _PAIRS_AT_ONCE] < worst).nonzero()[0] + start
-        some = pairs.some(shown)
-        _take(hits, codes, rays, circles, some, _between_tangents(hits, least[shown], rays, some))
+        closer = (bounds[start : start + _PAIRS_AT_ONCE] < worst).nonzero()[0] + start
+        part = pairs.take(closer)
+        chords = _between_tangents(hits, bounds[closer], rays, part)
+        _take(hits, codes, rays, circles, part, chords)
 
 
 def _within_reach(hits: _Ints, codes: int, rays: Rays, circles: Circles) -> Pairs:
@@ -174,9 +175,9 @@ def _within_reach(hits: _Ints, codes: int, rays: Rays, circles: Circles) -> Pair
     reach = hits.max(axis=1) // codes
     near = squared <= np.square(circles.radius + reach[:, None])
     near[np.arange(len(near)), circles.number.searchsorted(rays.robot)] = False  # its own
-    which = near.reshape(-1).nonzero()[0]
-    robot, circle = np.divmod(which, len(circles.number))
-    dx, dy, squared = to_x.take(which), to_y.take(which), squared.take(which)
+    indices = near.reshape(-1).nonzero()[0]
+    robot, circle = np.divmod(indices, len(circles.number))
+    dx, dy, squared = to_x.take(indices), to_y.take(indices), squared.take(indices)
     return Pairs(robot, circle, dx, dy, squared, circles.radius[circle])
 
 
@@ -188,16 +189,16 @@ def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
     aside = dx * sin
     aside -= dy * cos
     half_squared = _widen(pairs)[:, None] - np.square(aside, out=aside)
-    which = (half_squared >= 0).reshape(-1).nonzero()[0]
-    pair, ray = np.divmod(which, RAYS)
+    indices = (half_squared >= 0).reshape(-1).nonzero()[0]
+    pair, ray = np.divmod(indices, RAYS)
     ray += pairs.robot.take(pair) * RAYS
-    return Chords(pair, ray, along.take(which), half_squared.take(which))
+    return Chords(pair, ray, along.take(indices), half_squared.take(indices))
 
 
-def _between_tangents(hits: _Ints, least: _Ints, rays: Rays, pairs: Pairs) -> Chords:
+def _between_tangents(hits: _Ints, bounds: _Ints, rays: Rays, pairs: Pairs) -> Chords:
     """Return the chords ahead of rays that have not hit something closer.
 
-    `least` is the lower bound of the hits of a pair, of shape (pairs,).
+    `bounds`, of shape (pairs,), are lower bounds of the hits of each pair.
     """
     dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
     cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
@@ -219,15 +220,15 @@ def _between_tangents(hits: _Ints, least: _Ints, rays: Rays, pairs: Pairs) -> Ch
     pair = np.arange(len(first)).repeat(count)
     ray = np.arange(len(pair)) + (first - count.cumsum() + count + robot * RAYS)[pair]
 
-    shown = (least[pair] < hits.reshape(-1)[ray]).nonzero()[0]
-    pair, ray = pair[shown], ray[shown]
+    visible = (bounds[pair] < hits.reshape(-1)[ray]).nonzero()[0]
+    pair, ray = pair[visible], ray[visible]
     cos, sin = rays.cos.reshape(-1)[ray], rays.sin.reshape(-1)[ray]
     dx, dy = dx[pair], dy[pair]
     along = dx * cos + dy * sin
     aside = dx * sin - dy * cos
     half_squared = _widen(pairs)[pair] - aside * aside
-    met = (half_squared >= 0).nonzero()[0]
-    return Chords(pair[met], ray[met], along[met], half_squared[met])
+    crossing = (half_squared >= 0).nonzero()[0]
+    return Chords(pair[crossing], ray[crossing], along[crossing], half_squared[crossing])
 
 
 def _widen(pairs: Pairs) -> _Floats:
@@ -255,10 +256,10 @@ def _take(
     inside = _is_nearer(dx, dy, pairs.radius.take(pair))
     inside &= step < SENSOR_RANGE
     which = inside.argmax(axis=0)
-    found = np.flatnonzero(inside.any(axis=0))
-    distance = (entry + which).take(found).astype(np.int64)
-    number = circles.number.take(circle.take(found))
-    np.minimum.at(hits.reshape(-1), ray.take(found), distance * codes + number + 1)
+    hit_chords = np.flatnonzero(inside.any(axis=0))
+    distance = (entry + which).take(hit_chords).astype(np.int64)
+    number = circles.number.take(circle.take(hit_chords))
+    np.minimum.at(hits.reshape(-1), ray.take(hit_chords), distance * codes + number + 1)
 
 
 def _is_nearer(dx: _Floats, dy: _Floats, radius: _Floats) -> NDArray[np.bool_]:
@@ -275,28 +276,28 @@ def _is_nearer(dx: _Floats, dy: _Floats, radius: _Floats) -> NDArray[np.bool_]:
     return nearer
 
 
-def _take_one_by_one(hits: _Ints, codes: int, rays: Rays, circles: Circles, most: int) -> bool:
-    """Do as `take_nearer_circles`; for more than `most` pairs return False, unchanged."""
-    found = hits.tolist()
-    each = list(zip(*(part.tolist() for part in circles), strict=True))
+def _take_one_by_one(hits: _Ints, codes: int, rays: Rays, circles: Circles, limit: int) -> bool:
+    """Do as `take_nearer_circles`; for more than `limit` pairs return False, unchanged."""
+    rows = hits.tolist()
+    targets = list(zip(*(part.tolist() for part in circles), strict=True))
     starts = zip(rays.robot.tolist(), rays.x.tolist(), rays.y.tolist(), strict=True)
     pairs = []
     for row, (robot, x, y) in enumerate(starts):
-        reach = max(found[row]) // codes
-        for number, center_x, center_y, radius in each:
-            away = math.hypot(center_x - x, center_y - y)
-            if away <= radius + reach and number != robot:
-                pairs.append((row, number, center_x, center_y, radius, away))
-    if len(pairs) > most:
+        reach = max(rows[row]) // codes
+        for number, center_x, center_y, radius in targets:
+            distance = math.hypot(center_x - x, center_y - y)
+            if distance <= radius + reach and number != robot:
+                pairs.append((row, number, center_x, center_y, radius, distance))
+    if len(pairs) > limit:
         return False
-    for row, number, center_x, center_y, radius, away in pairs:
-        hit, cos, sin = found[row], rays.cos[row].tolist(), rays.sin[row].tolist()
+    for row, number, center_x, center_y, radius, distance in pairs:
+        hit, cos, sin = rows[row], rays.cos[row].tolist(), rays.sin[row].tolist()
         angle, x, y = rays.angle.item(row), rays.x.item(row), rays.y.item(row)
         dx, dy = center_x - x, center_y - y
         ahead, right = dx * cos[FORWARD] + dy * sin[FORWARD], dy * cos[FORWARD] - dx * sin[FORWARD]
-        least = max(math.floor(away - radius), 1) * codes + number + 1
+        lower_bound = max(math.floor(distance - radius), 1) * codes + number + 1
         for ray in _rays_between_tangents(ahead, right, radius, angle):
-            if least >= hit[ray]:
+            if lower_bound >= hit[ray]:
                 continue
             for step in _steps_around_entry(
                 dx * cos[ray] + dy * sin[ray], dx * sin[ray] - dy * cos[ray], radius
@@ -309,12 +310,12 @@ def _take_one_by_one(hits: _Ints, codes: int, rays: Rays, circles: Circles, most
 
 
 def _rays_between_tangents(ahead: float, right: float, radius: float, angle: float) -> range:
-    away = math.hypot(ahead, right)
-    if radius >= away * (1 - 1e-9):
+    distance = math.hypot(ahead, right)
+    if radius >= distance * (1 - 1e-9):
         return range(RAYS)
     center = math.atan2(right, ahead) * PER_RADIAN + MIDDLE
     # More than any rounding error.
-    half = math.asin(radius / away) * PER_RADIAN + 1e-13 * abs(angle) + 1e-3
+    half = math.asin(radius / distance) * PER_RADIAN + 1e-13 * abs(angle) + 1e-3
     first = math.ceil(max(center - half, 0.0))
     last = math.floor(min(center + half, RADAR_RAYS - 1.0))
     # The forward ray comes after the middle one.

@@ -37,7 +37,7 @@ class _Reading(NamedTuple):
     """The last reading of all robots, as reported in `views`, and the state it depends on."""
 
     robots: Sequence[RobotState]
-    shown: list[bool]
+    active: list[bool]
     hits: _Hits
     views: list[_View]
 
@@ -71,8 +71,8 @@ class Senses:
         self._objects = np.array([WALL, *(kind for kind, _, _ in kinds), NO_OBJECT], dtype=object)
         self._labels = np.array([WALL, *(name for _, name, _ in kinds), NO_LABEL], dtype=object)
         self._codes = len(self._labels)
-        self._of_walls = np.arange(SENSOR_RANGE + 1) * self._codes
-        self._of_walls[SENSOR_RANGE] += self._codes - 1
+        self._wall_hits = np.arange(SENSOR_RANGE + 1) * self._codes
+        self._wall_hits[SENSOR_RANGE] += self._codes - 1
         self._beacons = slice(1 + len(level.robots), self._codes - 1 - len(solid))
         switches = {name for area in level.areas for name in (area.on_beacon, area.off_beacon)}
         self._has_switches = any(beacon.name in switches for beacon in level.beacons)
@@ -90,8 +90,8 @@ class Senses:
         beacons; active solid areas are seen as walls.
         """
         last = self._last = self._look(robots, [areas[i].active for i in self._solid])
-        each = zip(self._robots, robots, last.views, strict=True)
-        rows = [_row(robot, state, view, clock) for robot, state, view in each]
+        parts = zip(self._robots, robots, last.views, strict=True)
+        rows = [_row(robot, state, view, clock) for robot, state, view in parts]
         if not self._has_switches:
             return rows, frozenset()
         code = last.hits % self._codes
@@ -99,34 +99,34 @@ class Senses:
         on_radar[code[:, :FORWARD]] = on_radar[code[:, FORWARD + 1 :]] = True
         return rows, frozenset(self._labels[self._beacons][on_radar[self._beacons]].tolist())
 
-    def _look(self, robots: Sequence[RobotState], shown: list[bool]) -> _Reading:
+    def _look(self, robots: Sequence[RobotState], active: list[bool]) -> _Reading:
         """Return what robots see; only robots whose reading may have changed look again."""
-        last, anew = self._last, list(range(len(robots)))
-        if last is not None and last.shown == shown and len(robots) <= _FEW_ROBOTS:
-            anew = _may_have_changed(robots, last, self._codes)
-            if not anew:
+        last, indices = self._last, list(range(len(robots)))
+        if last is not None and last.active == active and len(robots) <= _FEW_ROBOTS:
+            indices = _may_have_changed(robots, last, self._codes)
+            if not indices:
                 return last._replace(robots=robots)
-        rays = rays_of(robots, anew)
-        hits = self._hits(rays, self._circles(robots, shown))
+        rays = rays_of(robots, indices)
+        hits = self._hits(rays, self._circles(robots, active))
         if self._by_name is not None:
             self._settle(hits, rays, robots, self._by_name)
         distance, code = np.divmod(hits, self._codes)
         parts = (rays.aside, distance, self._objects[code], self._labels[code])
         views = list(map(_view, *(part.tolist() for part in parts)))
-        if last is not None and len(anew) < len(robots):
+        if last is not None and len(indices) < len(robots):
             all_hits = last.hits.copy()
-            all_hits[anew] = hits
-            again = dict(zip(anew, views, strict=True))
-            views = [again.get(place, view) for place, view in enumerate(last.views)]
+            all_hits[indices] = hits
+            new_views = dict(zip(indices, views, strict=True))
+            views = [new_views.get(index, view) for index, view in enumerate(last.views)]
             hits = all_hits
-        return _Reading(robots, shown, hits, views)
+        return _Reading(robots, active, hits, views)
 
-    def _circles(self, robots: Sequence[RobotState], shown: list[bool]) -> Circles:
+    def _circles(self, robots: Sequence[RobotState], active: list[bool]) -> Circles:
         x, y = self._x.copy(), self._y.copy()
         x[: len(robots)] = [robot.x for robot in robots]
         y[: len(robots)] = [robot.y for robot in robots]
-        for number, is_shown in enumerate(shown, len(x) - len(shown)):
-            if not is_shown:
+        for number, is_active in enumerate(active, len(x) - len(active)):
+            if not is_active:
                 x[number] = np.inf
         return Circles(self._numbers, x, y, self._radius)
 
@@ -138,13 +138,13 @@ class Senses:
         order = np.lexsort((rays.y, np.floor(rays.x / SENSOR_RANGE)))
         for start in range(0, len(order), _ROBOTS_AT_ONCE):
             neighbours = order[start : start + _ROBOTS_AT_ONCE]
-            some = rays.some(neighbours)
-            hits[neighbours] = self._cast(some, circles.around(some))
+            batch = rays.take(neighbours)
+            hits[neighbours] = self._cast(batch, circles.around(batch))
         return hits
 
     def _cast(self, rays: Rays, circles: Circles) -> _Hits:
         walls = self._walls.distances(rays.x, rays.y, rays.cos, rays.sin)
-        hits = self._of_walls.take(walls)
+        hits = self._wall_hits.take(walls)
         take_nearer_circles(hits, self._codes, rays, circles)
         return hits
 
@@ -161,11 +161,11 @@ class Senses:
         steps = distance[viewer, ray]
         x = rays.x[viewer] + steps * rays.cos[viewer, ray]
         y = rays.y[viewer] + steps * rays.sin[viewer, ray]
-        away = np.hypot(x[:, None] - places[:, 0], y[:, None] - places[:, 1])
-        away[order == rays.robot[viewer][:, None]] = np.inf  # its own body
-        found = away.min(axis=1) < ROBOT_RADIUS
-        nearest = order[away.argmin(axis=1)]
-        hits[viewer[found], ray[found]] = (steps * self._codes + nearest + 1)[found]
+        separation = np.hypot(x[:, None] - places[:, 0], y[:, None] - places[:, 1])
+        separation[order == rays.robot[viewer][:, None]] = np.inf  # its own body
+        is_hit = separation.min(axis=1) < ROBOT_RADIUS
+        nearest = order[separation.argmin(axis=1)]
+        hits[viewer[is_hit], ray[is_hit]] = (steps * self._codes + nearest + 1)[is_hit]
 
 
 def _view(
@@ -185,10 +185,10 @@ def _view(
 
 
 def _row(robot: Robot, state: RobotState, view: _View, clock: int) -> SensorRow:
-    own = {name: getattr(state if changes else robot, name) for name, changes in _SELF}
+    self_fields = {name: getattr(state if changes else robot, name) for name, changes in _SELF}
     return {
         "robot_name": robot.name,
-        "sensor": {**view, "self": own, "clock": clock},
+        "sensor": {**view, "self": self_fields, "clock": clock},
     }
 
 
@@ -201,23 +201,23 @@ _MARGIN = 1.0
 
 def _may_have_changed(robots: Sequence[RobotState], last: _Reading, codes: int) -> list[int]:
     """Return the indices of robots that moved, or had a moving robot in view, then or now."""
-    spots: list[tuple[float, float]] = []
-    found: list[int] = []
-    still: list[int] = []
-    for place, (now, then) in enumerate(zip(robots, last.robots, strict=True)):
-        if now.x != then.x or now.y != then.y:
-            spots += ((now.x, now.y), (then.x, then.y))
-            found.append(place)
-        elif now.angle != then.angle:
-            found.append(place)
+    positions: list[tuple[float, float]] = []
+    indices: list[int] = []
+    unmoved: list[int] = []
+    for index, (robot, old_robot) in enumerate(zip(robots, last.robots, strict=True)):
+        if robot.x != old_robot.x or robot.y != old_robot.y:
+            positions += ((robot.x, robot.y), (old_robot.x, old_robot.y))
+            indices.append(index)
+        elif robot.angle != old_robot.angle:
+            indices.append(index)
         else:
-            still.append(place)
-    for place in still:
-        robot, radius = robots[place], ROBOT_RADIUS + _MARGIN
+            unmoved.append(index)
+    for index in unmoved:
+        robot, radius = robots[index], ROBOT_RADIUS + _MARGIN
         cos, sin = math.cos(robot.angle), math.sin(robot.angle)
-        ways = [(x - robot.x, y - robot.y) for x, y in spots]
+        offsets = [(x - robot.x, y - robot.y) for x, y in positions]
         # Circles that are entirely behind the robot don't matter.
-        near = [math.hypot(dx, dy) for dx, dy in ways if dx * cos + dy * sin > -radius]
-        if near and min(near) < last.hits[place].max().item() // codes + radius:
-            found.append(place)
-    return sorted(found)
+        near = [math.hypot(dx, dy) for dx, dy in offsets if dx * cos + dy * sin > -radius]
+        if near and min(near) < last.hits[index].max().item() // codes + radius:
+            indices.append(index)
+    return sorted(indices)

@@ -25,9 +25,9 @@ FEW = 640
 
 _RIM = 2  # cells of wall around the map: rounding may carry a ray over one of them
 _WALL = 255
-_BESIDE = 4  # steps before and after a tested one that it may stand for
-_APART = 2 * _BESIDE + 1
-_CLOSELY = np.arange(float(_APART))[:, None]
+_HALF_WINDOW = 4  # steps before and after a tested one that it may stand for
+_WINDOW = 2 * _HALF_WINDOW + 1
+_WINDOW_STEPS = np.arange(float(_WINDOW))[:, None]
 _PLACES = np.arange(256)[:, None]
 # Steps tested at once, about: with fewer there are more calls, with more each is slower.
 _SAMPLES = 2048
@@ -48,7 +48,7 @@ class Walls:
         self._ahead = np.arange(float(reach))[:, None]
         self._walls = walls
         if like is not None and like._walls.shape == walls.shape and like._reach == reach:
-            self._room = self._room_like(like)
+            self._room = self._updated_room(like)
             return
         room = _room(np.pad(walls, _RIM, constant_values=True), reach)
         # Rolled so that cell (0, 0) comes first; the margin to the left and above is at the end.
@@ -72,8 +72,8 @@ class Walls:
             # The steps that are free of walls in any direction.
             free = min((0 if room == _WALL else room for room in rooms), default=self._reach - 1)
             x, y = x.repeat(shape[1]), y.repeat(shape[1])
-            few = self._at_every_step if len(cos) <= FEWEST else self._where_walls_are_near
-            return few(x, y, cos, sin, free).reshape(shape)
+            scan = self._scan_all_steps if len(cos) <= FEWEST else self._scan_near_walls
+            return scan(x, y, cos, sin, free).reshape(shape)
         room = self._room_at(np.floor(x), np.floor(y))
         room[room == _WALL] = 0
         # Steps in which a ray crosses at most one cell, per cell. Slightly less, so that rounding
@@ -83,15 +83,15 @@ class Walls:
         x, y = x.repeat(shape[1]), y.repeat(shape[1])
         step = np.floor(room * pace) + 1
         rays = np.arange(len(step))
-        found = np.full(len(step), float(self._reach))
+        first_steps = np.full(len(step), float(self._reach))
         while True:
-            going = (step < self._reach).nonzero()[0]
-            if not len(going):
-                reached: _Ints = np.minimum(found, self._reach).astype(np.int64)
-                return reached.reshape(shape)
-            if len(going) < len(rays):
-                rays, pace, step = rays[going], pace[going], step[going]
-                x, y, cos, sin = x[going], y[going], cos[going], sin[going]
+            active = (step < self._reach).nonzero()[0]
+            if not len(active):
+                distances: _Ints = np.minimum(first_steps, self._reach).astype(np.int64)
+                return distances.reshape(shape)
+            if len(active) < len(rays):
+                rays, pace, step = rays[active], pace[active], step[active]
+                x, y, cos, sin = x[active], y[active], cos[active], sin[active]
             # The fewer rays are left, the more steps of each are tested at once. No ray gets past
             # the margin without being found in it, and behind a wall its position doesn't matter.
             ahead = self._ahead[: max(_SAMPLES // len(rays), 1)]
@@ -99,12 +99,12 @@ class Walls:
             room = self._room_at(np.floor(steps * cos + x), np.floor(steps * sin + y))
             best = room.argmax(axis=0)
             room = room[best, np.arange(len(rays))]
-            there = step + best
-            step = np.maximum(step + len(ahead), there + np.floor(room * pace) + 1)
-            there[room < _WALL] = self._reach
-            found[rays] = there
+            stops = step + best
+            step = np.maximum(step + len(ahead), stops + np.floor(room * pace) + 1)
+            stops[room < _WALL] = self._reach
+            first_steps[rays] = stops
 
-    def _at_every_step(
+    def _scan_all_steps(
         self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats, free: int
     ) -> _Ints:
         """Do as `distances`, all (rays,); the first `free` steps are not in walls."""
@@ -112,53 +112,53 @@ class Walls:
         x, y, cos, sin = x[:, None], y[:, None], cos[:, None], sin[:, None]
         in_wall = self._room_on(x, y, cos, sin, self._ahead[free:, 0] + 1) == _WALL
         in_wall[:, -1] = True  # the reach itself
-        found: _Ints = in_wall.argmax(axis=1)
-        return found + (free + 1)
+        first_steps: _Ints = in_wall.argmax(axis=1)
+        return first_steps + (free + 1)
 
-    def _room_like(self, like: Walls) -> _Bytes:
+    def _updated_room(self, like: Walls) -> _Bytes:
         """Return the free space around cells, recomputed only where the walls differ."""
         box = difference_box(like._walls, self._walls)
         if box is None:
             return like._room
-        room, part, around = like._room.copy(), [], []
+        room, part, outer = like._room.copy(), [], []
         for changed, length in zip(box, self._walls.shape, strict=True):
             part.append(_widen(changed, self._reach, length))
             # The walls nearest to a cell in that part may be as far away again.
-            around.append(_widen(changed, 2 * self._reach, length))
+            outer.append(_widen(changed, 2 * self._reach, length))
         pads = [
-            (_RIM * (some.start == 0), _RIM * (some.stop == length))
-            for some, length in zip(around, self._walls.shape, strict=True)
+            (_RIM * (span.start == 0), _RIM * (span.stop == length))
+            for span, length in zip(outer, self._walls.shape, strict=True)
         ]
-        walls = np.pad(self._walls[tuple(around)], pads, constant_values=True)
+        walls = np.pad(self._walls[tuple(outer)], pads, constant_values=True)
         inner = tuple(
-            slice(some.start - wide.start + pad, some.stop - wide.start + pad)
-            for some, wide, (pad, _) in zip(part, around, pads, strict=True)
+            slice(span.start - wide.start + pad, span.stop - wide.start + pad)
+            for span, wide, (pad, _) in zip(part, outer, pads, strict=True)
         )
         room[tuple(part)] = _room(walls, self._reach)[inner]
         return room
 
-    def _where_walls_are_near(
+    def _scan_near_walls(
         self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats, free: int
     ) -> _Ints:
         """Return the same, looking closely only at steps with little free space around them."""
-        first = min(free + 1 + _BESIDE, self._reach)
-        some = np.arange(float(first), self._reach + _BESIDE, _APART)
-        room = self._room_on(x, y, cos, sin, some[:, None])
+        first = min(free + 1 + _HALF_WINDOW, self._reach)
+        samples = np.arange(float(first), self._reach + _HALF_WINDOW, _WINDOW)
+        room = self._room_on(x, y, cos, sin, samples[:, None])
         room += np.uint8(1)  # and a wall has none
-        near = room < _BESIDE + 2
+        near = room < _HALF_WINDOW + 2
         in_wall = room == 0
         in_wall[-1] = True
-        near &= _PLACES[: len(some)] <= in_wall.argmax(axis=0)
+        near &= _PLACES[: len(samples)] <= in_wall.argmax(axis=0)
         place, ray = np.divmod(near.reshape(-1).nonzero()[0], len(x))
-        start = some[place] - _BESIDE
-        in_wall = self._room_on(x[ray], y[ray], cos[ray], sin[ray], start + _CLOSELY) == _WALL
+        start = samples[place] - _HALF_WINDOW
+        in_wall = self._room_on(x[ray], y[ray], cos[ray], sin[ray], start + _WINDOW_STEPS) == _WALL
         best = in_wall.argmax(axis=0)
         # Last to first, so that the first of each ray is the one that stays.
         which = in_wall[best, np.arange(len(best))].nonzero()[0][::-1]
-        found = np.full(len(x), self._reach)
-        found[ray[which]] = (start + best)[which]
-        np.minimum(found, self._reach, out=found)
-        return found
+        first_steps = np.full(len(x), self._reach)
+        first_steps[ray[which]] = (start + best)[which]
+        np.minimum(first_steps, self._reach, out=first_steps)
+        return first_steps
 
     def _room_on(
         self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats, steps: _Floats
@@ -184,80 +184,80 @@ def _room(walls: _Bits, reach: int) -> _Bytes:
     return room
 
 
-def _widen(part: slice, by: int, length: int) -> slice:
-    return slice(max(part.start - by, 0), min(part.stop + by, length))
+def _widen(part: slice, margin: int, length: int) -> slice:
+    return slice(max(part.start - margin, 0), min(part.stop + margin, length))
 
 
 _ROWS_AT_ONCE = 64  # bounds the memory for distances along rows
 
 
-def clearances(walls: _Bits, most: int) -> _Bytes:
+def clearances(walls: _Bits, limit: int) -> _Bytes:
     """Return every cell's distance to the nearest wall; diagonal steps count as 1.
 
-    The shape is that of `walls`, (height, width): 0 in a wall, 1 beside one, `most` (1 to 254)
-    at most.
+    The shape is that of `walls`, (height, width): 0 in a wall, 1 beside one, at most `limit`
+    (1 to 254).
     """
-    found = row_clearances(walls, most)
+    distances = row_clearances(walls, limit)
     # A shortest path to a wall goes to the wall's row first, diagonally as far as that helps,
     # and then along the row.
-    _carry_over(found)
-    _carry_over(found[::-1])
-    return found
+    _carry_over(distances)
+    _carry_over(distances[::-1])
+    return distances
 
 
-def row_clearances(walls: _Bits, most: int) -> _Bytes:
+def row_clearances(walls: _Bits, limit: int) -> _Bytes:
     """Return the same as `clearances`, within each row."""
-    found = np.empty(walls.shape, dtype=np.uint8)
+    distances = np.empty(walls.shape, dtype=np.uint8)
     for start in range(0, len(walls), _ROWS_AT_ONCE):
-        some = slice(start, start + _ROWS_AT_ONCE)
-        found[some] = _along_rows(walls[some], most)
-    return found
+        rows = slice(start, start + _ROWS_AT_ONCE)
+        distances[rows] = _along_rows(walls[rows], limit)
+    return distances
 
 
-def _along_rows(walls: _Bits, most: int) -> NDArray[np.int32]:
+def _along_rows(walls: _Bits, limit: int) -> NDArray[np.int32]:
     column = np.arange(walls.shape[1], dtype=np.int32)
-    left = np.maximum.accumulate(np.where(walls, column, -most), axis=1)
-    beyond = np.int32(walls.shape[1] + most)
-    right = np.minimum.accumulate(np.where(walls, column, beyond)[:, ::-1], axis=1)[:, ::-1]
-    return np.minimum(np.minimum(column - left, right - column), most)
+    left = np.maximum.accumulate(np.where(walls, column, -limit), axis=1)
+    outside = np.int32(walls.shape[1] + limit)
+    right = np.minimum.accumulate(np.where(walls, column, outside)[:, ::-1], axis=1)[:, ::-1]
+    return np.minimum(np.minimum(column - left, right - column), limit)
 
 
-def _carry_over(found: _Bytes) -> None:
+def _carry_over(distances: _Bytes) -> None:
     """Limit each row from the second on to 1 more than its neighbours in the row before."""
-    least = np.empty_like(found[0])
-    for before, row in pairwise(found):
-        np.minimum(before[1:], before[:-1], out=least[1:])
-        least[0] = before[0]
-        np.minimum(least[:-1], before[1:], out=least[:-1])
-        least += 1
-        np.minimum(row, least, out=row)
+    limits = np.empty_like(distances[0])
+    for previous, row in pairwise(distances):
+        np.minimum(previous[1:], previous[:-1], out=limits[1:])
+        limits[0] = previous[0]
+        np.minimum(limits[:-1], previous[1:], out=limits[:-1])
+        limits += 1
+        np.minimum(row, limits, out=row)
 
 
 class PackedBits(NamedTuple):
     shape: tuple[int, int]
-    data: bytes
+    compressed: bytes
 
     @classmethod
-    def of(cls, bits: _Bits) -> PackedBits:
+    def pack(cls, bits: _Bits) -> PackedBits:
         height, width = bits.shape
         return cls((height, width), zlib.compress(np.packbits(bits).tobytes(), 1))
 
     def bits(self) -> _Bits:
         height, width = self.shape
-        packed = np.frombuffer(zlib.decompress(self.data), np.uint8)
+        packed = np.frombuffer(zlib.decompress(self.compressed), np.uint8)
         return np.unpackbits(packed, count=height * width).reshape(self.shape).view(np.bool_)
 
 
-def difference_box(before: _Bits, after: _Bits) -> tuple[slice, slice] | None:
-    if before is after:
+def difference_box(old: _Bits, new: _Bits) -> tuple[slice, slice] | None:
+    if old is new:
         return None
-    one: NDArray[Any] = before
-    other: NDArray[Any] = after
-    if before.shape[1] % 8 == 0 and before.flags.c_contiguous and after.flags.c_contiguous:
-        one, other = before.view(np.uint64), after.view(np.uint64)  # eight units at a time
-    rows = np.flatnonzero((one != other).any(axis=1))
+    old_words: NDArray[Any] = old
+    new_words: NDArray[Any] = new
+    if old.shape[1] % 8 == 0 and old.flags.c_contiguous and new.flags.c_contiguous:
+        old_words, new_words = old.view(np.uint64), new.view(np.uint64)  # eight units at a time
+    rows = np.flatnonzero((old_words != new_words).any(axis=1))
     if not len(rows):
         return None
     down = slice(int(rows[0]), int(rows[-1]) + 1)
-    columns = np.flatnonzero((before[down] != after[down]).any(axis=0))
+    columns = np.flatnonzero((old[down] != new[down]).any(axis=0))
     return down, slice(int(columns[0]), int(columns[-1]) + 1)

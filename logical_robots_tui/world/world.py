@@ -26,8 +26,8 @@ from logical_robots_tui.world.dynamics import (
     push_out,
     run_batteries,
     run_battery,
+    start_tallies,
     starts_active,
-    tallies_at_start,
     tally_tick,
 )
 from logical_robots_tui.world.level import Area, Level, Robot
@@ -59,8 +59,8 @@ class World:
         self._level = level
         self._senses: Senses = Senses(level, like=None if like is None else like._senses)
         self._state = start_state(level)
-        self._sensed: list[SensorRow] | None = None
-        self._seen: frozenset[str] = frozenset()
+        self._rows: list[SensorRow] | None = None
+        self._visible_beacons: frozenset[str] = frozenset()
 
     @property
     def level(self) -> Level:
@@ -70,7 +70,7 @@ class World:
     @property
     def tick(self) -> int:
         """The clock: the number of the current tick, or of the last finished one between ticks."""
-        return self._state.tick + (self._sensed is not None)
+        return self._state.tick + (self._rows is not None)
 
     @property
     def won(self) -> bool:
@@ -101,9 +101,9 @@ class World:
             One ``{"robot_name": ..., "sensor": {...}}`` per robot in file order: plain dicts,
             lists, numbers and text. Don't modify them: the next rows may share lists with them.
         """
-        if self._sensed is None:
-            self._sensed, self._seen = self._look(self._state.tick + 1)
-        return self._sensed
+        if self._rows is None:
+            self._rows, self._visible_beacons = self._look(self._state.tick + 1)
+        return self._rows
 
     def look(self) -> list[SensorRow]:
         """Return what the robots see right now, without advancing the clock.
@@ -113,7 +113,7 @@ class World:
         rows, _ = self._look(self.tick)
         return rows
 
-    def act(self, desires: Mapping[str, Wanted]) -> None:
+    def act(self, desires: Mapping[str, DesireLike]) -> None:
         """Finish the tick: batteries, driving, pushing out, switches, visits, victory.
 
         Begins the tick itself if ``sense`` didn't.
@@ -129,32 +129,32 @@ class World:
         for name in sorted(desires.keys() - set(self._names)):
             hint = did_you_mean(name, self._names)
             raise ValueError(f'The level has no robot "{name}". {hint}'.rstrip())
-        given = [
-            each if type(each := desires.get(name)) is Desire else desire_of(name, each)
+        robot_desires = [
+            desire if type(desire := desires.get(name)) is Desire else desire_of(name, desire)
             for name in self._names
         ]
         self.sense()
-        before, level = self._state, self._level
+        old_state, level = self._state, self._level
 
-        movers = [Mover(r.x, r.y, r.angle, r.battery_level) for r in before.robots]
-        pairs = list(zip(level.areas, before.areas, strict=True))
+        movers = [Mover(r.x, r.y, r.angle, r.battery_level) for r in old_state.robots]
+        pairs = list(zip(level.areas, old_state.areas, strict=True))
         solid = [area for area, state in pairs if area.impenetrable and state.active]
-        wanted = [(_power(each.left_engine), _power(each.right_engine)) for each in given]
+        powers = [(_power(d.left_engine), _power(d.right_engine)) for d in robot_desires]
         sources = charging_sources(level, movers)
         divided = level.divided_charge or bool(level.teams)
         if divided:
-            run_batteries(level.robots, movers, wanted, sources)
-        bodies = before.robots
+            run_batteries(level.robots, movers, powers, sources)
+        bodies = old_state.robots
         for robot, mover, body, (left, right) in zip(
-            level.robots, movers, bodies, wanted, strict=True
+            level.robots, movers, bodies, powers, strict=True
         ):
             if not divided:
                 run_battery(robot, mover, left, right, sources)
             mover.dead = is_dead(robot, mover)
             if mover.dead:
                 left = right = 0.0
-            others = [each for each in bodies if each is not body] if level.solid_robots else ()
-            drive(mover, left, right, level, others)
+            blockers = [b for b in bodies if b is not body] if level.solid_robots else ()
+            drive(mover, left, right, level, blockers)
             push_out(mover, solid)
 
         robots = tuple(
@@ -163,19 +163,19 @@ class World:
         areas = tuple(
             AreaState(
                 area.name,
-                next_active(area, state.active, self._seen),
+                next_active(area, state.active, self._visible_beacons),
                 tuple([robot.name for robot in robots if is_inside(robot, area)]),
             )
             for area, state in pairs
         )
-        tick, won_at = before.tick + 1, before.won_at
+        tick, won_at = old_state.tick + 1, old_state.won_at
         if won_at is None and is_won(zip(level.areas, areas, strict=True), level.all_goals):
             won_at = tick
-        tallies = before.tallies
+        tallies = old_state.tallies
         if tallies:
             tallies = tally_tick(level, tallies, tick, robots, areas, self.sense())
         self._state = WorldState(tick, robots, areas, won_at, tallies)
-        self._sensed = None
+        self._rows = None
 
     def save(self) -> WorldState:
         """Return the world at the end of the last finished tick.
@@ -202,29 +202,29 @@ class World:
         ):
             raise ValueError("This state belongs to another level.")
         self._state = state
-        self._sensed = None
+        self._rows = None
 
     def _look(self, clock: int) -> tuple[list[SensorRow], frozenset[str]]:
         check_room(_ROOM)
         return self._senses.sense(self._state.robots, self._state.areas, clock)
 
 
-Wanted: TypeAlias = "Desire | Sequence[float]"
-"""What a robot wants: a desire, or a pair of engine powers, left first."""
+DesireLike: TypeAlias = "Desire | Sequence[float]"
+"""A desire, or a pair of engine powers, left first."""
 
 
 _REST = Desire(0.0, 0.0)
 
 
-def desire_of(robot: str, wanted: Wanted | None) -> Desire:
-    """Return a robot's desire, to rest if there is none, or raise ValueError."""
-    if wanted is None or isinstance(wanted, Desire):
-        return wanted or _REST
+def desire_of(robot: str, desire: DesireLike | None) -> Desire:
+    """Return a robot's desire, engines off if it has none, or raise ValueError."""
+    if desire is None or isinstance(desire, Desire):
+        return desire or _REST
     try:
-        left, right = wanted
+        left, right = desire
         return Desire(float(left), float(right))
     except (TypeError, ValueError):
-        message = f"{wanted!r} is not a desire of {robot}: give a pair of engine powers, left first"
+        message = f"{desire!r} is not a desire of {robot}: give a pair of engine powers, left first"
         raise ValueError(f"{message}, such as (1, 0.5).") from None
 
 
@@ -247,13 +247,13 @@ Pose: TypeAlias = tuple[float, float, float]
 
 def start_state(level: Level) -> WorldState:
     """Return the world at tick 0, before anybody has sensed."""
-    robots = tuple(_at_start(robot) for robot in level.robots)
+    robots = tuple(_start_robot(robot) for robot in level.robots)
     areas = tuple(AreaState(area.name, starts_active(area)) for area in level.areas)
-    return WorldState(0, robots, areas, tallies=tallies_at_start(level, robots, areas))
+    return WorldState(0, robots, areas, tallies=start_tallies(level, robots, areas))
 
 
 def change_state(
-    state: WorldState, before: Level, after: Level, poses: Mapping[str, Pose]
+    state: WorldState, old: Level, new: Level, poses: Mapping[str, Pose]
 ) -> WorldState:
     """Return the state in which a world continues in a changed level, or raise ValueError.
 
@@ -261,69 +261,69 @@ def change_state(
     keep their state unless their switch changed, teams theirs unless the scoring did; visitors
     are recomputed. The poses are by the robots' names in the new level.
     """
-    if strangers := poses.keys() - {robot.name for robot in after.robots}:
-        raise ValueError(f"There are no robots {sorted(strangers)}.")
+    if unknown_names := poses.keys() - {robot.name for robot in new.robots}:
+        raise ValueError(f"There are no robots {sorted(unknown_names)}.")
     if state.tick == 0:
-        start = start_state(after)
-        return replace(start, robots=tuple(_put(robot, poses) for robot in start.robots))
-    given = {robot.name: robot for robot in before.robots}
+        start = start_state(new)
+        return replace(start, robots=tuple(_apply_pose(robot, poses) for robot in start.robots))
+    old_robots = {robot.name: robot for robot in old.robots}
     bodies = {robot.name: robot for robot in state.robots}
-    former = former_names(before, after)
+    old_names = former_names(old, new)
     robots = tuple(
-        _put(_carry(robot, given[old], bodies[old]), poses)
-        if (old := former.get(robot.name)) is not None
-        else _put(_at_start(robot), poses)
-        for robot in after.robots
+        _apply_pose(_continue_robot(robot, old_robots[name], bodies[name]), poses)
+        if (name := old_names.get(robot.name)) is not None
+        else _apply_pose(_start_robot(robot), poses)
+        for robot in new.robots
     )
     areas = tuple(
-        AreaState(area.name, active, tuple(one.name for one in robots if is_inside(one, area)))
-        for area, active in zip(after.areas, _switch_as_before(state, before, after), strict=True)
+        AreaState(area.name, active, tuple(r.name for r in robots if is_inside(r, area)))
+        for area, active in zip(new.areas, _switch_states(state, old, new), strict=True)
     )
-    is_scored_alike = _score_key(before) == _score_key(after)
-    tallies = state.tallies if is_scored_alike else tallies_at_start(after, robots, areas)
+    is_scored_alike = _score_key(old) == _score_key(new)
+    tallies = state.tallies if is_scored_alike else start_tallies(new, robots, areas)
     return WorldState(state.tick, robots, areas, state.won_at, tallies)
 
 
-def former_names(before: Level, after: Level) -> dict[str, str]:
-    """Return old names of robots; a single new one in a missing one's place is renamed."""
-    old, new = [r.name for r in before.robots], [r.name for r in after.robots]
-    names = {name: name for name in new if name in set(old)}
-    if len(old) == len(new):
-        pairs = [(then, now) for then, now in zip(old, new, strict=True) if then != now]
+def former_names(old: Level, new: Level) -> dict[str, str]:
+    """Map names of robots to old ones; a single new name in a missing one's place is a renaming."""
+    old_names, new_names = [r.name for r in old.robots], [r.name for r in new.robots]
+    names = {name: name for name in new_names if name in set(old_names)}
+    if len(old_names) == len(new_names):
+        pairs = [(a, b) for a, b in zip(old_names, new_names, strict=True) if a != b]
         if len(pairs) == 1 and pairs[0][0] not in names:
             names[pairs[0][1]] = pairs[0][0]
     return names
 
 
-def _carry(robot: Robot, before: Robot, body: RobotState) -> RobotState:
+def _continue_robot(robot: Robot, old_robot: Robot, body: RobotState) -> RobotState:
     charge = min(body.battery_level, float(robot.battery_capacity))
-    if robot.has_battery and not before.has_battery:
+    if robot.has_battery and not old_robot.has_battery:
         charge = float(robot.battery_capacity)
     return replace(body, name=robot.name, battery_level=charge)
 
 
-def _put(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
+def _apply_pose(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
     if body.name not in poses:
         return body
     x, y, angle = poses[body.name]
     return replace(body, x=float(x), y=float(y), angle=float(angle) % (2 * math.pi))
 
 
-def _at_start(robot: Robot) -> RobotState:
+def _start_robot(robot: Robot) -> RobotState:
     capacity = float(robot.battery_capacity)
     return RobotState(robot.name, float(robot.x), float(robot.y), float(robot.angle), capacity)
 
 
-def _switch_as_before(state: WorldState, before: Level, after: Level) -> list[bool]:
-    """Return which areas are on: as before if they are the same areas, else as at the start."""
-    known: dict[tuple[object, ...], list[bool]] = {}
-    for area, now in zip(before.areas, state.areas, strict=True):
-        known.setdefault(_switch(area), []).append(now.active)
-    found = []
-    for area in after.areas:
-        left = known.get(_switch(area))
-        found.append(left.pop(0) if left else starts_active(area))
-    return found
+def _switch_states(state: WorldState, old: Level, new: Level) -> list[bool]:
+    """Return which areas are on; the same areas keep their state, others begin anew."""
+    old_states: dict[tuple[object, ...], list[bool]] = {}
+    for area, area_state in zip(old.areas, state.areas, strict=True):
+        old_states.setdefault(_switch(area), []).append(area_state.active)
+    active = []
+    for area in new.areas:
+        states = old_states.get(_switch(area))
+        active.append(states.pop(0) if states else starts_active(area))
+    return active
 
 
 def _switch(area: Area) -> tuple[object, ...]:

@@ -311,7 +311,7 @@ async def test_who_goes_back_before_a_wall_was_not_blocked(file: Path, play: Pla
 
 
 def test_a_goal_is_written_as_it_is_read_but_passed_over_if_it_is_no_more(file: Path) -> None:
-    goals = [SecondGoal.of(words) for words in GOALS]
+    goals = [SecondGoal.parse(words) for words in GOALS]
     assert [goal and goal.words for goal in goals] == list(GOALS)
     earlier = '"at most 3 rules", "never blocked", "without memory", "at most 1 rule"'
     file.write_text(f"second_goals = [{earlier}]\n{SHORT}", "utf-8")

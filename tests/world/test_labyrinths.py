@@ -87,13 +87,13 @@ def test_a_room_of_any_size_is_empty_inside_its_rim() -> None:
 @given(st.dates(), st.sampled_from(DAILY_SIZES), st.integers(1, 99))
 def test_a_name_tells_everything(day: date, size: str, number: int) -> None:
     made = next(Daily(day, known, number) for known in DAILY_SIZES if known == size)
-    assert Daily.named(made.name) == made
+    assert Daily.parse(made.name) == made
 
 
 def test_other_names_are_names_of_no_level() -> None:
     days = ("2026-13-01-small", "2026-02-29-small", "2026-11-22-huge", "2026-11-22", "")
     for day in (*days, "2026-11-22-small-1", "2026-11-22-small-0"):
-        assert Daily.named(f"daily-{day}") is None
+        assert Daily.parse(f"daily-{day}") is None
         with pytest.raises(LevelError, match="There is no level called"):
             load_level(f"daily-{day}")
 

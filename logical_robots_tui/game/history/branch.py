@@ -278,7 +278,7 @@ class Levels:
 
     @property
     def packed_bytes(self) -> int:
-        return sum(len(packed.walls.data) for packed in self._earlier)
+        return sum(len(packed.walls.compressed) for packed in self._earlier)
 
     def at(self, tick: int) -> Level:
         place = max(bisect_right(self._ticks, tick) - 1, 0)
@@ -323,7 +323,7 @@ class _Packed:
 
     @classmethod
     def of(cls, level: Level) -> _Packed:
-        return cls(replace(level, walls=_NO_WALLS), PackedBits.of(level.walls))
+        return cls(replace(level, walls=_NO_WALLS), PackedBits.pack(level.walls))
 
     def level(self) -> Level:
         walls = self.walls.bits()

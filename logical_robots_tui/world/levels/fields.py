@@ -48,47 +48,49 @@ class Fields(NamedTuple):
         where = f"{self.path}.{key}" if self.path and key else self.path or key
         return LevelError(message, place=f"{self.file}: {where}" if where else self.file, hint=hint)
 
-    def refuse_unknown(self, known: Collection[str]) -> None:
+    def refuse_unknown(self, keys: Collection[str]) -> None:
         for key in self.record:
-            if key not in known:
-                hint = did_you_mean(key, known) or f"Known keys: {', '.join(known)}."
+            if key not in keys:
+                hint = did_you_mean(key, keys) or f"Known keys: {', '.join(keys)}."
                 raise self.error(_show(key), f'"{_show(key)}" is not a known key.', hint)
 
     def has(self, key: str) -> bool:
         """Return whether a key is present and not null."""
         return self.record.get(key) is not None
 
-    def number(self, key: str, default: float | None = None, *, least: float = -math.inf) -> float:
+    def number(
+        self, key: str, default: float | None = None, *, minimum: float = -math.inf
+    ) -> float:
         """Return a finite number; required if there is no default."""
         if not self.has(key) and default is not None:
             return default
         value = self._required(key)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise self._wrong(key, "a number")
+            raise self._type_error(key, "a number")
         if isinstance(value, float) and not math.isfinite(value):
             raise self.error(key, f'"{key}" must be a finite number, not {value}.')
         if abs(value) > MOST_OF_A_NUMBER:
             raise self.error(key, f'"{key}" is too large; at most {MOST_OF_A_NUMBER} is allowed.')
-        if value < least:
-            raise self.error(key, f'"{key}" must be {least:g} or more, not {value:.12g}.')
+        if value < minimum:
+            raise self.error(key, f'"{key}" must be {minimum:g} or more, not {value:.12g}.')
         return float(value)
 
-    def whole(self, key: str, *, least: int) -> int:
-        value = self.number(key, least=least)
+    def whole(self, key: str, *, minimum: int) -> int:
+        value = self.number(key, minimum=minimum)
         if not value.is_integer():
             raise self.error(key, f'"{key}" must be a whole number, not {value:g}.')
         return int(value)
 
-    def wholes(self, key: str, *, least: int) -> tuple[int, ...]:
+    def wholes(self, key: str, *, minimum: int) -> tuple[int, ...]:
         return tuple(
-            Fields({item: number}, self.file, self.path).whole(item, least=least)
-            for item, number in ((f"{key}[{i}]", each) for i, each in enumerate(self._list(key)))
+            Fields({item: number}, self.file, self.path).whole(item, minimum=minimum)
+            for item, number in ((f"{key}[{i}]", n) for i, n in enumerate(self._list(key)))
         )
 
     def flag(self, key: str, default: bool = False) -> bool:
         value = self.record.get(key)
         if value is not None and not isinstance(value, bool):
-            raise self._wrong(key, "true or false")
+            raise self._type_error(key, "true or false")
         return default if value is None else value
 
     def text(self, key: str, default: str | None = None) -> str:
@@ -137,10 +139,10 @@ class Fields(NamedTuple):
         """Return a record inside this one; an empty one if missing."""
         value = self.record.get(key)
         if value is not None and not isinstance(value, dict):
-            raise self._wrong(key, "a record")
+            raise self._type_error(key, "a record")
         return Fields(value or {}, self.file, f"{self.path}.{key}" if self.path else key)
 
-    def each(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
+    def records(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
         records = []
         for i, item in enumerate(self._list(key)):
             if not isinstance(item, dict):
@@ -158,7 +160,7 @@ class Fields(NamedTuple):
             return default
         value = self._required(key)
         if not isinstance(value, str):
-            raise self._wrong(key, "text")
+            raise self._type_error(key, "text")
         return value
 
     def _required(self, key: str) -> object:
@@ -166,15 +168,15 @@ class Fields(NamedTuple):
             raise self.error(key, f'"{key}" is missing.')
         return self.record[key]
 
-    def _wrong(self, key: str, wanted: str) -> LevelError:
-        return self.error(key, f'"{key}" must be {wanted}, not {_kind(self.record[key])}.')
+    def _type_error(self, key: str, expected: str) -> LevelError:
+        return self.error(key, f'"{key}" must be {expected}, not {_kind(self.record[key])}.')
 
     def _list(self, key: str) -> list[object]:
         value = self.record.get(key)
         if value is None:
             return []
         if not isinstance(value, list):
-            raise self._wrong(key, "a list")
+            raise self._type_error(key, "a list")
         if len(value) > MOST_OF_A_KIND:
             message = f"There are {len(value)} {key}; at most {MOST_OF_A_KIND} are allowed."
             raise self.error(key, message)

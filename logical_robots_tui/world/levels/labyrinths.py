@@ -81,9 +81,9 @@ def labyrinth(
     for column, row in _cells(columns, rows):
         top, left = row * step + wall, column * step + wall
         walls[top : top + corridor, left : left + corridor] = False
-    for (column, row), (other, below) in doors:
+    for (column, row), (next_column, next_row) in doors:
         top, left = row * step + wall, column * step + wall
-        bottom, right = below * step + step, other * step + step
+        bottom, right = next_row * step + step, next_column * step + step
         walls[top:bottom, left:right] = False
     middle = wall + corridor // 2
     end = _farthest(doors)
@@ -94,24 +94,24 @@ def labyrinth(
 
 def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[_Cell, _Cell]]:
     start = (0, 0)
-    seen, way, doors = {start}, [start], []
-    while way:
-        column, row = way[-1]
-        around = [(column + 1, row), (column, row + 1), (column - 1, row), (column, row - 1)]
-        free = [c for c in around if c not in seen and 0 <= c[0] < columns and 0 <= c[1] < rows]
+    visited, path, doors = {start}, [start], []
+    while path:
+        column, row = path[-1]
+        sides = [(column + 1, row), (column, row + 1), (column - 1, row), (column, row - 1)]
+        free = [c for c in sides if c not in visited and 0 <= c[0] < columns and 0 <= c[1] < rows]
         if not free:
-            way.pop()
+            path.pop()
             continue
-        chosen = _draw(free, random)
-        doors.append((min(way[-1], chosen), max(way[-1], chosen)))
-        seen.add(chosen)
-        way.append(chosen)
-    known = set(doors)
+        neighbour = _draw(free, random)
+        doors.append((min(path[-1], neighbour), max(path[-1], neighbour)))
+        visited.add(neighbour)
+        path.append(neighbour)
+    open_doors = set(doors)
     closed = [
-        (cell, other)
+        (cell, neighbour)
         for cell in _cells(columns, rows)
-        for other in ((cell[0] + 1, cell[1]), (cell[0], cell[1] + 1))
-        if other[0] < columns and other[1] < rows and (cell, other) not in known
+        for neighbour in ((cell[0] + 1, cell[1]), (cell[0], cell[1] + 1))
+        if neighbour[0] < columns and neighbour[1] < rows and (cell, neighbour) not in open_doors
     ]
     for _ in range(round(loops * len(closed))):
         door = _draw(closed, random)
@@ -120,22 +120,22 @@ def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[
     return doors
 
 
-def _draw(lots: Sequence[_T], random: Random) -> _T:
+def _draw(options: Sequence[_T], random: Random) -> _T:
     """Choose at random; only ``random()`` gives the same numbers in every version of Python."""
-    return lots[int(random.random() * len(lots))]
+    return options[int(random.random() * len(options))]
 
 
 def _farthest(doors: list[tuple[_Cell, _Cell]]) -> _Cell:
-    ways: dict[_Cell, list[_Cell]] = {}
-    for one, other in doors:
-        ways.setdefault(one, []).append(other)
-        ways.setdefault(other, []).append(one)
+    neighbours: dict[_Cell, list[_Cell]] = {}
+    for cell, neighbour in doors:
+        neighbours.setdefault(cell, []).append(neighbour)
+        neighbours.setdefault(neighbour, []).append(cell)
     cell = (0, 0)
-    seen, border = {cell}, deque([cell])
+    visited, border = {cell}, deque([cell])
     while border:
         cell = border.popleft()
-        new = [other for other in ways[cell] if other not in seen]
-        seen.update(new)
+        new = [neighbour for neighbour in neighbours[cell] if neighbour not in visited]
+        visited.update(new)
         border.extend(new)
     return cell
 
@@ -201,19 +201,19 @@ class Daily(NamedTuple):
     number: int = 1
 
     @classmethod
-    def named(cls, name: str) -> Daily | None:
-        if (found := _NAME.fullmatch(name)) is None:
+    def parse(cls, name: str) -> Daily | None:
+        if (match := _NAME.fullmatch(name)) is None:
             return None
         try:
-            day = date.fromisoformat(found[1])
+            day = date.fromisoformat(match[1])
         except ValueError:
             return None
-        return cls(day, cast("DailySize", found[2]), int(found[3] or 1))
+        return cls(day, cast("DailySize", match[2]), int(match[3] or 1))
 
     @property
     def name(self) -> str:
-        more = f"-{self.number}" if self.number > 1 else ""
-        return f"daily-{self.day.isoformat()}-{self.size}{more}"
+        suffix = f"-{self.number}" if self.number > 1 else ""
+        return f"daily-{self.day.isoformat()}-{self.size}{suffix}"
 
     @property
     def cells(self) -> int:
@@ -222,10 +222,10 @@ class Daily(NamedTuple):
 
     def level(self, source: str) -> Level:
         seed = crc32(self.name.encode())
-        made = labyrinth(*_CELLS[self.size], seed=seed, loops=0, corridor=_CORRIDOR, wall=_WALL)
-        (goal,) = made.areas
+        level = labyrinth(*_CELLS[self.size], seed=seed, loops=0, corridor=_CORRIDOR, wall=_WALL)
+        (goal,) = level.areas
         return replace(
-            made,
+            level,
             name=self.name,
             title=f"Labyrinth of {self.day.isoformat()}, {self.size}",
             beacons=(Beacon("Goal", goal.x, goal.y),),

@@ -52,10 +52,10 @@ def read_web(text: str, name: str, source: str) -> Level:
     unknown robots and beacons. Raises LevelError.
     """
     top = Fields(_parse(text, source), source)
-    width, height = top.whole("width", least=1), top.whole("height", least=1)
+    width, height = top.whole("width", minimum=1), top.whole("height", minimum=1)
     top.check_size("width", width, height)
     walls = _walls(top, width, height)
-    robots = top.each("robots", _robot)
+    robots = top.records("robots", _robot)
     check_robot_names(top, tuple(robot.name for robot in robots))
     return Level(
         name=name,
@@ -64,8 +64,8 @@ def read_web(text: str, name: str, source: str) -> Level:
         height=height,
         walls=walls,
         robots=robots,
-        beacons=top.each("beacons", _beacon),
-        areas=top.each("areas", _area),
+        beacons=top.records("beacons", _beacon),
+        areas=top.records("areas", _area),
         visibility=Visibility(memory="all", sensor="all"),
         source=source,
     )
@@ -73,8 +73,8 @@ def read_web(text: str, name: str, source: str) -> Level:
 
 def _parse(text: str, source: str) -> dict[str, object]:
     hint, place = "A level of the web platform is a JSON file.", source
-    if found := too_many(text, _MOST_OF_JSON):
-        raise LevelError(f"The file has {found}.", place=source, hint=hint)
+    if excess := too_many(text, _MOST_OF_JSON):
+        raise LevelError(f"The file has {excess}.", place=source, hint=hint)
     if _LONG_NUMBER.search(text):
         message = "The file has a number of more than 10,000 digits."
         raise LevelError(message, place=source, hint=hint)
@@ -116,8 +116,8 @@ def _robot(fields: Fields) -> Robot:
         color=_color(fields, ROBOT_COLOR),
         has_battery=has_battery,
         can_charge=has_battery and can_charge,
-        battery_capacity=fields.number("battery_capacity", 0.0, least=0),
-        battery_consumption_rate=fields.number("battery_consumption_rate", 0.0, least=0),
+        battery_capacity=fields.number("battery_capacity", 0.0, minimum=0),
+        battery_consumption_rate=fields.number("battery_consumption_rate", 0.0, minimum=0),
     )
 
 
@@ -132,7 +132,7 @@ def _area(fields: Fields) -> Area:
     sticky = fields.record.get("sticky_switch")
     return Area(
         *fields.placed(),
-        radius=fields.number("radius", least=0),
+        radius=fields.number("radius", minimum=0),
         color=_color(fields, AREA_COLOR),
         victory_robots=fields.names("victory_robots"),
         on_beacon=_switch(fields, "on_beacon"),
@@ -195,7 +195,7 @@ def load_level(path_or_name: str | Path) -> Level:
         if name.startswith("daily-"):
             from logical_robots_tui.world.levels.labyrinths import Daily
 
-            if (daily := Daily.named(name)) is not None:
+            if (daily := Daily.parse(name)) is not None:
                 return daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))
         path = _shipped_path(name)
     text = read_text(path)
@@ -218,18 +218,18 @@ def is_web_file(path: str | Path) -> bool:
     return Path(path).suffix.lower() == WEB
 
 
-def name_now(name: str) -> str | None:
+def current_name(name: str) -> str | None:
     """Return the name of a shipped level, or None.
 
     The number may be left out, or be that of an earlier version; or it is all that is given.
     """
-    known = list_shipped()
+    names = list_shipped()
     if re.fullmatch("[0-9]{1,2}", name):
-        return next((each for each in known if each.startswith(f"{int(name):02}-")), None)
-    if name in known:
+        return next((n for n in names if n.startswith(f"{int(name):02}-")), None)
+    if name in names:
         return name
     bare = _without_number(name)
-    return next((each for each in known if _without_number(each) == bare), None)
+    return next((n for n in names if _without_number(n) == bare), None)
 
 
 def _without_number(name: str) -> str:
@@ -237,12 +237,12 @@ def _without_number(name: str) -> str:
 
 
 def _shipped_path(name: str) -> Path:
-    folder, now = shipped_folder("levels"), name_now(name)
+    folder, level_name = shipped_folder("levels"), current_name(name)
     for path in (
-        *(folder / f"{now}{suffix}" for suffix in SUFFIXES),
-        folder / ARENAS / f"{now}{NATIVE}",
+        *(folder / f"{level_name}{suffix}" for suffix in SUFFIXES),
+        folder / ARENAS / f"{level_name}{NATIVE}",
     ):
-        if now is not None and path.is_file():
+        if level_name is not None and path.is_file():
             return path
     hint = did_you_mean(name, list_shipped()) or "A path needs its ending, such as maze.toml."
     raise LevelError(f'There is no level called "{name}".', hint=hint)
@@ -255,7 +255,7 @@ def read_text(path: Path) -> str:
         if path.is_dir():
             raise LevelError("This is a folder, not a level.", place=str(path), hint=_FORMATS)
         if not path.is_file():
-            raise _not_there(path)
+            raise _missing_file_error(path)
         content = read_ordinary(path, MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -271,7 +271,7 @@ def read_text(path: Path) -> str:
         raise LevelError("This file is not UTF-8 text.", place=place, hint=_FORMATS) from None
 
 
-def _not_there(path: Path) -> LevelError:
+def _missing_file_error(path: Path) -> LevelError:
     if path.exists():
         return LevelError("This is not a regular file.", place=str(path), hint=_FORMATS)
     siblings = path.parent.iterdir() if path.parent.is_dir() else ()

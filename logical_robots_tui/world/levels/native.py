@@ -68,14 +68,14 @@ def read_native(text: str, name: str, source: str) -> Level:
     words = read_words(top)
     walls = read_drawing(top, text)
     height, width = walls.shape
-    robots = top.each("robots", read_robot)
+    robots = top.records("robots", read_robot)
     check_robot_names(top, tuple(robot.name for robot in robots))
-    beacons = top.each("beacons", read_beacon)
-    areas = top.each("areas", read_area)
+    beacons = top.records("beacons", read_beacon)
+    areas = top.records("areas", read_area)
     words |= {"robots": robots, "beacons": beacons, "areas": areas}
     level = Level(name=name, width=width, height=height, walls=walls, source=source, **words)
-    for found in chain(misfits(level), () if top.flag("lenient") else oddities(level)):
-        raise top.error(found.path, found.message, found.hint)
+    for oddity in chain(misfits(level), () if top.flag("lenient") else oddities(level)):
+        raise top.error(oddity.path, oddity.message, oddity.hint)
     return level
 
 
@@ -91,7 +91,7 @@ def read_words(top: Fields) -> dict[str, Any]:
         "briefing": top.text("briefing", "").strip("\n"),
         "hints": top.texts("hints"),
         "lesson": top.text("lesson", "").strip("\n"),
-        "questions": top.each("questions", _question),
+        "questions": top.records("questions", _question),
         "further": top.text("further", "").strip("\n"),
         "story": top.text("story", "").strip("\n"),
         "starter": top.name("starter", ""),
@@ -99,9 +99,9 @@ def read_words(top: Fields) -> dict[str, Any]:
         "visibility": _visibility(top.table("visibility")),
         "shared_names": top.names("shared_names"),
         "second_goals": tuple(_second_goals(top)),
-        "teams": top.each("teams", _read_team),
-        "match_ticks": match.whole("ticks", least=1) if top.has("match") else 0,
-        "scores": top.each("scores", _score),
+        "teams": top.records("teams", _read_team),
+        "match_ticks": match.whole("ticks", minimum=1) if top.has("match") else 0,
+        "scores": top.records("scores", _score),
         **{key: top.flag(key) for key in FLAGS},
         "shuffled_names": top.names("shuffled_names"),
     }
@@ -169,9 +169,9 @@ def misfits(level: Level) -> Iterator[Oddity]:
         if score.kind == "beacons" and len({b.name for b in level.beacons}) > MOST_SCORED:
             message = f"At most {MOST_SCORED} beacons of different names can be scored."
             yield Oddity("scores", i, "kind", message, "")
-    known = {each.name for each in chain[Robot | Beacon](level.robots, level.beacons)}
+    object_names = {entity.name for entity in chain[Robot | Beacon](level.robots, level.beacons)}
     for i, pattern in enumerate(level.shuffled_names):
-        if not any(fnmatchcase(name, pattern) for name in known):
+        if not any(fnmatchcase(name, pattern) for name in object_names):
             message = f'"shuffled_names" has "{pattern}", but no robot or beacon has such a name.'
             hint = "A * stands for any characters, a ? for one."
             yield Oddity("shuffled_names", i, "", message, hint)
@@ -204,8 +204,8 @@ def read_robot(fields: Fields) -> Robot:
         color=fields.color("color", ROBOT_COLOR),
         has_battery=has_battery and used,
         can_charge=used and battery.flag("charges_others"),
-        battery_capacity=battery.number("capacity", least=0) if has_battery else 0.0,
-        battery_consumption_rate=battery.number("consumption", 0.0, least=0),
+        battery_capacity=battery.number("capacity", minimum=0) if has_battery else 0.0,
+        battery_consumption_rate=battery.number("consumption", 0.0, minimum=0),
         team=fields.name("team", ""),
     )
 
@@ -219,7 +219,7 @@ def read_area(fields: Fields) -> Area:
     fields.refuse_unknown(_AREA_KEYS)
     return Area(
         *fields.placed(),
-        radius=fields.number("radius", least=0),
+        radius=fields.number("radius", minimum=0),
         color=fields.color("color", AREA_COLOR),
         victory_robots=fields.names("goal_for"),
         on_beacon=fields.name("on_beacon", ""),
@@ -244,13 +244,13 @@ def _score(fields: Fields) -> Score:
         area = fields.name("area")
     elif fields.has("area"):
         raise fields.error("area", f'"{kind}" is scored everywhere, not in an area.')
-    points = fields.number("points", 1.0, least=0)
+    points = fields.number("points", 1.0, minimum=0)
     return Score(kind, area if has_area else "", points)
 
 
 def _second_goals(top: Fields) -> Iterator[SecondGoal]:
     for i, words in enumerate(top.names("second_goals")):
-        goal = SecondGoal.of(words)
+        goal = SecondGoal.parse(words)
         if goal is None and not SecondGoal.was_one(words):
             raise top.error(
                 f"second_goals[{i}]",
@@ -272,7 +272,7 @@ def _question(fields: Fields) -> LevelQuestion:
     for key, text in (("ask", ask), ("answer", answer)):
         if not text:
             raise fields.error(key, f'"{key}" is empty.')
-    ticks = fields.wholes("ticks", least=0)
+    ticks = fields.wholes("ticks", minimum=0)
     if not ticks or ticks != tuple(sorted(set(ticks))) or ticks[-1] > LAST_TICK_ASKED:
         message = f'"ticks" must be ascending numbers up to {LAST_TICK_ASKED}.'
         raise fields.error("ticks", message, "Write them like [120, 480].")
@@ -326,7 +326,7 @@ def read_drawing(top: Fields, text: str) -> _Bits:
 
     Returns a read-only array of shape (height, width) in map units; True is wall.
     """
-    cell = top.whole("cell", least=1)
+    cell = top.whole("cell", minimum=1)
     drawing = top.record.get("walls")
     if not isinstance(drawing, str):
         raise top.error("walls", '"walls" must be a drawing of the labyrinth.', _DRAW)
@@ -357,9 +357,9 @@ def read_drawing(top: Fields, text: str) -> _Bits:
 
 
 def find_drawing(drawing: str, text: str) -> int | None:
-    for found in re.finditer(r"^[ \t]*walls[ \t]*=[ \t]*('''|\"\"\")\n?", text, re.MULTILINE):
-        if text.startswith(drawing + found[1], found.end()):
-            return found.end()
+    for match in re.finditer(r"^[ \t]*walls[ \t]*=[ \t]*('''|\"\"\")\n?", text, re.MULTILINE):
+        if text.startswith(drawing + match[1], match.end()):
+            return match.end()
     return None
 
 
@@ -380,26 +380,26 @@ def expresses(walls: _Bits, cell: int) -> bool:
     return bool((walls == cells.repeat(cell, axis=0).repeat(cell, axis=1)).all())
 
 
-def draw_rows(walls: _Bits, cell: int, earlier: Sequence[str] = ()) -> list[str]:
+def draw_rows(walls: _Bits, cell: int, old_lines: Sequence[str] = ()) -> list[str]:
     """Return the lines that draw walls, keeping earlier ones that are still right.
 
     `cell`, in map units per character, must express the walls.
     """
     cells = walls[::cell, ::cell]
-    known = [row for row in map(_row, earlier) if row]
-    shape = sum(row.times for row in known), known[0].columns if known else 0
-    alike = shape == cells.shape and all(row.columns == shape[1] for row in known)
-    if not alike or len(known) < len(earlier):
+    rows = [row for row in map(_row, old_lines) if row]
+    shape = sum(row.times for row in rows), rows[0].columns if rows else 0
+    is_same_shape = shape == cells.shape and all(row.columns == shape[1] for row in rows)
+    if not is_same_shape or len(rows) < len(old_lines):
         return list(_fresh(cells, short=cells.shape[1] > _WIDEST_DRAWN))
     lines = []
     start = 0
-    for row in known:
+    for row in rows:
         block = cells[start : start + row.times]
         start += row.times
         if (block == row.cells()).all():
             lines.append(row.line)
         elif row.counts is None:
-            lines.append(_redrawn(row.line, block[0]))
+            lines.append(_redraw(row.line, block[0]))
         else:
             lines += _fresh(block, short=True)
     return lines
@@ -410,15 +410,15 @@ def _row(line: str) -> _Row | None:
         return _Row(line, 1)
     if len(line) > _LONGEST_ROW:
         return None
-    found = _SHORT.fullmatch(line.strip())
-    if not found or not int(found[1] or 1):
+    match = _SHORT.fullmatch(line.strip())
+    if not match or not int(match[1] or 1):
         return None
-    text = found[2]
+    text = match[2]
     if text.count("#") + text.count(".") > MOST_SIDE:
         return None
     counts = np.fromstring(text.translate(_ONLY_COUNTS), np.int16, sep=" ")
     kinds = np.frombuffer(text.encode("ascii").translate(None, _NO_KINDS), np.uint8) == _WALL
-    return _Row(line, int(found[1] or 1), counts, kinds)
+    return _Row(line, int(match[1] or 1), counts, kinds)
 
 
 def _problem(row: _Row | None, line: str, columns: int) -> tuple[str, str] | None:
@@ -427,12 +427,12 @@ def _problem(row: _Row | None, line: str, columns: int) -> tuple[str, str] | Non
     if row.columns != columns:
         message = f"This row has {row.columns} characters, the first one has {columns}."
         return message, "All rows must have the same length."
-    strange = None if row.counts is not None else _STRANGE.search(line)
-    if strange is None:
+    match = None if row.counts is not None else _STRANGE.search(line)
+    if match is None:
         return None
-    character = strange[0]
-    shown = f'"{character}"' if character.isprintable() else f"U+{ord(character):04X}"
-    message = f"Character {strange.start() + 1} is {shown}, which is neither wall nor free."
+    character = match[0]
+    description = f'"{character}"' if character.isprintable() else f"U+{ord(character):04X}"
+    message = f"Character {match.start() + 1} is {description}, which is neither wall nor free."
     return message, _DRAW
 
 
@@ -461,10 +461,10 @@ def _runs() -> tuple[tuple[str, ...], tuple[str, ...]]:
     return tuple(f"{count}#" for count in counts), tuple(f"{count}." for count in counts)
 
 
-def _redrawn(line: str, row: _Bits) -> str:
+def _redraw(line: str, row: _Bits) -> str:
     """Return a drawn line with new walls; free cells keep their character."""
     free = " " if " " in line and "." not in line else "."
     return "".join(
-        "#" if wall else free if before == "#" else before
-        for before, wall in zip(line, row.tolist(), strict=True)
+        "#" if wall else free if character == "#" else character
+        for character, wall in zip(line, row.tolist(), strict=True)
     )
