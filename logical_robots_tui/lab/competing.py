@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any, Literal
@@ -176,30 +176,36 @@ def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int
 
     matches = {frozenset(pair) for pairs in manifest.rounds for pair in pairs}
     order = sorted(range(len(players)), key=standing)
+    trials = iter(range(_MOST_TRIALS))
     if len(order) % 2 == 0:
-        return _pair(order, matches)
+        return _pair(order, matches, trials)
     for index in reversed(order):
-        has_rested = any(all(index not in pair for pair in pairs) for pairs in manifest.rounds)
-        if (
-            not has_rested
-            and (pairs := _pair([i for i in order if i != index], matches)) is not None
-        ):
-            return pairs
+        if all(any(index in pair for pair in pairs) for pairs in manifest.rounds):
+            pairs = _pair([i for i in order if i != index], matches, trials)
+            if pairs is not None:
+                return pairs
     return None
 
 
-def _pair(order: list[int], matches: set[frozenset[int]]) -> tuple[tuple[int, int], ...] | None:
-    """Pair each with the next one it has not met, leaving none over; None if impossible."""
+def _pair(
+    order: list[int], matches: set[frozenset[int]], trials: Iterator[int]
+) -> tuple[tuple[int, int], ...] | None:
+    """Pair each with the next one it has not met; None if no such pairing turns up in `trials`."""
     if not order:
         return ()
     first, *opponents = order
     for opponent in opponents:
+        if next(trials, None) is None:
+            return None
         if frozenset((first, opponent)) not in matches:
-            other_pairs = _pair([index for index in opponents if index != opponent], matches)
+            other_pairs = _pair([i for i in opponents if i != opponent], matches, trials)
             if other_pairs is not None:
                 return (min(first, opponent), max(first, opponent)), *other_pairs
     return None
 
+
+_MOST_TRIALS = 100_000
+"""Of an opponent, as there may be exponentially many where nearly all have met."""
 
 _WIDEST = 30  # players of a matrix in a terminal
 _MOST_CYCLES = 20

@@ -132,6 +132,13 @@ def test_matches_that_are_missing_are_left_out() -> None:
     assert not ranking.pairings
 
 
+def test_looking_for_pairs_ends_where_one_player_has_met_all_others() -> None:
+    players = tuple(TournamentPlayer(f"p{n:02}", str(n)) for n in range(40))
+    rounds = (tuple((n, 39) for n in range(39)),)
+    manifest = Manifest("tournament", "", "", 0, False, (), (), 1, 1, (), players=players)
+    assert pair_off(msgspec.structs.replace(manifest, rounds=rounds), {}) is None
+
+
 def rounds_of(count: int, rounds: int) -> list[tuple[tuple[int, int], ...]]:
     """The rounds of a tournament in which the higher number wins."""
     players = tuple(TournamentPlayer(f"p{n:02}", f"{n * 7919 % 1000:03}") for n in range(count))
