@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from textual.app import App, ComposeResult
 
 from benchmarks.measure import Effort, Measurement, at_most, repeated, summed_up
-from logical_robots_tui.explain import Node
+from logical_robots_tui.explain import ProofNode
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
@@ -71,15 +71,17 @@ def _folded(view: WhyView) -> list[int]:
     return [n for n, line in enumerate(view.lines) if line.folds and not view.is_open(n)]
 
 
-def _proof() -> Node:
+def _proof() -> ProofNode:
     """Return a rule with several deep branches."""
     branches = []
     for branch in range(BESIDE):
-        node = Node("value", f"ray.distance of {branch}", values=({"angle": 0.1, "distance": 3},))
+        node = ProofNode(
+            "value", f"ray.distance of {branch}", values=({"angle": 0.1, "distance": 3},)
+        )
         for depth in range(DEEP):
-            node = Node("call", f"Calls{depth}(x:)", holds=True, children=(node,))
+            node = ProofNode("call", f"Calls{depth}(x:)", holds=True, children=(node,))
         branches.append(node)
-    return Node("rule", "Robot(robot_name:) :- Many()", holds=True, children=tuple(branches))
+    return ProofNode("rule", "Robot(robot_name:) :- Many()", holds=True, children=tuple(branches))
 
 
 class _Proof(App[None]):

@@ -17,7 +17,7 @@ from logical_robots_tui.cli.run import check_name, frame_at, of_run, open_run, r
 from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain.why.explanation import Path, Source
+    from logical_robots_tui.explain.why.explanation import Path, ValueSource
     from logical_robots_tui.explain.why.nearest import Suggestion
 
 GAVE, GAVE_NOT = 0, 1
@@ -133,7 +133,7 @@ class Answer(NamedTuple):
     """
 
     explanation: explain.Explanation
-    nodes: tuple[explain.Node, ...]
+    nodes: tuple[explain.ProofNode, ...]
     is_tree: bool = False
     complete: bool = True
     nearest: Sequence[tuple[int, Suggestion]] = ()
@@ -190,14 +190,14 @@ def answer_lines(
     """Yield an answer in lines; `more` and `command` say how to see more of it."""
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
     explanation = found.explanation
-    yield f"{explanation.asked.predicate} for {harmless(explanation.robot)} at tick {tick}"
+    yield f"{explanation.query.predicate} for {harmless(explanation.robot)} at tick {tick}"
     if explanation.made_from:
         yield f"  is made from {explanation.made_from}; these are its rules"
     lines = [line for node in found.nodes for line in node.walk()]
     for depth, node in lines:
         yield _line(depth, node, wide)
     if not found.is_tree:
-        asked = (_without_long_values(node.asked, program) for _, node in lines if node.asked)
+        asked = (_without_long_values(node.query, program) for _, node in lines if node.query)
         deeper = dict.fromkeys(harmless(command(ask)) for ask in asked)
         short = [f"  {each}" for each in deeper if len(each) <= _LONGEST]
         if deeper:
@@ -232,14 +232,14 @@ def _without_long_values(ask: explain.Ask, program: mind.Program) -> explain.Ask
     return replace(ask, given=given)
 
 
-def _line(depth: int, node: explain.Node, wide: int) -> str:
+def _line(depth: int, node: explain.ProofNode, wide: int) -> str:
     mark = {True: "+", False: "-", None: " "}[node.holds]
     before = f"{'  ' * depth}{mark} "
     place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
-    said = f"  ({node.said})" if node.said else ""
+    said = f"  ({node.remark})" if node.remark else ""
     shown = node.values[:_MOST_VALUES]
     values = [*map(spell, shown)]
-    if more := len(node.values) - len(shown) + node.more:
+    if more := len(node.values) - len(shown) + node.excess:
         values.append(f"{more} more")
     told = f" = {' or '.join(values)}" if values else ""
     room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
@@ -251,10 +251,10 @@ def _data(explanation: explain.Explanation, tick: int, program: mind.Program) ->
     return {
         "tick": tick,
         "robot": explanation.robot,
-        "predicate": explanation.asked.predicate,
+        "predicate": explanation.query.predicate,
         "made_from": explanation.made_from or None,
         "rows": explanation.rows,
-        "row": explanation.row and _labelled(explanation.asked.predicate, explanation.row, program),
+        "row": explanation.row and _labelled(explanation.query.predicate, explanation.row, program),
         "rules": [
             {
                 "line": rule.span.line,
@@ -276,19 +276,19 @@ def _labelled(predicate: str, row: Mapping[str, Value], program: mind.Program) -
     return {labels.get(column, column): value for column, value in row.items()}
 
 
-def _node(node: explain.Node, program: mind.Program) -> dict[str, Any]:
-    asked = node.asked and {
-        "predicate": node.asked.predicate,
-        "given": _labelled(node.asked.predicate, node.asked.given, program),
-        **({"within": node.asked.within} if node.asked.within else {}),
+def _node(node: explain.ProofNode, program: mind.Program) -> dict[str, Any]:
+    asked = node.query and {
+        "predicate": node.query.predicate,
+        "given": _labelled(node.query.predicate, node.query.given, program),
+        **({"within": node.query.within} if node.query.within else {}),
     }
     found = {
         "kind": node.kind,
         "text": node.text,
-        "said": node.said or None,
+        "said": node.remark or None,
         "holds": node.holds,
         "values": node.values or None,
-        "more": node.more or None,
+        "more": node.excess or None,
         "line": node.span and node.span.line,
         "robot": node.robot or None,
         "ray": node.ray,
@@ -403,17 +403,17 @@ def _link(link: game.Link) -> dict[str, Any]:
             "link": link.began,
         },
         "from": [*map(_input, link.inputs, link.before)],
-        "more": source.more if source else 0,
+        "more": source.excess if source else 0,
         "problem": link.problem or None,
     }
 
 
-def _input(source: Source, link: int | None) -> dict[str, Any]:
+def _input(source: ValueSource, link: int | None) -> dict[str, Any]:
     from logical_robots_tui.game.debugging.inquiry import path_text
 
     read = source.read
     return {
-        "name": path_text(read.path, read.what) if read else source.name,
+        "name": path_text(read.path, read.kind) if read else source.name,
         "robot": read.robot if read else None,
         "value": read.value if read else source.value,
         "link": link,

@@ -12,11 +12,11 @@ from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.explainer import Explainer
-    from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, Proof
+    from logical_robots_tui.explain.why.explanation import Ask, Explanation, Proof, ProofNode
 
-__all__ = ["Ask", "Explainer", "Explanation", "Node", "Proof"]
+__all__ = ["Ask", "Explainer", "Explanation", "Proof", "ProofNode"]
 
 __getattr__ = lazy_exports(
     __name__,
-    {"why.explainer": "Explainer", "why.explanation": "Ask Explanation Node Proof"},
+    {"why.explainer": "Explainer", "why.explanation": "Ask Explanation Proof ProofNode"},
 )

@@ -7,8 +7,7 @@ from collections.abc import Collection, Container, Iterable, Iterator, Mapping, 
 from dataclasses import replace
 from typing import TypeAlias, TypeVar
 
-from logical_robots_tui.explain.why import probing
-from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.probing import PredicateCall, SourceSpan
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import is_built_in
 from logical_robots_tui.language.source_text import Prepared, with_whole_brackets
@@ -60,13 +59,13 @@ def make_rule(
     return Rule(Head(name, arguments(columns)), Conjunction(tuple(body)) if body else None)
 
 
-def span_of(node: Tree, source: Prepared) -> Span:
+def span_of(node: Tree, source: Prepared) -> SourceSpan:
     """Return the place of a tree's text."""
     start, stop = tree.span_of(node) or (0, 0)
     return span_of_text(*with_whole_brackets(source.skeleton, start, stop), source.original)
 
 
-def span_of_text(start: int, stop: int, text: str) -> Span:
+def span_of_text(start: int, stop: int, text: str) -> SourceSpan:
     while start < stop and text[start].isspace():
         start += 1
     words = ""
@@ -74,7 +73,7 @@ def span_of_text(start: int, stop: int, text: str) -> Span:
         more = " ".join((line.split("#")[0] if '"' not in line else line).split())
         is_close = words[-1:] in _OPENS or more[:1] in _OPENS.values()
         words += more if is_close or not (words and more) else f" {more}"
-    return Span(start, stop, text.count("\n", 0, start) + 1, words)
+    return SourceSpan(start, stop, text.count("\n", 0, start) + 1, words)
 
 
 def parameters(rule: Rule) -> list[tuple[str, str]] | None:
@@ -246,8 +245,8 @@ class Names:
     def __contains__(self, name: object) -> bool:
         return name in self.functions or name in self.tables
 
-    def call(self, name: str, arguments: Mapping[str, str]) -> probing.Call:
-        return probing.Call(*self.origins.get(name, (name, "")), arguments)
+    def call(self, name: str, arguments: Mapping[str, str]) -> PredicateCall:
+        return PredicateCall(*self.origins.get(name, (name, "")), arguments)
 
 
 def head_of(rule: Rule) -> tuple[dict[str, Expression], dict[str, Aggregation]]:

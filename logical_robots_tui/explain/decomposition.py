@@ -100,7 +100,7 @@ class Decomposition:
             if each in of_copies or each in kinds
         }
         long = (c for rule in parts for c in rule.clauses if len(c.steps) > _FEW_STEPS)
-        later = tuple((c.before, *(step.query for step in c.steps[:-1])) for c in long)
+        later = tuple((c.start_query, *(step.query for step in c.steps[:-1])) for c in long)
         self.probing = Probing(
             predicate,
             within,
@@ -123,7 +123,7 @@ class Decomposition:
         """Return the queries `wanted`, or all but later ones, that are prepared in time."""
         for each, table in self.probing.tables.items():
             database.define(table, _columns(self._expanded.rules[each]), ())
-        later = {query for group in self.probing.later for query in group}
+        later = {query for group in self.probing.lazy_groups for query in group}
         probes = [*(wanted or (query for query in self._probes if query not in later))]
         own = [rule for name in self._functions for rule in self._expanded.rules[name]]
         flags = [each for each in self._expanded.annotations if each.name == "@DefineFlag"]

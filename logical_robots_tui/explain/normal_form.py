@@ -25,10 +25,10 @@ from logical_robots_tui.explain.bodies import (
 from logical_robots_tui.explain.why.probing import (
     AggregateInput,
     Body,
-    Call,
     Clause,
     Misread,
-    Span,
+    PredicateCall,
+    SourceSpan,
     Step,
     Term,
     TermKind,
@@ -42,6 +42,7 @@ from logical_robots_tui.language.tree import (
     Aggregation,
     Argument,
     Atom,
+    Call,
     Choice,
     Conjunction,
     Expression,
@@ -54,6 +55,7 @@ from logical_robots_tui.language.tree import (
     Proposition,
     Record,
     Rule,
+    Span,
     Tree,
     Variable,
     alternatives,
@@ -69,8 +71,6 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.language.tree import Call as Function
-from logical_robots_tui.language.tree import Span as Place
 from logical_robots_tui.mind.relations import GIVEN
 from logical_robots_tui.schema import INPUTS, VALUE
 
@@ -106,10 +106,10 @@ class Builder:
             for parts, chosen in alternatives(body, _MOST_CLAUSES)
         )
 
-    def span(self, tree: Tree) -> Span:
+    def span(self, tree: Tree) -> SourceSpan:
         return span_of(tree, self._source)
 
-    def meant(self, part: Proposition, equation: Place, value: Place) -> Span | None:
+    def meant(self, part: Proposition, equation: Span, value: Span) -> SourceSpan | None:
         """Return all from the value of an equation that begins a part to the end of that part."""
         if part.span is None or part.span.start != equation.start:
             return None
@@ -130,8 +130,8 @@ class _ClauseBuilder:
     ) -> None:
         self._builder, self._depth = builder, depth
         self._names = builder.known
-        self._calls: dict[str, Function] = {}  # by the variable of their value
-        self._equations: dict[Place, Place] = {}  # with the places of their values
+        self._calls: dict[str, Call] = {}  # by the variable of their value
+        self._equations: dict[Span, Span] = {}  # with the places of their values
         self._columns: dict[Expression, str] = {}
         self._used: set[str] = set()
         self._body: list[Proposition] = []
@@ -197,7 +197,7 @@ class _ClauseBuilder:
             if is_aggregate(inner):
                 return inner
             inner = rebuild(inner, change)
-            if not isinstance(inner, Function) or inner.name not in self._names:
+            if not isinstance(inner, Call) or inner.name not in self._names:
                 return inner
             name = f"{AUXILIARY}{len(self._calls)}"
             self._calls[name] = inner
@@ -226,7 +226,7 @@ class _ClauseBuilder:
             return Step(kind, span, "", gives, call=called, reads=reads)
         if kind == "denial":
             (denied,) = outer_aggregates(part)
-            return Step(kind, span, "", gives, denied=self._inner(denied))
+            return Step(kind, span, "", gives, denial=self._inner(denied))
         shown = self._shown(part, is_test=after == known)
         return Step(
             kind, span, "", gives, tuple(map(self._term, shown)), misread=self._misread(part)
@@ -258,7 +258,7 @@ class _ClauseBuilder:
             return pair
         return operands(part.arguments) if isinstance(part, Atom) else ()
 
-    def _call(self, atom: Atom) -> Call:
+    def _call(self, atom: Atom) -> PredicateCall:
         given = {
             each.column: each.expression
             for each in atom.arguments
@@ -267,7 +267,7 @@ class _ClauseBuilder:
         columns = {name: self._column(value) for name, value in given.items()}
         columns = {name: column for name, column in columns.items() if column}
         if atom.name in INPUTS:
-            return Call(str(atom.name), "", columns)
+            return PredicateCall(str(atom.name), "", columns)
         terms = {name: self._term(value) for name, value in given.items() if name != VALUE}
         terms = {c: term for c, term in terms.items() if term.kind not in ("literal", "variable")}
         return replace(self._names.call(atom.name, columns), terms=terms)
@@ -322,7 +322,7 @@ class _ClauseBuilder:
         return Body(self._builder.span(aggregate), given, clauses)
 
     def _collection(self, column: str, operator: str, argument: Expression) -> AggregateInput:
-        if isinstance(argument, Function) and argument.name == "->":
+        if isinstance(argument, Call) and argument.name == "->":
             left, right = operands(argument.arguments)
             value, by = self._column(left), self._column(right)
             return AggregateInput(column, operator, value, by, self._term(left))
@@ -347,7 +347,7 @@ class _ClauseBuilder:
 
 def _values_in(node: Node, column: str) -> Iterator[Expression]:
     """Yield the expressions that a call has for a column."""
-    for argument in node.arguments if isinstance(node, Atom | Function) else ():
+    for argument in node.arguments if isinstance(node, Atom | Call) else ():
         if argument.column == column and argument.expression:
             yield argument.expression
 
@@ -366,11 +366,11 @@ def _kind_of(node: Node) -> TermKind:
             return "field"
         case Record() if all(isinstance(each.field, str) for each in node.arguments):
             return "record"
-        case Function(name="Coalesce"):
+        case Call(name="Coalesce"):
             return "coalesce"
-        case Function(name="TryCast"):
+        case Call(name="TryCast"):
             return "cast"
-        case Function(name=name) if name in COMPARISONS | JUNCTIONS | {"!"}:
+        case Call(name=name) if name in COMPARISONS | JUNCTIONS | {"!"}:
             return "truth"
     return "value"
 
@@ -380,9 +380,9 @@ def _parts_of(node: Expression) -> list[Expression]:
         case "if", Choice():
             pairs = [part for each in node.branches for part in (each.condition, each.value)]
             return [*pairs, node.otherwise]
-        case (("coalesce" | "truth"), Function()):
+        case (("coalesce" | "truth"), Call()):
             return [*operands(node.arguments)]
-        case "cast", Function():
+        case "cast", Call():
             return [*operands(node.arguments)[:1]]
         case "field", _:
             while isinstance(node, FieldAccess):
@@ -426,4 +426,4 @@ def _needs_explanation(node: Node) -> bool:
     """Return whether a part of a calculation or list needs its own explanation."""
     if isinstance(node, Choice | Aggregate | Variable | FieldAccess):
         return True
-    return isinstance(node, Function) and _kind_of(node) in ("coalesce", "cast", "truth")
+    return isinstance(node, Call) and _kind_of(node) in ("coalesce", "cast", "truth")

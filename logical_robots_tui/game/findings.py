@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally
 from logical_robots_tui.explain.diagnosis.telling import Finding, Severity, rule_findings, shorten
-from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.probing import SourceSpan
 from logical_robots_tui.game.history.marks import last_rounds
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
@@ -293,7 +293,7 @@ def _of_several(tally: ProbeTally, robot: str, tick: int, first: str) -> Finding
     return Finding("several rows", "warning", span, tick, first, hint, others, robot)
 
 
-def _multipliers(tally: ProbeTally, rule: int, seen: set[int]) -> list[Span]:
+def _multipliers(tally: ProbeTally, rule: int, seen: set[int]) -> list[SourceSpan]:
     checkup = tally.checkup
     seen.add(rule)
     for number, site in enumerate(checkup.sites):
@@ -333,9 +333,9 @@ def _of_null(tally: ProbeTally, robot: str, tick: int, first: str) -> Finding:
     return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
 
 
-def _split(places: Iterable[Span]) -> tuple[Span | None, tuple[Span, ...]]:
+def _split(places: Iterable[SourceSpan]) -> tuple[SourceSpan | None, tuple[SourceSpan, ...]]:
     """Return the first place and the others, one for each line."""
-    by_line: dict[int, Span] = {}
+    by_line: dict[int, SourceSpan] = {}
     for place in places:
         by_line.setdefault(place.line, place)
     first, *others = by_line.values() or (None,)
@@ -407,7 +407,7 @@ def _of_definitions(checkup: Checkup, first: int) -> Iterator[Finding]:
 def _of_movement(
     observed: Observations, closer: Mapping[tuple[str, int], ProbeTally]
 ) -> Iterator[Finding]:
-    reported: set[tuple[str, Span | None]] = set()
+    reported: set[tuple[str, SourceSpan | None]] = set()
     for stretch in sorted(observed.stretches, key=lambda each: [*_MOVEMENTS].index(each.kind)):
         if observed.won_at is not None and stretch.kind != "blocked":
             continue
@@ -461,7 +461,7 @@ _MOVEMENTS = {
 """What is said of each kind of stretch, the most significant first, and the hint."""
 
 
-def _leaves(tally: ProbeTally, robot: str) -> list[list[Span]]:
+def _leaves(tally: ProbeTally, robot: str) -> list[list[SourceSpan]]:
     """Return where a robot's desire came from, the most frequent and outermost first.
 
     For each choice these are its place and the sources of its values.

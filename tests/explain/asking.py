@@ -3,8 +3,8 @@
 from contextlib import closing
 from typing import Any
 
-from logical_robots_tui.explain import Ask, Explainer, Explanation, Node, Proof
-from logical_robots_tui.explain.why.explanation import RuleFound
+from logical_robots_tui.explain import Ask, Explainer, Explanation, Proof, ProofNode
+from logical_robots_tui.explain.why.explanation import RuleOutcome
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import row
 
@@ -40,31 +40,32 @@ def proof(text: str, predicate: str = "Robot", *, depth: int = 100, **given: Any
         return Explainer(mind, "Ada", [row("Ada")], {}).proof(Ask(predicate, given), depth=depth)
 
 
-def the_rule(text: str, predicate: str = "Robot", **asked: Any) -> RuleFound:
+def the_rule(text: str, predicate: str = "Robot", **asked: Any) -> RuleOutcome:
     """What is told of the only rule of a predicate."""
     (rule,) = why(text, predicate, **asked).rules
     return rule
 
 
-def stop(rule: RuleFound) -> Node:
+def stop(rule: RuleOutcome) -> ProofNode:
     """The part of a rule that failed."""
     assert rule.stopped_by is not None
     return rule.stopped_by
 
 
-def asked(node: Node) -> Ask:
-    assert node.asked is not None
-    return node.asked
+def asked(node: ProofNode) -> Ask:
+    """What a node can be asked."""
+    assert node.query is not None
+    return node.query
 
 
-def find(node: Node, text: str) -> Node:
+def find(node: ProofNode, text: str) -> ProofNode:
     """The first node below another one whose text begins so."""
     return next(each for _, each in node.walk() if each.text.startswith(text))
 
 
-def texts(nodes: tuple[Node, ...]) -> list[str]:
+def texts(nodes: tuple[ProofNode, ...]) -> list[str]:
     return [node.text for node in nodes]
 
 
-def below(node: Node, kind: str) -> list[Node]:
+def below(node: ProofNode, kind: str) -> list[ProofNode]:
     return [each for _, each in node.walk() if each.kind == kind]

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from logical_robots_tui.explain import Node
+from logical_robots_tui.explain import ProofNode
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind import Mind, Program, ProgramError
 from logical_robots_tui.mind.relations import same
@@ -95,13 +95,14 @@ class Checker:
         return table.in_mind_of(self.robot).rows
 
 
-def claims_of(node: Node, *, itself: bool = False) -> list[str]:
+def claims_of(node: ProofNode, *, itself: bool = False) -> list[str]:
     """What is claimed of variables and expressions below a node, or by the node, too."""
     found = _claims(replace(node, children=(node,)) if itself else node)
     return [claim for claim in found if claim]
 
 
-def _claims(node: Node) -> Iterator[str | None]:
+def _claims(node: ProofNode) -> Iterator[str | None]:
+    """What is claimed of the variables and expressions of one derivation."""
     for child in node.children:
         if child.kind in ("aggregate", "denial", "contributor", "rule", "note", "column"):
             if child.kind == "column":
@@ -119,18 +120,19 @@ def _claims(node: Node) -> Iterator[str | None]:
         yield from _claims(child)
 
 
-def wrong_aggregates(node: Node) -> Iterator[str]:
+def wrong_aggregates(node: ProofNode) -> Iterator[str]:
     """What is false about the elements of aggregates that are told of a rule."""
     for _, inner in node.walk():
         if len(inner.values) == 1 and any(c.text.startswith("aggregates") for c in inner.children):
             yield from _wrong_aggregate(inner)
 
 
-def _wrong_aggregate(node: Node) -> Iterator[str]:
+def _wrong_aggregate(node: ProofNode) -> Iterator[str]:
+    """What is false about the elements of an aggregate."""
     value: Any = node.values[0]
     elements = [n.values[0] for _, n in node.walk() if n.kind == "contributor"]
     note = next((n for n in node.children if n.kind == "note" and "aggregates" in n.text), None)
-    if node.said.endswith("of this rule"):
+    if node.remark.endswith("of this rule"):
         return
     if not elements or note is None:
         if elements and not same(elements[0], value):
@@ -139,7 +141,7 @@ def _wrong_aggregate(node: Node) -> Iterator[str]:
     direct = [n for n in note.children if n.kind == "contributor"]
     elements = [n.values[0] for n in direct]
     unseen = sum(int(m[1].replace(",", "")) for n in note.children if (m := _MORE.match(n.text)))
-    found = _OPERATOR.search(node.said or node.text)
+    found = _OPERATOR.search(node.remark or node.text)
     operator = found.group(1) if found else ""
     known = {repr(e) for e in elements if e is not None}
     expected: Any = value

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from hypothesis import settings
 
-from logical_robots_tui.explain import Ask, Node
+from logical_robots_tui.explain import Ask, ProofNode
 from logical_robots_tui.values import Value
 from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
 from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
@@ -34,7 +34,7 @@ def judge_until(number: int, judge: Callable[[int], int], first: int = 0) -> Non
 
 
 def claims_in(
-    nodes: Sequence[Node], asked: Ask, checker: Checker, copies: Mapping[str, str]
+    nodes: Sequence[ProofNode], asked: Ask, checker: Checker, copies: Mapping[str, str]
 ) -> tuple[list[Claim], list[str]]:
     """What a proof claims, and what is false in it without asking the program.
 
@@ -45,7 +45,7 @@ def claims_in(
     return claims, [wrong for rule in judge.giving for wrong in wrong_aggregates(rule)]
 
 
-def false_of(node: Node, checker: Checker) -> Iterator[str]:
+def false_of(node: ProofNode, checker: Checker) -> Iterator[str]:
     """What is false about one rule that is said to give a row."""
     fixed = _holding(node)
     if fixed[0]:
@@ -60,9 +60,9 @@ class _Judge:
         self._valued = {*_VALUED.findall(checker.program.text)}
         self._open = {p.name for p in checker.program.predicates if not p.has_rows}
         self._is_open = False  # whether what is wanted is needed to compute anything
-        self.giving: list[Node] = []
+        self.giving: list[ProofNode] = []
 
-    def answer(self, nodes: Sequence[Node], asked: Ask) -> Iterator[Claim]:
+    def answer(self, nodes: Sequence[ProofNode], asked: Ask) -> Iterator[Claim]:
         made = self._copies.get(asked.within or asked.predicate, "")
         self._is_open = asked.predicate in self._open
         for node in nodes:
@@ -71,18 +71,18 @@ class _Judge:
         for node in nodes:
             yield from self._called(node)
 
-    def _called(self, node: Node) -> Iterator[Claim]:
-        if node.asked is not None:
-            yield from self.answer([n for n in node.children if n.kind == "rule"], node.asked)
+    def _called(self, node: ProofNode) -> Iterator[Claim]:
+        if node.query is not None:
+            yield from self.answer([n for n in node.children if n.kind == "rule"], node.query)
         for child in node.children:
-            if node.asked is None or child.kind != "rule":
+            if node.query is None or child.kind != "rule":
                 yield from self._called(child)
 
-    def _rule(self, node: Node, given: Mapping[str, Value], made: str) -> Iterator[Claim]:
+    def _rule(self, node: ProofNode, given: Mapping[str, Value], made: str) -> Iterator[Claim]:
         written = parts(node.text)
         wanted = {column: value for column, value in given.items() if column in written.columns}
         known = [equal(written.columns[column], value) for column, value in wanted.items()]
-        if node.holds and "but not the " not in node.said:
+        if node.holds and "but not the " not in node.remark:
             self.giving.append(node)
             fixed = (*_holding(node), *known)
             if any(fixed):
@@ -101,7 +101,7 @@ class _Judge:
     # -- refutations -----------------------------------------------------------------------------
 
     def _refutation(
-        self, nodes: Sequence[Node], context: tuple[str, ...], known: list[str], made: str
+        self, nodes: Sequence[ProofNode], context: tuple[str, ...], known: list[str], made: str
     ) -> Iterator[Claim]:
         """What is claimed of steps that are said to hold, and of the one that is said to fail.
 
@@ -121,11 +121,11 @@ class _Judge:
         for node in branch.failing:
             failing = self._failing(node)
             bound = {*names(", ".join([*steps, failing]))}
-            is_anyhow = node.said.startswith("no match") and not self._is_open
+            is_anyhow = node.remark.startswith("no match") and not self._is_open
             here = [] if is_anyhow else [c for c in known if bound.issuperset(names(c))]
             said = f"said to fail: {failing}, after {steps} for {here}"
             yield Claim((*steps, *here, failing), made, False, said)
-            if node.kind == "denial" and node.said == "there is a match":
+            if node.kind == "denial" and node.remark == "there is a match":
                 there = _step(node).lstrip("~ ")
                 claims = [c for n in node.children for c in claims_of(n, itself=True)]
                 said = f"said to be there: {there} with {claims}"
@@ -133,19 +133,19 @@ class _Judge:
             elif node.kind != "alternative":
                 yield from self._examples(node, steps, made)
 
-    def _examples(self, node: Node, before: tuple[str, ...], made: str) -> Iterator[Claim]:
+    def _examples(self, node: ProofNode, before: tuple[str, ...], made: str) -> Iterator[Claim]:
         for child in node.children:
             if child.kind not in ("rule", "contributor") and child.span is not None:
                 for claim in filter(None, [equal(child.text, value) for value in child.values[:3]]):
                     said = f"said of {node.text}: {claim}, after {before}"
                     yield Claim((*before, claim), made, True, said)
 
-    def _failing(self, node: Node) -> str:
+    def _failing(self, node: ProofNode) -> str:
         text = _step(node)
         is_value = node.kind == "call" and text.partition("(")[0] in self._valued
         return f"result_ == {text}" if is_value else text
 
-    def _denials(self, nodes: Sequence[Node], fixed: _Fixed, made: str) -> Iterator[Claim]:
+    def _denials(self, nodes: Sequence[ProofNode], fixed: _Fixed, made: str) -> Iterator[Claim]:
         for node in nodes:
             if node.kind == "denial" and node.holds and node.text.startswith("~"):
                 yield from self._refutation(node.children, fixed, [], made)
@@ -155,13 +155,13 @@ class _Judge:
     # -- aggregates ------------------------------------------------------------------------------
 
     def _aggregates(
-        self, rule: Node, written: Written, fixed: _Fixed, made: str
+        self, rule: ProofNode, written: Written, fixed: _Fixed, made: str
     ) -> Iterator[Claim]:
         for column in rule.children:
             if column.kind == "aggregate" and column.text in written.collected:
                 body = written.body or "1 == 1"
                 aggregate = written.collected[column.text]._replace(body=body)
-                is_all = not column.said.endswith("of this rule")
+                is_all = not column.remark.endswith("of this rule")
                 yield from self._elements(column, aggregate, _row(rule, written), made, is_all)
         for node in _inside(rule):
             for aggregate in aggregates(rule.text):
@@ -169,7 +169,7 @@ class _Judge:
                     yield from self._elements(node, apart(aggregate, rule.text), fixed, made)
 
     def _elements(
-        self, node: Node, aggregate: Aggregate, fixed: _Fixed, made: str, is_all: bool = True
+        self, node: ProofNode, aggregate: Aggregate, fixed: _Fixed, made: str, is_all: bool = True
     ) -> Iterator[Claim]:
         for child in node.children:
             elements = [child] if child.kind == "contributor" else child.children[:5]
@@ -187,7 +187,9 @@ class _Judge:
             if is_decided and aggregate.operator in _DECIDED and is_all:
                 yield from self._best(child, aggregate, fixed, made)
 
-    def _best(self, node: Node, aggregate: Aggregate, fixed: _Fixed, made: str) -> Iterator[Claim]:
+    def _best(
+        self, node: ProofNode, aggregate: Aggregate, fixed: _Fixed, made: str
+    ) -> Iterator[Claim]:
         """That the element that is said to decide is the best, as the engine orders them."""
         extreme = "Min" if aggregate.operator.endswith("Min") else "Max"
         key = aggregate.by or aggregate.value
@@ -206,11 +208,11 @@ class _Judge:
 class _Branch(NamedTuple):
     """Steps that are said to hold, and what is said to fail after them."""
 
-    held: list[Node]
-    failing: list[Node]
+    held: list[ProofNode]
+    failing: list[ProofNode]
 
 
-def _branches(nodes: Sequence[Node]) -> Iterator[_Branch]:
+def _branches(nodes: Sequence[ProofNode]) -> Iterator[_Branch]:
     """The ways through a body that are told apart, each with all that is said of it."""
     steps = [node for node in nodes if node.kind not in ("rule", "column", "instance", "note")]
     ended = [at for at, n in enumerate(steps) if n.kind == "alternative" and not n.holds]
@@ -222,8 +224,8 @@ def _branches(nodes: Sequence[Node]) -> Iterator[_Branch]:
         yield _branch([*before, *rest])
 
 
-def _branch(nodes: Sequence[Node], alternative: Node | None = None) -> _Branch:
-    held: list[Node] = []
+def _branch(nodes: Sequence[ProofNode], alternative: ProofNode | None = None) -> _Branch:
+    held: list[ProofNode] = []
     for node in nodes:
         if node.kind == "alternative" and node.holds:
             held += node.children or [node]
@@ -235,7 +237,7 @@ def _branch(nodes: Sequence[Node], alternative: Node | None = None) -> _Branch:
     return _Branch(held, failing)
 
 
-def _inside(rule: Node) -> Iterator[Node]:
+def _inside(rule: ProofNode) -> Iterator[ProofNode]:
     """All nodes of a derivation, without those of the rules that it calls."""
     for child in rule.children:
         if child.kind != "rule":
@@ -243,13 +245,14 @@ def _inside(rule: Node) -> Iterator[Node]:
             yield from _inside(child)
 
 
-def _holding(node: Node) -> tuple[str, ...]:
+def _holding(node: ProofNode) -> tuple[str, ...]:
     """What is claimed of a rule that is said to give a row."""
     written = parts(node.text)
     return (written.body, *_row(node, written), *claims_of(node))
 
 
-def _row(node: Node, written: Written) -> tuple[str, ...]:
+def _row(node: ProofNode, written: Written) -> tuple[str, ...]:
+    """What is claimed of the columns of a row."""
     told = [child for child in node.children if child.kind == "column" and child.values]
     return tuple(
         equal(value, child.values[0])
@@ -259,6 +262,6 @@ def _row(node: Node, written: Written) -> tuple[str, ...]:
     )
 
 
-def _step(node: Node) -> str:
+def _step(node: ProofNode) -> str:
     text = node.span.text if node.span is not None else node.text
     return f"({text})" if node.kind in ("condition", "alternative") else text

@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from logical_robots_tui.explain import Ask, Explainer, Node
+from logical_robots_tui.explain import Ask, Explainer, ProofNode
 from logical_robots_tui.explain.why.explanation import read_call, spell_call
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.relations import same
@@ -111,21 +111,21 @@ def _answer(
     """What an answer claims, and what is false in it without asking the program."""
     proof = scene.explainer().proof(ask, nodes=_MOST_NODES)
     explanation = proof.explanation
-    claims, false = claims_in(proof.nodes, explanation.asked, checker, scene.copies)
+    claims, false = claims_in(proof.nodes, explanation.query, checker, scene.copies)
     if explanation.rows != expected:
         false.append(f"{explanation.rows} rows, not {expected}")
     if expected and all(rule.row is None for rule in explanation.rules):
-        false.append(f"no rule gives it: {[rule.node.said for rule in explanation.rules]}")
+        false.append(f"no rule gives it: {[rule.node.remark for rule in explanation.rules]}")
     for node in proof.nodes:
         if not _is_founded(node, ()):
             false.append(f"proved by itself: {node.text}")
-        for question in filter(None, (inner.asked for _, inner in node.walk())):
+        for question in filter(None, (inner.query for _, inner in node.walk())):
             if read_call(spell_call(question), question.within) != question:
                 false.append(f"{spell_call(question)} does not ask {question}")
     return claims, false
 
 
-def _is_founded(node: Node, above: tuple[str, ...]) -> bool:
+def _is_founded(node: ProofNode, above: tuple[str, ...]) -> bool:
     """Whether no row is proved by itself."""
     if node.kind == "rule":
         told = [child for child in node.children if child.kind in ("column", "aggregate")]

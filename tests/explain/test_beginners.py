@@ -145,7 +145,7 @@ def lines(explanation: Explanation) -> str:
     return "\n".join(
         f"{ {True: '+ ', False: '- ', None: ''}[node.holds] }{node.text}"
         + (f" = {spell(node.values[0])}" if node.values else "")
-        + (f" ({node.said})" if node.said else "")
+        + (f" ({node.remark})" if node.remark else "")
         for top in explanation.nodes
         for _, node in top.walk()
     )

@@ -31,14 +31,14 @@ def test_an_alternative_that_holds_is_not_said_to_fail_when_what_fails_stands_be
     text = f"""{ITEMS} P(x:) :- Item(x:), (x > 1 | x < 0), x > 5;
     Q(x:) :- x in [1, 2], (x == 1 | x == 2), x > 5;"""
     rule = the_rule(text, "P")
-    told = {node.text: node.said for node in below(rule.node, "alternative")}
+    told = {node.text: node.remark for node in below(rule.node, "alternative")}
     assert told == {"x < 0": "this alternative does not hold", "x > 1": "this alternative holds"}
     assert stop(rule) is rule.node.children[-1]
     assert stop(rule).text == "x > 5"
     rule = the_rule(text, "Q")
     said = "this alternative holds, but not what comes after it"
     for node, text in zip(below(rule.node, "alternative"), ("x == 1", "x == 2"), strict=True):
-        assert (node.text, node.said, node.holds) == (text, said, None)
+        assert (node.text, node.remark, node.holds) == (text, said, None)
         assert node.children[-1].text == "x > 5"
 
 
@@ -48,7 +48,7 @@ def test_of_choices_only_the_one_that_fails_is_said_to_fail_and_what_fails_befor
     rule = the_rule(text, "P")
     failed = [node.text for node in below(rule.node, "alternative") if node.holds is False]
     assert failed == ["x == 3", "x == 4", "x == 2"]
-    assert find(rule.node, "x == 1").said != "this alternative does not hold"
+    assert find(rule.node, "x == 1").remark != "this alternative does not hold"
     assert texts(the_rule(text, "Q").node.children) == ["x in [1]", "y == x", "y > 5"]
 
 
@@ -57,7 +57,7 @@ def test_what_holds_before_the_part_that_fails_is_explained_by_its_own_values() 
       x > 5; F(a, b) = a + b;"""
     rule = the_rule(text, "P")
     taken = find(rule.node, "Coalesce(x + 1, x)")
-    assert (taken.said, taken.values) == ("this branch is taken", (2,))
+    assert (taken.remark, taken.values) == ("this branch is taken", (2,))
     assert texts(taken.children) == ["x + 1"]
     call = find(rule.node, "F(x + 2, x)")
     assert asked(call).given == {"col0": 3, "col1": 1, "logica_value": 4}
@@ -67,7 +67,7 @@ def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
     rule = the_rule(f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:);", "P", given={"x": 1, "z": 1})
     call, column = rule.node.children
     assert (call.text, call.holds) == ("Item(x:, y:)", True)
-    assert (column.text, column.said, column.values) == ("z: y + 1", "actual value", (3,))
+    assert (column.text, column.remark, column.values) == ("z: y + 1", "actual value", (3,))
     assert rule.stopped_by is column
 
 
@@ -76,16 +76,18 @@ def test_what_came_out_otherwise_is_named_and_a_fact_tells_which_column_is_anoth
     Q(x:, z: y + 1) :- Item(x:, y:), y > 10;
     F(a) = a + 1; R(x:, z: F(x)) :- Item(x:);"""
     result = stop(the_rule(rules, "R", given={"x": 1, "z": 1}))
-    assert (result.said, result.values) == ("actual value", (2,))
+    assert (result.remark, result.values) == ("actual value", (2,))
     assert asked(result).given == {"col0": 1, "logica_value": 2}
     column = stop(the_rule(rules, "P", given={"z": 1}))  # that an equation gives
     condition = stop(the_rule(rules, "Q", given={"x": 1, "z": 1}))  # before columns
     assert (column.text, column.values) == ("z", (3, 4))
     assert (condition.text, condition.values) == ("y > 10", ())
     near, other = why(ITEMS, "Item", given={"x": 1, "y": 7}).rules
-    assert [(n.text, n.said, n.values) for n in near.node.children] == [("y", "actual value", (2,))]
-    assert near.node.said == "gives no row"
-    assert other.node.said == "does not apply to these values"
+    assert [(n.text, n.remark, n.values) for n in near.node.children] == [
+        ("y", "actual value", (2,))
+    ]
+    assert near.node.remark == "gives no row"
+    assert other.node.remark == "does not apply to these values"
 
 
 def test_a_failed_call_shows_all_it_was_asked_for_nearest_first() -> None:
@@ -97,8 +99,8 @@ def test_a_failed_call_shows_all_it_was_asked_for_nearest_first() -> None:
         for kind in ("wall", "beacon")
         for label in ("Blues", "Red")
     ]
-    assert all(node.asked is not None for node in stopped.children)
-    assert stopped.asked == stopped.children[0].asked
+    assert all(node.query is not None for node in stopped.children)
+    assert stopped.query == stopped.children[0].query
 
 
 def test_of_many_calls_only_the_nearest_is_proved_and_those_that_are_too_many_are_counted() -> None:
@@ -149,11 +151,11 @@ def test_calls_come_before_conditions_and_what_is_not_in_a_list_is_told_with_it(
 def test_a_row_that_a_rule_gives_is_not_said_to_fail_where_it_was_cut_off() -> None:
     limited = 'Num(x: 1); Num(x: 2); @OrderBy(Num, "x"); @Limit(Num, 1);'
     first, second = why(limited, "Num", given={"x": 2}).rules
-    assert first.node.said == "does not apply to these values"
-    assert second.node.said == "gives this row, but it was left out, as by @Limit"
+    assert first.node.remark == "does not apply to these values"
+    assert second.node.remark == "gives this row, but it was left out, as by @Limit"
     assert second.node.holds is None
     rules = why(COUNTING.format(most=100), "Number", given={"x": 6}).rules
-    assert rules[1].node.said == "would give this row in a later step"
+    assert rules[1].node.remark == "would give this row in a later step"
 
 
 def test_every_call_is_followed_down_to_what_was_sensed() -> None:
@@ -253,4 +255,4 @@ def test_of_elements_from_other_robots_it_is_said_whose_memory_or_sensor_they_ar
     for rule, elements in ELEMENTS.items():
         asked = {"rows": robots, "memories": MEMORIES, "memory": "all", "sensor": "all"}
         node = the_rule(text, rule.partition("(")[0], **asked).node
-        assert [(one.values[0], one.said) for one in below(node, "contributor")] == elements
+        assert [(one.values[0], one.remark) for one in below(node, "contributor")] == elements

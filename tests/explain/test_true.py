@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.explain import Ask, Explainer, Node
+from logical_robots_tui.explain import Ask, Explainer, ProofNode
 from logical_robots_tui.explain.why.derivations import MOST_ROWS
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Limits, Mind, Program
@@ -95,11 +95,11 @@ def test_nothing_false_is_said_of_alternatives() -> None:
 RULES = "Num(x: 1); Num(x: 4); Big(x:) :- Num(x:), y == x + 1, y > 3;"
 
 
-def lies(node: Node, said: Callable[[Node], Node]) -> Node:
+def lies(node: ProofNode, said: Callable[[ProofNode], ProofNode]) -> ProofNode:
     return said(replace(node, children=tuple(lies(each, said) for each in node.children)))
 
 
-LIES: list[tuple[dict[str, Any], Callable[[Node], Node]]] = [
+LIES: list[tuple[dict[str, Any], Callable[[ProofNode], ProofNode]]] = [
     ({}, lambda n: replace(n, values=(2,)) if n.text.startswith("y ==") else n),
     ({}, lambda n: replace(n, values=(1,)) if n.kind == "column" else n),
     ({"x": 1}, lambda n: replace(n, span=None, text="y > 1") if n.text == "y > 3" else n),
@@ -114,7 +114,7 @@ def test_a_lie_would_be_found() -> None:
             checker = Checker(scene.mind.program, scene.mind, scene.rows, scene.memories)
             changed = [lies(node, lie) for node in proof.nodes]
             for nodes, is_false in ((proof.nodes, False), (changed, True)):
-                claims, false = claims_in(nodes, proof.explanation.asked, checker, {})
+                claims, false = claims_in(nodes, proof.explanation.query, checker, {})
                 assert bool([*checker.false(claims), *false]) == is_false
 
 
@@ -245,14 +245,14 @@ def questions(draw: st.DrawFn) -> tuple[str, str]:
     return "\n".join([facts, *rules, REST]).replace("Best", chosen), name
 
 
-def deciding(text: str, name: str) -> tuple[object, list[Node]]:
+def deciding(text: str, name: str) -> tuple[object, list[ProofNode]]:
     with closing(Mind(Program.compile(text))) as mind:
         (row_asked,) = mind.query(name, [row("Ada")], {}).rows
         proof = Explainer(mind, "Ada", [row("Ada")], {}).proof(Ask(name))
     assert proof.explanation.row is not None
     assert proof.explanation.row["x"] == row_asked[0]
     nodes = [each for node in proof.nodes for each in below(node, "contributor")]
-    return row_asked[0], [each for each in nodes if each.said.startswith(("chosen", "is the"))]
+    return row_asked[0], [each for each in nodes if each.remark.startswith(("chosen", "is the"))]
 
 
 @pytest.mark.parametrize("examples", [5, pytest.param(30, marks=pytest.mark.slow)])

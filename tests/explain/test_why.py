@@ -58,9 +58,9 @@ def test_all_values_are_listed_or_counted() -> None:
     text = """Wall(robot_name:) distinct :- Sensor(robot_name:, sensor:), r in sensor.radar,
       r.object == "wall";"""
     rule = the_rule(text, "Wall", rows=rows)
-    assert find(rule.node, "r in").said == "1 of 107 matches"
+    assert find(rule.node, "r in").remark == "1 of 107 matches"
     (values,) = stop(rule).children
-    assert (values.text, values.more) == ("r.object", 7)
+    assert (values.text, values.excess) == ("r.object", 7)
     assert values.values == tuple(f"kind{n}" for n in range(100))
 
 
@@ -71,7 +71,7 @@ def test_every_rule_is_told_and_one_about_another_robot_says_so() -> None:
     Robot(robot_name: "Bo", desire: {left_engine: 1, right_engine: 1}, memory: 2);"""
     mine, other = why(text, rows=[row("Ada"), row("Bo")]).rules
     assert mine.rows == 1
-    assert (other.rows, other.node.said) == (0, "does not apply to these values")
+    assert (other.rows, other.node.remark) == (0, "does not apply to these values")
     assert (other.node.children[0].text, other.node.children[0].values) == ("robot_name", ("Bo",))
 
 
@@ -82,7 +82,7 @@ def test_of_several_rows_of_robot_the_last_one_is_explained_because_it_counts() 
         (decision,) = mind.think([row("Ada")], {})
     assert explanation.row is not None
     assert explanation.row["memory"] == decision.memory == 2
-    told = [rule.node.said for rule in explanation.rules]
+    told = [rule.node.remark for rule in explanation.rules]
     assert told == ["gives 1 row, but not the last", "gives 1 row; this is the last"]
 
 
@@ -90,7 +90,7 @@ def test_what_holds_for_others_only_is_told_where_all_is_visible() -> None:
     text = 'Named(robot_name:) :- Sensor(robot_name:), robot_name != "Ada";'
     robots = [row("Ada"), row("Bo"), row("Cy")]
     rule = the_rule(text, "Named", rows=robots, memory="all", sensor="all")
-    assert stop(rule).said == "not here, but 2 matches elsewhere"
+    assert stop(rule).remark == "not here, but 2 matches elsewhere"
 
 
 DENIALS = """
@@ -105,7 +105,7 @@ Most(x:) :- Num(x), ~(Num(y), y > x);
 
 def test_negation_tells_what_there_is_that_must_not_be() -> None:
     stopped = stop(the_rule(DENIALS, "There"))
-    assert (stopped.kind, stopped.said) == ("denial", "there is a match")
+    assert (stopped.kind, stopped.remark) == ("denial", "there is a match")
     assert texts(stopped.children) == ["Seen(x)", "x >= y"]
     assert find(stopped, "x").values == (2,)
     assert stop(the_rule(DENIALS, "Small")).kind == "denial"  # an implication: of a counterexample
@@ -120,7 +120,7 @@ def test_negation_that_holds_tells_which_part_of_it_does_not_for_the_row_that_is
     rule = the_rule(DENIALS, "Most")
     assert rule.row == {"x": 4}
     assert find(rule.node, "x").values == (4,)
-    assert find(rule.node, "~").said == "no match"
+    assert find(rule.node, "~").remark == "no match"
     assert find(rule.node, "y > x").holds is False
 
 
@@ -158,7 +158,7 @@ def test_an_aggregate_over_nothing_tells_why() -> None:
 
 def test_the_elements_that_an_aggregate_is_made_of_are_told() -> None:
     (decides,) = below(the_rule(SUMS, "Low").node, "contributor")
-    assert (decides.values, decides.said) == ((1,), "chosen from 3 rows")
+    assert (decides.values, decides.remark) == ((1,), "chosen from 3 rows")
     rule = the_rule(SUMS, "Tot")
     assert (rule.rows, rule.row) == (1, {"s": 10})
     assert [n.values for n in below(rule.node, "contributor")] == [(1,), (2,), (3,), (4,)]
@@ -172,7 +172,7 @@ def test_what_did_not_come_out_of_an_aggregate_is_denied() -> None:
         explanation = why(SUMS, "Least", given={"d": least})
         assert (explanation.rows, explanation.row) == (0, None)
         stopped = stop(explanation.rules[0])
-        assert (stopped.said, stopped.values) == ("actual value", (1,))
+        assert (stopped.remark, stopped.values) == ("actual value", (1,))
 
 
 def test_values_are_those_of_the_row_which_counts_once_where_rows_are_distinct() -> None:
@@ -194,9 +194,9 @@ def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at_also_in_a
     low, named, taken, *_ = find(rule.node, "speed").children
     assert (low.text, low.holds) == ("d < 40", False)
     assert (named.text, named.holds) == ('robot_name == "Ada"', True)
-    assert (taken.text, taken.said) == ("1", "this branch is taken")
+    assert (taken.text, taken.remark) == ("1", "this branch is taken")
     assert find(rule.node, "sensor.clock > 3").holds is False
-    assert find(rule.node, "{left_engine: 0").said == "this branch is taken"
+    assert find(rule.node, "{left_engine: 0").remark == "this branch is taken"
 
 
 def test_one_step_deeper_goes_on_with_the_arguments() -> None:
@@ -271,7 +271,7 @@ def test_a_condition_that_fails_by_types_alone_says_so() -> None:
         f"Match{n}() :- Kind(kind:, word:), {condition};" for n, (condition, _) in enumerate(TYPES)
     )
     text = f'Kind(kind: "12", word: "true");\nWanted(12);\n{rules}\n'
-    told = [stop(the_rule(text, f"Match{n}")).said for n in range(len(TYPES))]
+    told = [stop(the_rule(text, f"Match{n}")).remark for n in range(len(TYPES))]
     assert told == [said for _, said in TYPES]
 
 

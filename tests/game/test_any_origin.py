@@ -107,6 +107,6 @@ def _check_link(link: Link, memories: list[Any]) -> None:
                 by = [now - before for now, before in pairs if now != before]  # type: ignore[operator]  # numbers
                 assert by == pytest.approx([steps.by] * steps.times)
     for each in link.inputs:
-        if each.read is not None and each.read.what == "memory":
+        if each.read is not None and each.read.kind == "memory":
             before = memories[link.tick - 1][each.read.robot]
             assert part(before, each.read.path) in (each.value, KeyError)

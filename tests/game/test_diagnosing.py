@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from logical_robots_tui.explain.diagnosis.telling import Finding
-from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.probing import SourceSpan
 from logical_robots_tui.game import Game, Superseded
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import Program
@@ -34,7 +34,7 @@ def kinds(diagnosis: Diagnosis) -> list[str]:
     return [finding.kind for finding in diagnosis.findings]
 
 
-def the(diagnosis: Diagnosis, kind: str) -> tuple[Finding, Span]:
+def the(diagnosis: Diagnosis, kind: str) -> tuple[Finding, SourceSpan]:
     """The first finding of a kind, and its place."""
     finding = next(finding for finding in diagnosis.findings if finding.kind == kind)
     assert finding.span is not None

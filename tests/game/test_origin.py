@@ -2,7 +2,7 @@
 
 import pytest
 
-from logical_robots_tui.explain.why.explanation import Ask, Source, Subject, part_of
+from logical_robots_tui.explain.why.explanation import Ask, Subject, ValueSource, part_of
 from logical_robots_tui.game import Link, Origin, origin_in_game, origin_in_run, read_part
 from logical_robots_tui.game.debugging.inquiry import path_text
 from logical_robots_tui.game.debugging.origin import link_lines
@@ -39,7 +39,7 @@ async def links(level: Level, value: str, tick: int = 9, text: str = PHASES) -> 
     return (await origin(level, subject(value), tick, text)).links
 
 
-def source(link: Link) -> Source:
+def source(link: Link) -> ValueSource:
     assert link.source is not None
     return link.source
 

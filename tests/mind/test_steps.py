@@ -140,7 +140,7 @@ def test_what_a_proof_does_between_its_queries_is_counted() -> None:
         with closing(Mind(program, limits=Limits(query_steps=steps))) as mind:
             try:
                 proof = Explainer(mind, "Ada", [row("Ada")], {"Ada": "x" * 100_000}).proof()
-                said = [f"{n.text}: {n.said}" for root in proof.nodes for _, n in root.walk()]
+                said = [f"{n.text}: {n.remark}" for root in proof.nodes for _, n in root.walk()]
                 found[steps] = [words for words in said if "steps" in words]
             except QueryError as error:
                 found[steps] = [str(error)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any, Literal, TypeAlias
 
-from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.probing import SourceSpan
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.compilation import Task, compile_task
 from logical_robots_tui.mind.limits import Limits
@@ -48,14 +48,14 @@ class Site:
     """
 
     kind: SiteKind
-    span: Span
+    span: SourceSpan
     rule: int
     literal: str | None = None
     counterpart: str = ""
     operator: str = ""
     predicate: str = ""
     within: str = ""
-    places: tuple[Span, ...] = ()
+    places: tuple[SourceSpan, ...] = ()
     position: SitePosition = "body"
     owner: str = ""
 
@@ -77,13 +77,13 @@ class RuleSite:
     """
 
     predicate: str
-    span: Span
+    span: SourceSpan
     is_function: bool
     is_needed: bool
     is_fact: bool
     key: str
-    memory: Span | None = None
-    body: Span | None = None
+    memory: SourceSpan | None = None
+    body: SourceSpan | None = None
     sources: tuple[str, ...] = ()
 
 
@@ -140,8 +140,8 @@ class NamedPlace:
     """A name in a program; for a written memory field also where its value comes from."""
 
     name: str
-    span: Span
-    places: tuple[Span, ...] = ()
+    span: SourceSpan
+    places: tuple[SourceSpan, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from logical_robots_tui.explain.diagnosis.sites import (
     is_always_true,
     is_reportable,
 )
-from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.probing import SourceSpan
 from logical_robots_tui.language.diagnostics import most_similar
 from logical_robots_tui.values import Value
 
@@ -51,11 +51,11 @@ class Finding:
 
     kind: FindingKind
     severity: Severity
-    span: Span | None
+    span: SourceSpan | None
     tick: int
     message: str
     hint: str
-    related: tuple[Span, ...] = ()
+    related: tuple[SourceSpan, ...] = ()
     robot: str = ""
 
     @property
@@ -271,7 +271,7 @@ class _Reporter:
         return Finding(kind, severity, site.span, tick, message, hint, site.places)
 
 
-def _is_inside(part: Span, whole: Span) -> bool:
+def _is_inside(part: SourceSpan, whole: SourceSpan) -> bool:
     return whole.holds(part) and not part.holds(whole)
 
 

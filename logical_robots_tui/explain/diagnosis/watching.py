@@ -17,7 +17,7 @@ from logical_robots_tui.explain.diagnosis.sites import (
     Site,
     SitePosition,
 )
-from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.probing import SourceSpan
 from logical_robots_tui.language.definitions import names_used, reach
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
@@ -197,7 +197,7 @@ class Watching:
         self._fresh_count += 1
         return f"d{self._fresh_count}_{name}"
 
-    def _span(self, tree: Tree) -> Span:
+    def _span(self, tree: Tree) -> SourceSpan:
         return span_of(tree, self._source)
 
     def _site(self, kind: Any, node: Tree, env: Environment, **details: Any) -> int:
@@ -293,13 +293,13 @@ class Sources:
     def __init__(self, source: Prepared, predicates: Mapping[str, Sequence[Rule]]) -> None:
         self._source, self._predicates = source, predicates
 
-    def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
+    def of(self, node: Tree, rule: Rule) -> tuple[SourceSpan, ...]:
         """Return where an expression's values come from, recursively.
 
         The nearest places come first, and those that only copy a value last.
         """
-        places: dict[int, Span] = {}
-        copies: dict[int, Span] = {}
+        places: dict[int, SourceSpan] = {}
+        copies: dict[int, SourceSpan] = {}
         visited: set[tuple[int, str]] = set()
         queue: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
         own_line = span_of(node, self._source).line
@@ -322,7 +322,7 @@ class Sources:
             or any(rule.body for rule in self._predicates.get(place.name, ()))
         )
 
-    def of_condition(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
+    def of_condition(self, node: Tree, rule: Rule) -> tuple[SourceSpan, ...]:
         """Return the place of a condition, and where its values come from."""
         return span_of(node, self._source), *self.of(node, rule)
 
@@ -376,10 +376,12 @@ def _places(part: Node, value: Tree) -> Sequence[Node]:
     return [place for place in values if not isinstance(place, Literal)] or (part,)
 
 
-def _alternate(left: Sequence[Span], right: Sequence[Span], own_line: int) -> tuple[Span, ...]:
+def _alternate(
+    left: Sequence[SourceSpan], right: Sequence[SourceSpan], own_line: int
+) -> tuple[SourceSpan, ...]:
     """Return places of both sequences in turn, one for each line except `own_line`."""
     places = (place for pair in zip_longest(left, right) for place in pair if place is not None)
-    places_by_line: dict[int, Span] = {}
+    places_by_line: dict[int, SourceSpan] = {}
     for place in places:
         if place.line != own_line:
             places_by_line.setdefault(place.line, place)

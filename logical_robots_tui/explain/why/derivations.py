@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, value_of
 from logical_robots_tui.explain.why.explanation import Ask, Explanation
-from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
+from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, SourceSpan
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.asking import FailureError
 from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
@@ -29,12 +29,12 @@ Row: TypeAlias = "Mapping[str, Value]"
 
 
 @dataclass(frozen=True, slots=True)
-class Derived:
+class DerivedRow:
     """A row and its derivations: one, or, if the head aggregates, all that contribute."""
 
     probing: Probing
     row: Row
-    ways: tuple[tuple[Span, Clause, Way], ...]
+    matches: tuple[tuple[SourceSpan, Clause, Way], ...]
 
 
 class Derivations:
@@ -47,71 +47,74 @@ class Derivations:
         self._stages: dict[tuple[str, ...], Stages] = {}
         self.explained: dict[tuple[str, bool], Explanation] = {}
 
-    def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
+    def rows(self, probing: Probing, values: Row) -> Sequence[Row]:
         """Return a predicate's rows with given values; raise FailureError."""
-        if probing.given:
+        if probing.parameters:
             self.prepare(probing)
             sql = probing.queries.get(probing.rows)
             if sql is None:
                 raise FailureError("it can't be asked for its rows")
-            ways = self.relations.ways(sql, probing.arguments(given), max_rows=MOST_ROWS + 1)
-            found: Sequence[Row] = [
-                {c: value_of(way, f"c{i}") for i, c in enumerate(probing.columns)} for way in ways
+            matches = self.relations.ways(sql, probing.arguments(values), max_rows=MOST_ROWS + 1)
+            rows: Sequence[Row] = [
+                {c: value_of(match, f"c{i}") for i, c in enumerate(probing.columns)}
+                for match in matches
             ]
         else:
             name = probing.name
-            found = self.relations.rows(name, probing.sources.get(name, ""))
-        return [row for row in found if all(same(row[c], v) for c, v in given.items())]
+            rows = self.relations.rows(name, probing.sources.get(name, ""))
+        return [row for row in rows if all(same(row[c], v) for c, v in values.items())]
 
-    def first(self, asked: Ask) -> Derived:
+    def first(self, query: Ask) -> DerivedRow:
         """Return the first such row and one derivation, or all of an aggregate.
 
         Raises QueryError if there is none, and FailureError if a query failed.
         """
-        probing = self.decompose(asked.predicate, asked.within)
-        given = check_given(asked, probing, self.relations.label)
+        probing = self.decompose(query.predicate, query.within)
+        values = check_given(query, probing, self.relations.label)
         self.prepare(probing)
-        rows = self.rows(probing, given)
+        rows = self.rows(probing, values)
         if not rows:
-            raise QueryError(f"{asked.predicate} has no such row.")
+            raise QueryError(f"{query.predicate} has no such row.")
         row = self.stage(probing).first(probing, rows)
         self.prepare(probing, row)
-        ways: list[tuple[Span, Clause, Way]] = []
+        matches: list[tuple[SourceSpan, Clause, Way]] = []
         for rule in probing.rules:
-            most = MOST_ELEMENTS if is_aggregated(rule) else 1
-            found = self.ways(rule, probing, row, probing.arguments(given), most)
-            ways += [(rule.span, clause, way) for clause, way in found]
-            if ways and not is_aggregated(rule):
+            limit = MOST_ELEMENTS if is_aggregated(rule) else 1
+            rule_matches = self.matches(rule, probing, row, probing.arguments(values), limit)
+            matches += [(rule.span, clause, match) for clause, match in rule_matches]
+            if matches and not is_aggregated(rule):
                 break
-        if not ways:
-            raise QueryError(f"The rule that gives {asked.predicate} this row can't be determined.")
-        return Derived(probing, row, tuple(ways))
+        if not matches:
+            raise QueryError(f"The rule that gives {query.predicate} this row can't be determined.")
+        return DerivedRow(probing, row, tuple(matches))
 
-    def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
+    def elements(self, probing: Probing, body: Body, match: Way) -> list[tuple[Clause, Way]]:
         self.prepare(probing)
-        given, ways = body.arguments(way), self.relations.ways
+        arguments, find_matches = body.arguments(match), self.relations.ways
         return [
             (clause, inner)
             for clause in body.clauses
-            for inner in ways(self.sql(clause, probing), given, max_rows=MOST_ELEMENTS)
+            for inner in find_matches(self.sql(clause, probing), arguments, max_rows=MOST_ELEMENTS)
         ]
 
-    def ways(
+    def matches(
         self,
         rule: RuleParts,
         probing: Probing,
         row: Row,
         arguments: Sequence[Scalar],
-        most: int = 1,
+        limit: int = 1,
     ) -> Iterator[tuple[Clause, Way]]:
         for clause in rule.clauses:
-            alike = [(place, row[c]) for c, place in clause.head.items() if c in row]
+            conditions = [(place, row[c]) for c, place in clause.head.items() if c in row]
             sql = self.sql(clause, probing)
-            found = self.relations.ways(sql, arguments, alike, max_rows=most)
-            if not found and any(isinstance(value, dict | list) for _, value in alike):
-                found = self.relations.ways(sql, arguments, alike, max_rows=most, comparison=ALIKE)
-            for way in found:
-                yield clause, way
+            matches = self.relations.ways(sql, arguments, conditions, max_rows=limit)
+            if not matches and any(isinstance(value, dict | list) for _, value in conditions):
+                matches = self.relations.ways(
+                    sql, arguments, conditions, max_rows=limit, comparison=ALIKE
+                )
+            for match in matches:
+                yield clause, match
 
     @staticmethod
     def sql(clause: Clause, probing: Probing) -> str:
@@ -125,39 +128,39 @@ class Derivations:
         for name, table in probing.tables.items():
             rows: Sequence[Row] = self.relations.rows(name, probing.sources.get(name, ""))
             if name in probing.recursive and row is not None:
-                rows = self.stage(probing).before(name, probing, row, rows)
+                rows = self.stage(probing).earlier_rows(name, probing, row, rows)
             self.relations.fill(table, name, rows)
 
     def stage(self, probing: Probing) -> Stages:
         key = tuple(probing.recursive)
         if key not in self._stages:
-            members = probing.recursive.items() if probing.founded else ()
-            decomposed = {name: self.decompose(*called) for name, called in members}
+            members = probing.recursive.items() if probing.is_founded else ()
+            decomposed = {name: self.decompose(*names) for name, names in members}
             self._stages[key] = Stages(self.relations, decomposed)
         return self._stages[key]
 
 
-def check_given(asked: Ask, probing: Probing, label: Callable[[str, str], str]) -> Row:
+def check_given(query: Ask, probing: Probing, label: Callable[[str, str], str]) -> Row:
     """Return the given values; QueryError for an unknown column or a missing argument."""
-    name = asked.predicate
+    name = query.predicate
     labels = {label(name, column): column for column in probing.columns}
-    given = {labels.get(column, column): value for column, value in asked.given.items()}
-    if len(given) < len(asked.given):
+    values = {labels.get(column, column): value for column, value in query.given.items()}
+    if len(values) < len(query.given):
         raise QueryError(f"A column of {name} is given twice.")
-    for column in given:
+    for column in values:
         if column not in probing.columns and re.fullmatch(r"col\d+", column):
-            number = sum(each.startswith("col") for each in probing.columns)
+            number = sum(column.startswith("col") for column in probing.columns)
             takes = f"takes {count_of(number, 'value')}" if number else "takes no values"
             raise QueryError(f"{name} {takes} by place; its columns are {', '.join(labels)}.")
         if column not in probing.columns:
             raise QueryError(f"{name} has no column {column}; it has {', '.join(labels)}.")
-    if missing := [label(name, column) for column in probing.given if column not in given]:
+    if missing := [label(name, column) for column in probing.parameters if column not in values]:
         raise QueryError(f"{name} is a function of {', '.join(missing)}: give a value for it.")
-    return given
+    return values
 
 
 def is_aggregated(rule: RuleParts) -> bool:
-    return any(clause.collected for clause in rule.clauses)
+    return any(clause.aggregates for clause in rule.clauses)
 
 
 _MOST_STAGES = 250
@@ -181,18 +184,20 @@ class Stages:
             return rows[-1 if probing.name == MAIN else 0]
         return min(rows, key=lambda row: self._stage(probing.name, row))
 
-    def before(self, name: str, probing: Probing, row: Row, rows: Sequence[Row]) -> Sequence[Row]:
+    def earlier_rows(
+        self, name: str, probing: Probing, row: Row, rows: Sequence[Row]
+    ) -> Sequence[Row]:
         if not self._members:
             return rows
         stage = self._stage(probing.name, row)
-        return [each for each in rows if self._stage(name, each) < stage]
+        return [candidate for candidate in rows if self._stage(name, candidate) < stage]
 
     def _stage(self, name: str, row: Row) -> int:
         if self._stages is None:
-            self._stages = self._found()
+            self._stages = self._compute_stages()
         return self._stages.get((name, _key(row)), _NEVER)
 
-    def _found(self) -> dict[tuple[str, str], int]:
+    def _compute_stages(self) -> dict[tuple[str, str], int]:
         rows = {
             name: {_key(row): row for row in self._rows(name, probing)}
             for name, probing in self._members.items()
@@ -202,8 +207,10 @@ class Stages:
             for probing in self._members.values():
                 for name, table in probing.tables.items():
                     if name in self._members:
-                        known = [row for key, row in rows[name].items() if (name, key) in stages]
-                        self._relations.fill(table, name, known)
+                        earlier_rows = [
+                            row for key, row in rows[name].items() if (name, key) in stages
+                        ]
+                        self._relations.fill(table, name, earlier_rows)
                     else:
                         self._relations.fill(table, name, self._rows(name, probing))
             new = {
@@ -221,35 +228,35 @@ class Stages:
         return self._relations.rows(name, probing.sources.get(name, ""))
 
     def _derivable(self, probing: Probing, rows: Mapping[str, Row]) -> Iterator[str]:
-        aggregated = {c.column for r in probing.rules for k in r.clauses for c in k.collected}
+        aggregated = {c.column for r in probing.rules for k in r.clauses for c in k.aggregates}
         if not aggregated:
-            found = {
-                _key({c: value_of(way, place) for c, place in clause.head.items()})
-                for clause, way in self._ways(probing)
+            keys = {
+                _key({c: value_of(match, place) for c, place in clause.head.items()})
+                for clause, match in self._matches(probing)
             }
-            yield from (key for key in rows if key in found)
+            yield from (key for key in rows if key in keys)
             return
         elements = {
             (
-                _key({c: value_of(way, place) for c, place in clause.head.items()}),
-                collected.column,
-                _key({"": value_of(way, collected.value)}),
+                _key({c: value_of(match, place) for c, place in clause.head.items()}),
+                aggregate.column,
+                _key({"": value_of(match, aggregate.value)}),
             )
-            for clause, way in self._ways(probing)
-            for collected in clause.collected
+            for clause, match in self._matches(probing)
+            for aggregate in clause.aggregates
         }
         for key, row in rows.items():
             group = _key({c: v for c, v in row.items() if c not in aggregated})
             if all((group, c, _key({"": row[c]})) in elements for c in aggregated):
                 yield key
 
-    def _ways(self, probing: Probing) -> Iterator[tuple[Clause, dict[str, Any]]]:
+    def _matches(self, probing: Probing) -> Iterator[tuple[Clause, dict[str, Any]]]:
         for rule in probing.rules:
             for clause in rule.clauses:
                 sql = probing.queries.get(clause.query)
                 if sql is not None:
-                    for way in self._relations.ways(sql, (), max_rows=_MOST_ROWS):
-                        yield clause, way
+                    for match in self._relations.ways(sql, (), max_rows=_MOST_ROWS):
+                        yield clause, match
 
 
 def _key(row: Row) -> str:
@@ -259,9 +266,9 @@ def _key(row: Row) -> str:
 
 def _round(value: Value) -> Value:
     if isinstance(value, dict):
-        return {name: _round(each) for name, each in value.items()}
+        return {name: _round(part) for name, part in value.items()}
     if isinstance(value, list):
-        return [_round(each) for each in value]
+        return [_round(part) for part in value]
     if isinstance(value, bool | int | float):
         return f"{float(value):.11g}"
     return value

@@ -1,4 +1,4 @@
-"""What one derivation says: a row of a clause's query as nodes."""
+"""Derivations, rows of a clause's query, as nodes of a proof."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from typing import TypeAlias
 
-from logical_robots_tui.explain.why.explanation import Ask, Node
+from logical_robots_tui.explain.why.explanation import Ask, ProofNode
 from logical_robots_tui.explain.why.probing import (
     DECIDED_BY_ONE,
     AggregateInput,
     Body,
-    Call,
     Clause,
-    Span,
+    PredicateCall,
+    SourceSpan,
     Step,
     Term,
 )
@@ -27,97 +28,106 @@ from logical_robots_tui.values import Value, read_value, spell
 AGGREGATES_NO_ROWS = "aggregates no rows"
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
-_TOLD_ELEMENTS = 40  # with where they come from
+_TOLD_ELEMENTS = 40  # with their derivations
+
+Element: TypeAlias = tuple[Clause, AggregateInput, Way]
+"""A match of an aggregate's body."""
 
 
-class Telling:
+class NodeBuilder:
     """Describes derivations as nodes."""
 
     def __init__(
         self,
         relations: Relations,
         queries: Mapping[str, str],
-        refute: Callable[[Sequence[Clause], Sequence[Scalar]], tuple[Node, ...]],
+        refute: Callable[[Sequence[Clause], Sequence[Scalar]], tuple[ProofNode, ...]],
         robot: str,
         predicate: str,
     ) -> None:
         self._relations, self._queries, self._refute = relations, queries, refute
         self._robot, self._predicate = robot, predicate
 
-    def derivation(self, clause: Clause, way: Way, until: int | None = None) -> tuple[Node, ...]:
+    def derivation(
+        self, clause: Clause, match: Way, until: int | None = None
+    ) -> tuple[ProofNode, ...]:
         """Return the nodes of a derivation, up to but excluding the step `until`."""
-        nodes = [node for step in clause.steps[:until] for node in self.step(step, way)]
-        return tuple(grouped(nodes, clause.taken if until is None else ()))
+        nodes = [node for step in clause.steps[:until] for node in self.step(step, match)]
+        return tuple(group_alternatives(nodes, clause.alternatives if until is None else ()))
 
-    def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
-        shown = [column for column in clause.head if column in row]
-        return tuple(self._column(c, clause.terms[c], way, row[c]) for c in shown)
+    def row(self, clause: Clause, match: Way, row: Mapping[str, Value]) -> tuple[ProofNode, ...]:
+        columns = [column for column in clause.head if column in row]
+        return tuple(self._column(c, clause.terms[c], match, row[c]) for c in columns)
 
-    def step(self, step: Step, way: Way) -> Iterator[Node]:
+    def step(self, step: Step, match: Way) -> Iterator[ProofNode]:
         """Yield the node of a step that holds; none for a call that its expression explains."""
         span, text = step.span, step.span.text
-        given = tuple(
-            Node("value", name, values=(value_of(way, place),))
-            for name, place in step.gives.items()
-            if place in way
+        value_nodes = tuple(
+            ProofNode("value", name, values=(value_of(match, place),))
+            for name, place in step.bindings.items()
+            if place in match
         )
         if step.kind == "call" and step.call is not None:
             reads = tuple(
-                Node("read", term.span.text, values=(value_of(way, term.column),), span=term.span)
+                ProofNode(
+                    "read", term.span.text, values=(value_of(match, term.column),), span=term.span
+                )
                 for term in step.reads
-                if term.column in way
+                if term.column in match
             )
-            robot = value_of(way, step.call.arguments.get("robot_name", ""))
+            robot = value_of(match, step.call.arguments.get("robot_name", ""))
             is_input = step.call.predicate in INPUTS
-            is_others = is_input and isinstance(robot, str) and robot not in ("", self._robot)
-            yield Node(
+            is_foreign = is_input and isinstance(robot, str) and robot not in ("", self._robot)
+            yield ProofNode(
                 "call",
                 text,
-                f"{robot}'s {step.call.predicate.lower()}" if is_others else "",
+                f"{robot}'s {step.call.predicate.lower()}" if is_foreign else "",
                 holds=True,
                 span=span,
                 robot=robot if isinstance(robot, str) else "",
-                asked=None if is_input else ask_of(step.call, way),
-                children=reads if is_input else given,
+                query=None if is_input else ask_of(step.call, match),
+                children=reads if is_input else value_nodes,
             )
         elif step.kind == "element":
-            tested = tuple(node for term in step.terms[1:] for node in self.term(term, way))
-            yield Node("element", text, holds=True, span=span, children=(*given, *tested))
+            tests = tuple(node for term in step.terms[1:] for node in self.term(term, match))
+            yield ProofNode("element", text, holds=True, span=span, children=(*value_nodes, *tests))
         elif step.kind == "value":
-            gives, terms = step.gives.values(), [t for t in step.terms if t.kind != "literal"]
-            terms = [t for t in terms if t.kind != "variable" or t.column not in gives]
-            values = tuple(value_of(way, place) for place in step.gives.values() if place in way)
-            children = tuple(node for term in terms for node in self.reason(term, way))
-            if len(step.gives) != 1:
-                children = (*given, *children)
+            columns, terms = step.bindings.values(), [t for t in step.terms if t.kind != "literal"]
+            terms = [t for t in terms if t.kind != "variable" or t.column not in columns]
+            values = tuple(
+                value_of(match, place) for place in step.bindings.values() if place in match
+            )
+            children = tuple(node for term in terms for node in self.reason(term, match))
+            if len(step.bindings) != 1:
+                children = (*value_nodes, *children)
                 values = ()
-            yield Node("value", text, holds=True, values=values, span=span, children=children)
+            yield ProofNode("value", text, holds=True, values=values, span=span, children=children)
         elif step.kind == "condition":
-            children = tuple(node for term in step.terms for node in self.term(term, way))
-            yield Node("condition", text, holds=True, span=span, children=children)
+            children = tuple(node for term in step.terms for node in self.term(term, match))
+            yield ProofNode("condition", text, holds=True, span=span, children=children)
         elif step.kind == "denial":
-            inside = self.refuted(step.denied, way) if step.denied is not None else ()
-            text, said = negation(text, holds=True)
-            yield Node("denial", text, said, True, span=span, children=inside)
+            inner = self.refutation(step.denial, match) if step.denial is not None else ()
+            text, remark = negation(text, holds=True)
+            yield ProofNode("denial", text, remark, True, span=span, children=inner)
 
-    def refuted(self, body: Body, way: Way) -> tuple[Node, ...]:
-        return self._refute(body.clauses, body.arguments(way))
+    def refutation(self, body: Body, match: Way) -> tuple[ProofNode, ...]:
+        return self._refute(body.clauses, body.arguments(match))
 
-    def term(self, term: Term, way: Way) -> Iterator[Node]:
-        if term.kind == "literal" or term.column not in way:
+    def term(self, term: Term, match: Way) -> Iterator[ProofNode]:
+        if term.kind == "literal" or term.column not in match:
             return
-        value = value_of(way, term.column)
+        value = value_of(match, term.column)
         span, text = term.span, term.span.text
         if term.kind == "call" and term.call is not None:
-            asked = ask_of(term.call, way)
-            inner = tuple(node for part in term.parts for node in self.term(part, way))
-            yield Node("call", text, values=(value,), span=span, asked=asked, children=inner)
+            query = ask_of(term.call, match)
+            inner = tuple(node for part in term.parts for node in self.term(part, match))
+            yield ProofNode("call", text, values=(value,), span=span, query=query, children=inner)
             return
         is_truth = term.kind == "truth"
-        children = tuple(self.reason(term, way))
+        children = tuple(self.reason(term, match))
         if not (is_truth or children) and is_written(value, text):
             return
-        yield Node(
+        yield ProofNode(
             term.kind if term.kind in ("if", "coalesce", "aggregate") else "value",
             text,
             holds=bool(value) if is_truth else None,
@@ -126,186 +136,200 @@ class Telling:
             children=children,
         )
 
-    def reason(self, term: Term, way: Way) -> Iterator[Node]:
-        if term.kind in ("if", "coalesce") and any(each.column not in way for each in term.parts):
-            return  # which is chosen can't be told: a query shows only so many columns
+    def reason(self, term: Term, match: Way) -> Iterator[ProofNode]:
+        if term.kind in ("if", "coalesce") and any(part.column not in match for part in term.parts):
+            return  # the chosen part is unknown: a query has only so many columns
         if term.kind == "if":
-            yield from self._branch(term, way)
+            yield from self._branch(term, match)
         elif term.kind == "coalesce":
             for part in term.parts:
-                value = value_of(way, part.column)
+                value = value_of(match, part.column)
                 if value is not None:
-                    said = "is the first that is not null"
-                    span, inner = part.span, tuple(self.reason(part, way))
-                    yield Node("value", span.text, said, None, (value,), span=span, children=inner)
+                    remark = "is the first that is not null"
+                    span, inner = part.span, tuple(self.reason(part, match))
+                    yield ProofNode(
+                        "value", span.text, remark, None, (value,), span=span, children=inner
+                    )
                     break
-                yield from self.term(part, way)
+                yield from self.term(part, match)
         elif term.kind == "aggregate" and term.body is not None:
-            yield from self._aggregate(term.body, value_of(way, term.column), way)
+            yield from self._aggregate(term.body, value_of(match, term.column), match)
         elif term.kind == "call":
-            yield from self.term(term, way)
+            yield from self.term(term, match)
         elif term.kind == "record":
             for name, part in zip(term.names, term.parts, strict=True):
-                for node in self.term(part, way):
+                for node in self.term(part, match):
                     is_named = part.kind == "variable" and part.span.text == name
                     yield node if is_named else replace(node, text=f"{name}: {node.text}")
         elif term.kind != "field" or term.parts[0].kind != "variable":
             for part in term.parts:
-                yield from self.term(part, way)
+                yield from self.term(part, match)
 
     def contributors(
-        self, found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value, is_all: bool
-    ) -> tuple[Node, ...]:
-        if not found:
-            return (Node("note", AGGREGATES_NO_ROWS),)
-        name = found[0][1].operator
-        number = number_of(len(found), "row", is_all=is_all)
+        self, elements: Sequence[Element], result: Value, is_all: bool
+    ) -> tuple[ProofNode, ...]:
+        if not elements:
+            return (ProofNode("note", AGGREGATES_NO_ROWS),)
+        name = elements[0][1].operator
+        number = number_of(len(elements), "row", is_all=is_all)
         if name in DECIDED_BY_ONE:
-            best = winner(self._relations, self._queries, found, result, is_all=is_all)
-            if best is not None:
-                clause, collected, way = best
-                children = self.derivation(clause, way)
-                said = f"chosen from {number}" if len(found) > 1 else "is the only one"
-                if whose := self._whose(clause, way) if self._is_of_others([best]) else "":
-                    said = f"{whose}; {said}"
-                return (replace(self._element(collected, way, said), children=children),)
-        is_of_others = self._is_of_others(found[:_SHOWN_ELEMENTS])
+            decisive = winner(self._relations, self._queries, elements, result, is_all=is_all)
+            if decisive is not None:
+                clause, aggregate, match = decisive
+                children = self.derivation(clause, match)
+                remark = f"chosen from {number}" if len(elements) > 1 else "is the only one"
+                if owners := self._owners(clause, match) if self._has_foreign([decisive]) else "":
+                    remark = f"{owners}; {remark}"
+                return (replace(self._contributor(aggregate, match, remark), children=children),)
+        is_foreign = self._has_foreign(elements[:_SHOWN_ELEMENTS])
         nodes = tuple(
             replace(
-                self._element(one, way, self._whose(clause, way) if is_of_others else ""),
-                children=self.derivation(clause, way) if place < _TOLD_ELEMENTS else (),
+                self._contributor(
+                    aggregate, match, self._owners(clause, match) if is_foreign else ""
+                ),
+                children=self.derivation(clause, match) if index < _TOLD_ELEMENTS else (),
             )
-            for place, (clause, one, way) in enumerate(found[:_SHOWN_ELEMENTS])
+            for index, (clause, aggregate, match) in enumerate(elements[:_SHOWN_ELEMENTS])
         )
-        more = len(found) - len(nodes)
-        rest = (Node("note", f"and {more:,} more"),) if more else ()
-        return (Node("note", f"aggregates {number}", children=(*nodes, *rest)),)
+        excess = len(elements) - len(nodes)
+        omitted = (ProofNode("note", f"and {excess:,} more"),) if excess else ()
+        return (ProofNode("note", f"aggregates {number}", children=(*nodes, *omitted)),)
 
-    def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
+    def _column(self, name: str, term: Term, match: Way, value: Value) -> ProofNode:
         title = self._relations.label(self._predicate, name)
         if term.kind in ("literal", "variable"):
-            return Node("column", title, values=(value,))
+            return ProofNode("column", title, values=(value,))
         if term.kind == "call":
-            (node,) = self.term(term, way)
+            (node,) = self.term(term, match)
             return replace(node, kind="column", text=f"{title}: {node.text}", values=(value,))
-        children = tuple(self.reason(term, way))
+        children = tuple(self.reason(term, match))
         is_value = is_written(value, term.span.text)
         text = title if is_value else f"{title}: {term.span.text}"
-        return Node("column", text, values=(value,), span=term.span, children=children)
+        return ProofNode("column", text, values=(value,), span=term.span, children=children)
 
-    def _branch(self, term: Term, way: Way) -> Iterator[Node]:
+    def _branch(self, term: Term, match: Way) -> Iterator[ProofNode]:
         *branches, otherwise = term.parts
         for condition, value in zip(branches[::2], branches[1::2], strict=True):
-            holds = bool(value_of(way, condition.column))
-            for node in self.term(condition, way):
+            holds = bool(value_of(match, condition.column))
+            for node in self.term(condition, match):
                 yield replace(node, holds=holds)
             if holds:
-                yield self._taken(value, way)
+                yield self._branch_node(value, match)
                 return
-        yield self._taken(otherwise, way)
+        yield self._branch_node(otherwise, match)
 
-    def _taken(self, term: Term, way: Way) -> Node:
-        said = "this branch is taken"
+    def _branch_node(self, term: Term, match: Way) -> ProofNode:
+        remark = "this branch is taken"
         if term.kind == "call":
-            return replace(next(self.term(term, way)), said=said)
-        text, value = term.span.text or "null", value_of(way, term.column)
+            return replace(next(self.term(term, match)), remark=remark)
+        text, value = term.span.text or "null", value_of(match, term.column)
         values = () if is_written(value, text) else (value,)
-        children = tuple(self.reason(term, way))
-        return Node("value", text, said, values=values, span=term.span, children=children)
+        children = tuple(self.reason(term, match))
+        return ProofNode("value", text, remark, values=values, span=term.span, children=children)
 
-    def _aggregate(self, body: Body, result: Value, way: Way) -> Iterator[Node]:
-        found: list[tuple[Clause, AggregateInput, Way]] = []
-        given, most = body.arguments(way), MOST_ELEMENTS + 1
+    def _aggregate(self, body: Body, result: Value, match: Way) -> Iterator[ProofNode]:
+        elements: list[Element] = []
+        arguments, limit = body.arguments(match), MOST_ELEMENTS + 1
         for clause in body.clauses:
             sql = self._queries.get(clause.query)
-            if sql is None or not clause.collected:
-                yield Node("note", "its rows could not be queried")
+            if sql is None or not clause.aggregates:
+                yield ProofNode("note", "its rows could not be queried")
                 return
-            ways = self._relations.ways(sql, given, max_rows=most - len(found))
-            found += [(clause, clause.collected[0], inner) for inner in ways]
-        is_all = len(found) < most
-        if not found:
-            yield Node("note", AGGREGATES_NO_ROWS, children=self.refuted(body, way))
+            matches = self._relations.ways(sql, arguments, max_rows=limit - len(elements))
+            elements += [(clause, clause.aggregates[0], inner) for inner in matches]
+        is_all = len(elements) < limit
+        if not elements:
+            yield ProofNode("note", AGGREGATES_NO_ROWS, children=self.refutation(body, match))
             return
-        yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
+        yield from self.contributors(elements[:MOST_ELEMENTS], result, is_all)
 
-    def _robots(self, clause: Clause, way: Way) -> dict[str, dict[str, None]]:
+    def _robots(self, clause: Clause, match: Way) -> dict[str, dict[str, None]]:
         """Return what an element was read from, by robot."""
-        found: dict[str, dict[str, None]] = {}
+        readings: dict[str, dict[str, None]] = {}
         steps = [s for s in clause.steps if s.call and "robot_name" in s.call.arguments]
         reading = [s for s in steps if s.reads or (s.call and s.call.predicate not in INPUTS)]
         for call in (step.call for step in reading or steps):
-            robot = value_of(way, call.arguments["robot_name"]) if call else None
+            robot = value_of(match, call.arguments["robot_name"]) if call else None
             if call and isinstance(robot, str):
                 name = call.predicate
-                found.setdefault(robot, {})[name.lower() if name in INPUTS else name] = None
-        return found
+                readings.setdefault(robot, {})[name.lower() if name in INPUTS else name] = None
+        return readings
 
-    def _is_of_others(self, found: Sequence[tuple[Clause, AggregateInput, Way]]) -> bool:
-        return any(self._robots(clause, way).keys() - {self._robot} for clause, _, way in found)
+    def _has_foreign(self, elements: Sequence[Element]) -> bool:
+        return any(
+            self._robots(clause, match).keys() - {self._robot} for clause, _, match in elements
+        )
 
-    def _whose(self, clause: Clause, way: Way) -> str:
+    def _owners(self, clause: Clause, match: Way) -> str:
         """Return what an element was read from: ``Bo's memory``."""
-        robots = self._robots(clause, way)
-        others = {robot: what for robot, what in robots.items() if robot != self._robot}
-        return " and ".join(f"{r}'s {' and '.join(what)}" for r, what in (others or robots).items())
+        robots = self._robots(clause, match)
+        foreign = {robot: names for robot, names in robots.items() if robot != self._robot}
+        return " and ".join(
+            f"{r}'s {' and '.join(names)}" for r, names in (foreign or robots).items()
+        )
 
-    def _element(self, collected: AggregateInput, way: Way, said: str) -> Node:
-        value = value_of(way, collected.value)
-        by = f" -> {spell(value_of(way, collected.by), is_rounded=True)}" if collected.by else ""
-        span = collected.term.span if collected.term is not None else None
-        text = span.text if span is not None else collected.operator
-        return Node("contributor", f"{text}{by}", said, True, (value,), span=span)
+    def _contributor(self, aggregate: AggregateInput, match: Way, remark: str) -> ProofNode:
+        value = value_of(match, aggregate.value)
+        key = (
+            f" -> {spell(value_of(match, aggregate.key), is_rounded=True)}" if aggregate.key else ""
+        )
+        span = aggregate.term.span if aggregate.term is not None else None
+        text = span.text if span is not None else aggregate.operator
+        return ProofNode("contributor", f"{text}{key}", remark, True, (value,), span=span)
 
 
-def grouped(nodes: Sequence[Node], taken: Sequence[Span]) -> list[Node]:
+def group_alternatives(
+    nodes: Sequence[ProofNode], alternatives: Sequence[SourceSpan]
+) -> list[ProofNode]:
     """Put the nodes of each alternative that holds under a node of its own."""
-    found = [*nodes]
-    for span in reversed(taken):
-        inside = [n for n in found if n.span is not None and span.holds(n.span)]
-        if inside:
-            first = found.index(inside[0])
-            found = [node for node in found if node not in inside]
-            chosen = Node("alternative", span.text, "this alternative holds", True, span=span)
-            found.insert(first, replace(chosen, children=tuple(inside)))
-    return found
+    result = [*nodes]
+    for span in reversed(alternatives):
+        inner = [n for n in result if n.span is not None and span.holds(n.span)]
+        if inner:
+            first = result.index(inner[0])
+            result = [node for node in result if node not in inner]
+            alternative = ProofNode(
+                "alternative", span.text, "this alternative holds", True, span=span
+            )
+            result.insert(first, replace(alternative, children=tuple(inner)))
+    return result
 
 
 def winner(
     relations: Relations,
     queries: Mapping[str, str],
-    found: Sequence[tuple[Clause, AggregateInput, Way]],
+    elements: Sequence[Element],
     result: Value,
     *,
     is_all: bool = True,
-) -> tuple[Clause, AggregateInput, Way] | None:
+) -> Element | None:
     """Return the element that determines an aggregate's result; raise FailureError."""
     for are_equal in (operator.eq, same, alike):
-        equal = [each for each in found if are_equal(value_of(each[2], each[1].value), result)]
+        equal = [e for e in elements if are_equal(value_of(e[2], e[1].value), result)]
         if equal:
             break
     else:
         return None
-    if not equal[0][1].by:
+    if not equal[0][1].key:
         return equal[0] if result is not None else None
     if not is_all:
         return None  # another one may have the better key
     aggregate = "arg_min" if equal[0][1].operator == "ArgMin" else "arg_max"
-    columns = {(queries.get(clause.query, ""), one.by) for clause, one, _ in equal}
-    keys = [way.get(one.by) for _, one, way in equal]
+    columns = {(queries.get(clause.query, ""), aggregate.key) for clause, aggregate, _ in equal}
+    keys = [match.get(aggregate.key) for _, aggregate, match in equal]
     best = relations.chosen_key(aggregate, columns, keys)
     return None if best is None else equal[best]
 
 
-def value_of(way: Way, place: str) -> Value:
-    return from_sql(way.get(place))
+def value_of(match: Way, place: str) -> Value:
+    return from_sql(match.get(place))
 
 
-def ask_of(call: Call, way: Way) -> Ask:
-    """Return the question which rows a call matches in one way."""
-    places = {column: place for column, place in call.arguments.items() if place in way}
-    given = {column: value_of(way, place) for column, place in places.items()}
-    return Ask(call.predicate, given, call.within)
+def ask_of(call: PredicateCall, match: Way) -> Ask:
+    """Return the question which rows a call matches in a derivation."""
+    places = {column: place for column, place in call.arguments.items() if place in match}
+    values = {column: value_of(match, place) for column, place in places.items()}
+    return Ask(call.predicate, values, call.within)
 
 
 def is_written(value: Value, text: str) -> bool:
@@ -324,7 +348,7 @@ def negation(text: str, *, holds: bool) -> tuple[str, str]:
     return f"not: {text}", ""
 
 
-def number_of(number: int, what: str, *, is_all: bool) -> str:
-    more = "" if is_all else " or more"
-    ending = "" if number == 1 else "es" if what.endswith("ch") else "s"
-    return f"{number:,}{more} {what}{ending}"
+def number_of(number: int, noun: str, *, is_all: bool) -> str:
+    suffix = "" if is_all else " or more"
+    ending = "" if number == 1 else "es" if noun.endswith("ch") else "s"
+    return f"{number:,}{suffix} {noun}{ending}"

@@ -14,12 +14,18 @@ from logical_robots_tui.explain.why.explanation import (
     Ask,
     Explanation,
     Proof,
-    Source,
     Subject,
+    ValueSource,
     read_call,
 )
 from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
-from logical_robots_tui.explain.why.probing import Call, Clause, Probing, Span, decompose
+from logical_robots_tui.explain.why.probing import (
+    Clause,
+    PredicateCall,
+    Probing,
+    SourceSpan,
+    decompose,
+)
 from logical_robots_tui.explain.why.proving import explain, prove
 from logical_robots_tui.explain.why.sourcing import source_of
 from logical_robots_tui.language.diagnostics import QueryError
@@ -71,7 +77,7 @@ class Explainer:
         """Let another event end the questions from now on."""
         self._budget.stop = stop
 
-    def why(self, asked: Ask = _ROBOT) -> Explanation:
+    def why(self, query: Ask = _ROBOT) -> Explanation:
         """Explain a predicate's rows, or their absence.
 
         Rows are those of the robot, where there is a column ``robot_name`` with no other value.
@@ -79,54 +85,59 @@ class Explainer:
         Raises:
             QueryError: There is no such predicate or column, arguments are missing, or it failed.
         """
-        return explain(self._derivations, self._about(asked))
+        return explain(self._derivations, self._with_robot(query))
 
-    def proof(self, asked: Ask = _ROBOT, *, depth: int = 100, nodes: int = 10_000) -> Proof:
+    def proof(self, query: Ask = _ROBOT, *, depth: int = 100, nodes: int = 10_000) -> Proof:
         """Prove a row down to sensors and memories, up to `depth` predicates and `nodes` nodes.
 
         Raises QueryError as `why` does.
         """
-        return prove(self._derivations, self._about(asked), depth=depth, nodes=nodes)
+        return prove(self._derivations, self._with_robot(query), depth=depth, nodes=nodes)
 
-    def nearest(self, asked: Ask = _ROBOT) -> list[tuple[Span, Suggestion]]:
+    def nearest(self, query: Ask = _ROBOT) -> list[tuple[SourceSpan, Suggestion]]:
         """Return changes that would give rules the row, smallest first; raise QueryError.
 
-        What is asked for within a predicate made with ``:=`` has none.
+        There are none within a predicate made with ``:=``.
         """
-        if asked.within:
+        if query.within:
             return []
-        given = self._about(asked).given
-        nearest = Nearest(self._program, self._derivations, given, self._limits)
-        probing = self._decompose(asked.predicate, "")
-        return [(rule.span, each) for rule in probing.rules for each in nearest.of(probing, rule)]
+        values = self._with_robot(query).given
+        nearest = Nearest(self._program, self._derivations, values, self._limits)
+        probing = self._decompose(query.predicate, "")
+        return [
+            (rule.span, suggestion)
+            for rule in probing.rules
+            for suggestion in nearest.suggestions(probing, rule)
+        ]
 
     def calls(self, function: str) -> ResultTable:
         """Return a function's distinct calls, arguments and results; raise QueryError."""
-        known = self._program.predicate(function)
-        if known is None or not known.is_function:
+        entry = self._program.predicate(function)
+        if entry is None or not entry.is_function:
             raise QueryError(f"{function} is not a function of this program.")
         self._budget.renew()
         uses = self._program.uses
         callers = {
-            name: [p for p, used in uses.items() if name in used and p != name] for name in uses
+            name: [p for p, callees in uses.items() if name in callees and p != name]
+            for name in uses
         }
-        most, probing = self._limits.rows, self._decompose(function, "")
-        calls = _Calls(callers, self._derivations, most + 1)
-        found: list[tuple[Value, ...]] = []
+        limit, probing = self._limits.rows, self._decompose(function, "")
+        calls = _Calls(callers, self._derivations, limit + 1)
+        rows: list[tuple[Value, ...]] = []
         try:
-            for given in calls.arguments(function, 0):
-                arguments = {column: given.get(column) for column in probing.given}
-                found += [tuple(r.values()) for r in self._derivations.rows(probing, arguments)]
-                if len(found) > most:
+            for values in calls.arguments(function, 0):
+                arguments = {column: values.get(column) for column in probing.parameters}
+                rows += [tuple(r.values()) for r in self._derivations.rows(probing, arguments)]
+                if len(rows) > limit:
                     break
         except FailureError as failure:
             raise QueryError(f"The calls of {function} can't be listed: {failure}.") from None
         labels = tuple(self._program.label(function, column) for column in probing.columns)
-        return ResultTable(labels, tuple(found[:most]), truncated=len(found) > most)
+        return ResultTable(labels, tuple(rows[:limit]), truncated=len(rows) > limit)
 
-    def source(self, subject: Subject) -> Source:
+    def source(self, subject: Subject) -> ValueSource:
         """Return what a value was made from; QueryError if there is no such value."""
-        return source_of(self._derivations, replace(subject, asked=self._about(subject.asked)))
+        return source_of(self._derivations, replace(subject, query=self._with_robot(subject.query)))
 
     def _decompose(self, predicate: str, within: str) -> Probing:
         key = predicate, within
@@ -136,13 +147,13 @@ class Explainer:
             )
         return self._decomposed[key]
 
-    def _about(self, asked: Ask) -> Ask:
+    def _with_robot(self, query: Ask) -> Ask:
         """Return the question about this robot, unless it names another one."""
         self._budget.renew()
-        probing = self._decompose(asked.predicate, asked.within)
-        if "robot_name" in probing.columns and "robot_name" not in probing.given:
-            return replace(asked, given={"robot_name": self._robot, **asked.given})
-        return asked
+        probing = self._decompose(query.predicate, query.within)
+        if "robot_name" in probing.columns and "robot_name" not in probing.parameters:
+            return replace(query, given={"robot_name": self._robot, **query.given})
+        return query
 
 
 def read_ask(program: Program, text: str, within: str = "") -> Ask:
@@ -152,9 +163,9 @@ def read_ask(program: Program, text: str, within: str = "") -> Ask:
         ProgramError: It is not a predicate with values.
         QueryError: There is no such predicate or column, or arguments are missing.
     """
-    asked = read_call(text, within)
-    probing = decompose(program, asked.predicate, within)
-    return replace(asked, given=check_given(asked, probing, program.label))
+    query = read_call(text, within)
+    probing = decompose(program, query.predicate, within)
+    return replace(query, given=check_given(query, probing, program.label))
 
 
 _MOST_WAYS = 1_000
@@ -162,50 +173,50 @@ _DEEPEST = 20  # functions that call functions
 
 
 class _Calls:
-    """Finds the arguments of functions, at most `most` of each, from the derivations of callers."""
+    """Finds the arguments of functions, up to `limit` each, from the derivations of callers."""
 
     def __init__(
-        self, callers: Mapping[str, Sequence[str]], derivations: Derivations, most: int
+        self, callers: Mapping[str, Sequence[str]], derivations: Derivations, limit: int
     ) -> None:
-        self._callers, self._derivations, self._most = callers, derivations, most
-        self._known: dict[str, list[Row]] = {}
+        self._callers, self._derivations, self._limit = callers, derivations, limit
+        self._arguments: dict[str, list[Row]] = {}
 
     def arguments(self, name: str, depth: int) -> list[Row]:
-        if name in self._known or depth > _DEEPEST:
-            return self._known.get(name, [])
-        self._known[name] = []
-        needed = self._derivations.decompose(name, "").given
-        found: dict[str, Row] = {}
+        if name in self._arguments or depth > _DEEPEST:
+            return self._arguments.get(name, [])
+        self._arguments[name] = []
+        parameters = self._derivations.decompose(name, "").parameters
+        distinct: dict[str, Row] = {}
         for caller in self._callers.get(name, ()):
             probing = self._derivations.decompose(caller, "")
-            for context in self.arguments(caller, depth + 1) if probing.given else ({},):
+            for context in self.arguments(caller, depth + 1) if probing.parameters else ({},):
                 self._derivations.prepare(probing)
                 clauses = [clause for rule in probing.rules for clause in rule.clauses]
-                for call, way in self._calls(clauses, probing, probing.arguments(context), name):
-                    values = {c: v for c, v in ask_of(call, way).given.items() if c in needed}
-                    found.setdefault(json.dumps(values, sort_keys=True), values)
-                if len(found) >= self._most:
+                for call, match in self._calls(clauses, probing, probing.arguments(context), name):
+                    values = {c: v for c, v in ask_of(call, match).given.items() if c in parameters}
+                    distinct.setdefault(json.dumps(values, sort_keys=True), values)
+                if len(distinct) >= self._limit:
                     break
-        self._known[name] = list(found.values())
-        return self._known[name]
+        self._arguments[name] = list(distinct.values())
+        return self._arguments[name]
 
     def _calls(
-        self, clauses: Sequence[Clause], probing: Probing, given: Sequence[Scalar], name: str
-    ) -> Iterator[tuple[Call, Way]]:
+        self, clauses: Sequence[Clause], probing: Probing, arguments: Sequence[Scalar], name: str
+    ) -> Iterator[tuple[PredicateCall, Way]]:
         for clause in clauses:
             calls = [s.call for s in clause.steps if s.call and s.call.predicate == name]
-            bodies = [step.denied for step in clause.steps if step.denied]
+            bodies = [step.denial for step in clause.steps if step.denial]
             bodies += [term.body for term in clause.all_terms() if term.body]
             sql = probing.queries.get(clause.query)
             if sql is None or not (calls or bodies):
                 continue
             try:
-                ways = self._derivations.relations.ways(sql, given, max_rows=_MOST_WAYS)
+                matches = self._derivations.relations.ways(sql, arguments, max_rows=_MOST_WAYS)
             except FailureError as failure:
                 if failure.is_slow:
                     raise
                 continue
-            for way in ways:
-                yield from ((call, way) for call in calls)
+            for match in matches:
+                yield from ((call, match) for call in calls)
                 for body in bodies:
-                    yield from self._calls(body.clauses, probing, body.arguments(way), name)
+                    yield from self._calls(body.clauses, probing, body.arguments(match), name)

@@ -1,4 +1,4 @@
-"""What is asked for and what is answered: questions, trees that say why, sources of values."""
+"""Questions and answers: which rows to explain, trees that say why, sources of values."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from logical_robots_tui.schema import VALUE, ray_angle
 from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain.why.probing import Span
+    from logical_robots_tui.explain.why.probing import SourceSpan
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,18 +37,18 @@ class Ask:
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class ProofNode:
     """One statement of an explanation.
 
     Attributes:
         kind: ``column`` of the rule's row, ``contributor`` to an aggregate, ``read`` from a
             sensor or a memory, ``instance`` of a call with other arguments; the others by name.
         text: The subject, often a piece of the program in one line.
-        said: The remark on it, or "".
-        holds: Whether it gave something; None if that is not a question.
-        values: Its value; several are examples from several ways.
-        more: How many more values there are.
-        asked: The question one step deeper.
+        remark: A remark on it, or "".
+        holds: Whether it holds or has rows; None where neither applies.
+        values: Its value; several are examples from several derivations.
+        excess: How many more values there are.
+        query: The question one step deeper.
     """
 
     kind: Literal[
@@ -69,42 +69,42 @@ class Node:
         "note",
     ]
     text: str
-    said: str = ""
+    remark: str = ""
     holds: bool | None = None
     values: tuple[Value, ...] = ()
-    more: int = 0
-    span: Span | None = None
+    excess: int = 0
+    span: SourceSpan | None = None
     robot: str = ""
-    asked: Ask | None = None
-    children: tuple[Node, ...] = ()
+    query: Ask | None = None
+    children: tuple[ProofNode, ...] = ()
 
     @property
     def ray(self) -> float | None:
         """The angle of the ray that is its first value, or None."""
         return ray_angle(self.values[0]) if self.values else None
 
-    def walk(self, depth: int = 0) -> Iterator[tuple[int, Node]]:
-        waiting = [(depth, self)]
-        while waiting:
-            at, node = waiting.pop()
-            yield at, node
-            waiting.extend((at + 1, child) for child in reversed(node.children))
+    def walk(self, depth: int = 0) -> Iterator[tuple[int, ProofNode]]:
+        stack = [(depth, self)]
+        while stack:
+            node_depth, node = stack.pop()
+            yield node_depth, node
+            stack.extend((node_depth + 1, child) for child in reversed(node.children))
 
 
 @dataclass(frozen=True, slots=True)
-class RuleFound:
+class RuleOutcome:
     """What a rule gave: its number of rows up to a limit, None if unknown.
 
     Attributes:
         row: The first of the rows, if this rule gives it or contributes to its aggregates.
-        stopped_by: The part that no way got past, if it gives no row.
+        stopped_by: The part that no derivation got past, if it gives no row.
     """
 
-    span: Span
+    span: SourceSpan
     rows: int | None
     row: Mapping[str, Value] | None
-    stopped_by: Node | None
-    node: Node
+    stopped_by: ProofNode | None
+    node: ProofNode
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,15 +116,15 @@ class Explanation:
         rows: How many rows have the given values, up to a limit; `row` is the first.
     """
 
-    asked: Ask
+    query: Ask
     robot: str
     made_from: str
     rows: int
     row: Mapping[str, Value] | None
-    rules: tuple[RuleFound, ...]
+    rules: tuple[RuleOutcome, ...]
 
     @property
-    def nodes(self) -> tuple[Node, ...]:
+    def nodes(self) -> tuple[ProofNode, ...]:
         return tuple(rule.node for rule in self.rules)
 
     def __str__(self) -> str:
@@ -132,7 +132,7 @@ class Explanation:
         return "\n".join(
             f"{'  ' * depth}{marks[node.holds]} {node.text}"
             + (f" = {' or '.join(map(spell, node.values))}" if node.values else "")
-            + (f"  ({node.said})" if node.said else "")
+            + (f"  ({node.remark})" if node.remark else "")
             for rule in self.nodes
             for depth, node in rule.walk()
         )
@@ -147,7 +147,7 @@ class Proof:
     """
 
     explanation: Explanation
-    nodes: tuple[Node, ...]
+    nodes: tuple[ProofNode, ...]
     complete: bool
     is_cut: bool = False
 
@@ -158,7 +158,7 @@ Path: TypeAlias = "tuple[str | int, ...]"
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """A value whose source is asked for, in a predicate's first such row.
+    """A value to trace, in the first row that answers a query.
 
     Attributes:
         column: The column of the row; "" for the only one that is not given.
@@ -167,19 +167,19 @@ class Subject:
         value: The value of the expression or variable, which tells elements apart.
     """
 
-    asked: Ask = field(default_factory=Ask)
+    query: Ask = field(default_factory=Ask)
     column: str = "memory"
     path: Path = ()
-    span: Span | None = None
+    span: SourceSpan | None = None
     variable: str = ""
     value: Value = None
 
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """Something that was read from a robot's sensor or memory; of a ray, all of it."""
+    """A value read from a robot's sensor or memory; a ray is read as a whole."""
 
-    what: Literal["sensor", "memory"]
+    kind: Literal["sensor", "memory"]
     robot: str
     path: Path
     value: Value
@@ -189,12 +189,12 @@ class Read:
 class Condition:
     """A condition that chose a branch."""
 
-    span: Span
+    span: SourceSpan
     holds: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class ValueSource:
     """A value and what it was made from.
 
     Attributes:
@@ -204,33 +204,33 @@ class Source:
         read: What was read, if it was only read.
         inputs: Distinct values that it was made from; of a constant in a fact, the keys of the
             join that chose the fact.
-        more: How many more there are.
+        excess: How many more there are.
         decided_by: What the conditions that chose a constant depend on.
-        is_constant: Whether the program says the value itself.
+        is_constant: Whether the value is written in the program.
     """
 
     name: str
     value: Value
-    span: Span | None = None
-    rule: Span | None = None
+    span: SourceSpan | None = None
+    rule: SourceSpan | None = None
     read: Read | None = None
     conditions: tuple[Condition, ...] = ()
-    inputs: tuple[Source, ...] = ()
-    more: int = 0
-    decided_by: tuple[Source, ...] = ()
+    inputs: tuple[ValueSource, ...] = ()
+    excess: int = 0
+    decided_by: tuple[ValueSource, ...] = ()
     is_constant: bool = False
 
 
 def part_of(value: Value, path: Path) -> Value:
     """Return a part of a value, or raise QueryError."""
-    for place, name in enumerate(path):
+    for index, name in enumerate(path):
         if isinstance(value, dict) and name in value:
             value = value[str(name)]
         elif isinstance(value, list) and isinstance(name, int) and -len(value) <= name < len(value):
             value = value[name]
         else:
-            here = ".".join(map(str, path[:place])) or "This value"
-            raise QueryError(f"{here} has no part {name}{_parts_of(value)}.")
+            parent = ".".join(map(str, path[:index])) or "This value"
+            raise QueryError(f"{parent} has no part {name}{_parts_of(value)}.")
     return value
 
 
@@ -242,24 +242,24 @@ def _parts_of(value: Value) -> str:
     return f"; it is {spell(value)}"
 
 
-def spell_call(asked: Ask) -> str:
+def spell_call(query: Ask) -> str:
     """Return a question as a call: ``Speed(200)``, ``Kind(object: "wall")``, ``F(1) == 2``."""
-    given = dict(asked.given)
-    result = f" == {spell(given.pop(VALUE))}" if VALUE in given else ""
+    values = dict(query.given)
+    result = f" == {spell(values.pop(VALUE))}" if VALUE in values else ""
     arguments = []
-    for place, (column, value) in enumerate(given.items()):
-        is_in_place = column == f"col{place}"
+    for index, (column, value) in enumerate(values.items()):
+        is_in_place = column == f"col{index}"
         name = column.removeprefix("col") if column[3:].isdigit() else column
         arguments.append(spell(value) if is_in_place else f"{name}: {spell(value)}")
-    return f"{asked.predicate}({', '.join(arguments)}){result}"
+    return f"{query.predicate}({', '.join(arguments)}){result}"
 
 
-def unlike_types(one: Value, other: Value) -> str:
-    """Return that two values differ in nothing but that one is a text, or ""."""
-    if isinstance(one, str) == isinstance(other, str):
+def type_difference(left: Value, right: Value) -> str:
+    """Return a sentence if two values differ only in that one is a text; else ""."""
+    if isinstance(left, str) == isinstance(right, str):
         return ""
-    text, value = (one, other) if isinstance(one, str) else (other, one)
-    with suppress(ValueError):
+    text, value = (left, right) if isinstance(left, str) else (right, left)
+    with suppress(ValueError, RecursionError):
         if read_value(str(text)) == value:
             return f"string {spell(text)} is not {_kind(value)}{spell(value)}"
     return ""
@@ -274,7 +274,7 @@ def _kind(value: Value) -> str:
 
 
 def read_call(text: str, within: str = "") -> Ask:
-    """Return the question that a predicate with values is. Blocks.
+    """Read a predicate with values as a question. Blocks.
 
     Raises:
         ProgramError: It is something else.

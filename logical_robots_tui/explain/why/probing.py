@@ -51,7 +51,7 @@ TermKind: TypeAlias = Literal[
 
 
 @dataclass(frozen=True, slots=True)
-class Span:
+class SourceSpan:
     """A piece of a program's text: offsets from `start` to before `stop`, `line` from 1."""
 
     start: int
@@ -59,12 +59,12 @@ class Span:
     line: int
     text: str
 
-    def holds(self, other: Span) -> bool:
-        return self.start <= other.start and other.stop <= self.stop
+    def holds(self, inner: SourceSpan) -> bool:
+        return self.start <= inner.start and inner.stop <= self.stop
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class PredicateCall:
     """A call of the program's predicate.
 
     Attributes:
@@ -86,13 +86,13 @@ class AggregateInput:
     Attributes:
         column: The column of the head that holds the result.
         value: The column of the query with an element's value.
-        by: The column that an element is chosen by, for ``value -> by``; else "".
+        key: The column that an element is chosen by, for ``value -> key``; else "".
     """
 
     column: str
     operator: str
     value: str
-    by: str = ""
+    key: str = ""
     term: Term | None = None
 
 
@@ -100,16 +100,16 @@ class AggregateInput:
 class Body:
     """The body of an aggregate or of a negation.
 
-    `given` maps columns of the table of given values to columns of the outer query.
+    `outer_columns` maps columns of the table of given values to columns of the outer query.
     """
 
-    span: Span
-    given: Mapping[str, str]
+    span: SourceSpan
+    outer_columns: Mapping[str, str]
     clauses: tuple[Clause, ...]
 
-    def arguments(self, way: Mapping[str, Scalar]) -> list[Scalar]:
-        """Return the given values in one way of the outer query."""
-        return [way.get(place) for place in self.given.values()]
+    def arguments(self, match: Mapping[str, Scalar]) -> list[Scalar]:
+        """Return the given values for a row of the outer query."""
+        return [match.get(column) for column in self.outer_columns.values()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,11 +127,11 @@ class Term:
     """
 
     kind: TermKind
-    span: Span
+    span: SourceSpan
     column: str = ""
     parts: tuple[Term, ...] = ()
     names: tuple[str, ...] = ()
-    call: Call | None = None
+    call: PredicateCall | None = None
     body: Body | None = None
 
     def walk(self) -> Iterator[Term]:
@@ -145,12 +145,12 @@ class Misread:
     """An operator with an equation as a side: ``short = distance < 60``.
 
     Attributes:
-        meant: What would have to be in parentheses, or None if nothing would.
+        correction: What to put in parentheses, or None.
     """
 
     operator: str
     sides: tuple[Term, Term]
-    meant: Span | None = None
+    correction: SourceSpan | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,59 +160,59 @@ class Step:
     Attributes:
         kind: ``value`` binds a variable, ``element`` iterates a list, ``function`` is a call
             inside an expression; the others by name.
-        query: Name of the query for the ways in which all steps up to this one hold.
-        gives: The columns of the variables that it binds, by name.
+        query: Name of the query for the derivations of all steps up to this one.
+        bindings: The columns of the variables that it binds, by name.
         terms: The terms that it compares or computes.
         reads: What the clause reads of a call of ``Sensor`` or ``Memory``.
     """
 
     kind: Literal["call", "condition", "value", "element", "denial", "function"]
-    span: Span
+    span: SourceSpan
     query: str
-    gives: Mapping[str, str] = field(default_factory=dict)
+    bindings: Mapping[str, str] = field(default_factory=dict)
     terms: tuple[Term, ...] = ()
-    call: Call | None = None
-    denied: Body | None = None
+    call: PredicateCall | None = None
+    denial: Body | None = None
     reads: tuple[Term, ...] = ()
     misread: Misread | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """A body with one choice of alternatives (`taken`), and a query for its derivations.
+    """A body with one choice of `alternatives`, and a query for its derivations.
 
     Attributes:
-        before: Name of the query before any step.
+        start_query: Name of the query before any step.
         steps: In order of evaluation: text order as far as variables are bound.
         head, terms: The query's column, and the expression, of each column not aggregated.
-        given: The column of given values for each column of the query that is given.
+        parameters: The column of given values for each column of the query that is given.
     """
 
-    taken: tuple[Span, ...]
-    before: str
+    alternatives: tuple[SourceSpan, ...]
+    start_query: str
     steps: tuple[Step, ...]
     head: Mapping[str, str] = field(default_factory=dict)
     terms: Mapping[str, Term] = field(default_factory=dict)
-    collected: tuple[AggregateInput, ...] = ()
-    given: Mapping[str, str] = field(default_factory=dict)
+    aggregates: tuple[AggregateInput, ...] = ()
+    parameters: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def query(self) -> str:
-        return self.steps[-1].query if self.steps else self.before
+        return self.steps[-1].query if self.steps else self.start_query
 
     def all_terms(self) -> Iterator[Term]:
-        """Yield all expressions, also within others, but not those of bodies within."""
-        found = [each.term for each in self.collected if each.term is not None]
-        found[:0] = self.terms.values()
+        """Yield all expressions and their subterms, except those in inner bodies."""
+        terms = [aggregate.term for aggregate in self.aggregates if aggregate.term is not None]
+        terms[:0] = self.terms.values()
         for step in reversed(self.steps):
-            found[:0] = (*step.terms, *step.reads, *(step.call.terms.values() if step.call else ()))
-        for term in found:
+            terms[:0] = (*step.terms, *step.reads, *(step.call.terms.values() if step.call else ()))
+        for term in terms:
             yield from term.walk()
 
 
 @dataclass(frozen=True, slots=True)
 class RuleParts:
-    span: Span
+    span: SourceSpan
     clauses: tuple[Clause, ...]
 
 
@@ -224,16 +224,16 @@ class Probing:
         within: The predicate made with ``:=`` whose copy of the rules is meant, or "".
         name: The name of that copy, or `predicate`.
         made_from: The predicate whose rules ``:=`` copied, or "".
-        given: The required columns, if it is a function.
-        distinct: Whether equal rows are merged.
+        parameters: The required columns, if it is a function.
+        is_distinct: Whether equal rows are merged.
         queries: SQL by name, where SQLite can prepare it.
         rows: Name of the query for a function's rows; else "".
         tables: The table that holds the rows of each called predicate.
         sources: SQL for the rows of predicates where the program has none.
         recursive: The predicates that are mutually recursive with this one: their names in the
             program, and the made predicates of their copies.
-        founded: Whether earlier rows can explain rows of these.
-        later: Queries that are compiled when one of them is asked for, in groups.
+        is_founded: Whether earlier rows can explain rows of these.
+        lazy_groups: Groups of queries; a group is compiled when one of them is needed.
     """
 
     predicate: str
@@ -241,44 +241,48 @@ class Probing:
     name: str
     made_from: str
     columns: tuple[str, ...]
-    given: tuple[str, ...]
-    distinct: bool
+    parameters: tuple[str, ...]
+    is_distinct: bool
     rules: tuple[RuleParts, ...]
     queries: Mapping[str, str]
     rows: str = ""
     tables: Mapping[str, str] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
     recursive: Mapping[str, tuple[str, str]] = field(default_factory=dict)
-    founded: bool = True
-    later: tuple[tuple[str, ...], ...] = ()
+    is_founded: bool = True
+    lazy_groups: tuple[tuple[str, ...], ...] = ()
 
-    def arguments(self, given: Mapping[str, Value]) -> list[Scalar]:
+    def arguments(self, values: Mapping[str, Value]) -> list[Scalar]:
         """Return the values of the required columns, null where none is given."""
-        return [to_sql(given.get(column)) for column in self.given]
+        return [to_sql(values.get(column)) for column in self.parameters]
 
 
 class _Queries(Mapping[str, str]):
-    """A predicate's queries; `compiled` returns those of a group of later ones."""
+    """A predicate's queries; `compile_group` returns those of a lazy group."""
 
     def __init__(
-        self, probing: Probing, compiled: Callable[[tuple[str, ...]], Mapping[str, str]]
+        self, probing: Probing, compile_group: Callable[[tuple[str, ...]], Mapping[str, str]]
     ) -> None:
-        self._known = dict(probing.queries)
-        self._later = {query: group for group in probing.later for query in group}
-        self._compiled = compiled
+        self._queries = dict(probing.queries)
+        self._lazy_groups = {query: group for group in probing.lazy_groups for query in group}
+        self._compile = compile_group
 
     def __getitem__(self, query: str) -> str:
-        group = self._later.get(query)
+        group = self._lazy_groups.get(query)
         if group is not None:
-            self._known |= self._compiled(group)
-            self._later = {each: of for each, of in self._later.items() if of is not group}
-        return self._known[query]
+            self._queries |= self._compile(group)
+            self._lazy_groups = {
+                name: lazy_group
+                for name, lazy_group in self._lazy_groups.items()
+                if lazy_group is not group
+            }
+        return self._queries[query]
 
     def __iter__(self) -> Iterator[str]:
-        return iter({**self._known, **self._later})
+        return iter({**self._queries, **self._lazy_groups})
 
     def __len__(self) -> int:
-        return len({**self._known, **self._later})
+        return len({**self._queries, **self._lazy_groups})
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,14 +316,14 @@ class CompileClauses(Decompose, frozen=True):
     queries: tuple[str, ...]
 
 
-def _without_rules(program: Program, predicate: str) -> str:
+def _no_rules_message(program: Program, predicate: str) -> str:
     if predicate == "Sensor":
         return "Sensor has no rules: its rows are what the robots sense."
     if predicate == "Memory":
         return "Memory has no rules: its rows are what the robots remembered in the tick before."
     if program.predicate(predicate) is not None:
         return f"{predicate} comes with the game; the program has no rules for it."
-    close = closest(predicate, (each.name for each in program.predicates))
+    close = closest(predicate, (entry.name for entry in program.predicates))
     return f"The program has no rules for {predicate}{f'; did you mean {close}?' if close else '.'}"
 
 
@@ -333,28 +337,32 @@ def decompose(
 ) -> Probing:
     """Decompose the rules of a predicate; results are cached. Blocks.
 
-    `stop` returns what stops it, and later queries of what it returns, which block, too.
+    `stop` returns the event that stops it, or a lazy group's compilation, which blocks, too.
 
     Raises:
         QueryError: There is no such predicate, or it can't be computed.
         Stopped: `stop` was set.
     """
-    known = program.predicate(predicate)
-    if known is None or known.kind != "program":
-        raise QueryError(_without_rules(program, predicate))
-    if not (known.has_rows or known.is_function or within):
-        raise QueryError(known.reason)
+    entry = program.predicate(predicate)
+    if entry is None or entry.kind != "program":
+        raise QueryError(_no_rules_message(program, predicate))
+    if not (entry.has_rows or entry.is_function or within):
+        raise QueryError(entry.reason)
     parts = program.text, predicate, within, program.kinds
     try:
         probing = compile_task(Decompose(*parts), Probing, stop=stop(), limits=limits)
     except ProgramError as error:
         raise QueryError(f"{predicate} can't be explained: {error}") from None
 
-    def compiled(group: tuple[str, ...]) -> Mapping[str, str]:
+    def compile_group(group: tuple[str, ...]) -> Mapping[str, str]:
         task = CompileClauses(*parts, group)
         try:
             return compile_task(task, dict[str, str], stop=stop(), limits=limits)
         except ProgramError:
-            return {}  # each of them answers that it can't be asked
+            return {}  # the answer to each of them is that it can't be asked
 
-    return replace(probing, queries=_Queries(probing, compiled)) if probing.later else probing
+    return (
+        replace(probing, queries=_Queries(probing, compile_group))
+        if probing.lazy_groups
+        else probing
+    )

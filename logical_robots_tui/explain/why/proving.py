@@ -1,4 +1,4 @@
-"""Why a predicate has a row, or none: one derivation of the row, or where each rule ends."""
+"""Why a predicate has a row, or none: one derivation of the row, or where each rule fails."""
 
 from __future__ import annotations
 
@@ -15,59 +15,64 @@ from logical_robots_tui.explain.why.derivations import (
     check_given,
     is_aggregated,
 )
-from logical_robots_tui.explain.why.deriving import AGGREGATES_NO_ROWS, MOST_ELEMENTS, number_of
+from logical_robots_tui.explain.why.deriving import (
+    AGGREGATES_NO_ROWS,
+    MOST_ELEMENTS,
+    Element,
+    number_of,
+)
 from logical_robots_tui.explain.why.explanation import (
     Ask,
     Explanation,
-    Node,
     Proof,
-    RuleFound,
+    ProofNode,
+    RuleOutcome,
     spell_call,
 )
-from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
-from logical_robots_tui.explain.why.refuting import Refuting
+from logical_robots_tui.explain.why.probing import Clause, Probing, RuleParts
+from logical_robots_tui.explain.why.refuting import Refuter
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.asking import FailureError
 from logical_robots_tui.mind.relations import Way, same
 from logical_robots_tui.schema import MAIN
 
 
-def explain(derivations: Derivations, asked: Ask, *, is_first: bool = True) -> Explanation:
+def explain(derivations: Derivations, query: Ask, *, is_first: bool = True) -> Explanation:
     """Explain a predicate's rows, or their absence; raise QueryError or Stopped.
 
     `is_first` is False for the questions that follow from another one.
     """
-    key = (asked.key, is_first)
+    key = (query.key, is_first)
     if key not in derivations.explained:
-        derivations.explained[key] = _explain(derivations, asked, is_first=is_first)
+        derivations.explained[key] = _explain(derivations, query, is_first=is_first)
     return derivations.explained[key]
 
 
-def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explanation:
-    probing = derivations.decompose(asked.predicate, asked.within)
-    given = check_given(asked, probing, derivations.relations.label)
-    asked = replace(asked, given=given)
+def _explain(derivations: Derivations, query: Ask, *, is_first: bool) -> Explanation:
+    probing = derivations.decompose(query.predicate, query.within)
+    values = check_given(query, probing, derivations.relations.label)
+    query = replace(query, given=values)
     try:
-        rows = derivations.rows(probing, given)
+        rows = derivations.rows(probing, values)
         derivations.prepare(probing)
     except FailureError as failure:
-        raise QueryError(f"{asked.predicate} failed: {failure}.") from None
+        raise QueryError(f"{query.predicate} failed: {failure}.") from None
     row = derivations.stage(probing).first(probing, rows) if rows else None
-    proving = _Proving(derivations, probing, given, rows, row)
-    rules = tuple(map(proving.rule, probing.rules))
-    if row is not None and all(found.row is None for found in rules):
+    prover = _Prover(derivations, probing, values, rows, row)
+    rules = tuple(map(prover.rule, probing.rules))
+    if row is not None and all(outcome.row is None for outcome in rules):
         is_keyless = not any(clause.head for rule in probing.rules for clause in rule.clauses)
         if is_keyless and all(value in (None, 0) for value in row.values()):
-            rules = (_over_nothing(rules[0], row, proving.label), *rules[1:])
-        elif all(found.rows is not None for found in rules):
+            rules = (_over_nothing(rules[0], row, prover.label), *rules[1:])
+        elif all(outcome.rows is not None for outcome in rules):
             rules = (*rules, _note(rules[0], _unexplained(probing)))
     if row is None and (is_first or probing.recursive):
-        for name, steps in derivations.relations.cut_off(asked.predicate):
-            said = f"The recursion of {name} was cut off after {steps} steps, so later rows are"
-            more = f"@Recursive({name}, {2 * steps}) would allow more"
-            rules = (*rules, _note(rules[0], f"{said} missing; {more}."))
+        for name, steps in derivations.relations.cut_off(query.predicate):
+            message = f"The recursion of {name} was cut off after {steps} steps, so later rows are"
+            hint = f"@Recursive({name}, {2 * steps}) would allow more"
+            rules = (*rules, _note(rules[0], f"{message} missing; {hint}."))
     return Explanation(
-        asked, derivations.robot, probing.made_from, min(len(rows), MOST_ROWS), row, rules
+        query, derivations.robot, probing.made_from, min(len(rows), MOST_ROWS), row, rules
     )
 
 
@@ -76,271 +81,287 @@ _STEPS_FOR_OTHERS = 1_000_000  # some 15 milliseconds
 _DEEPEST = 5  # functions that call functions, in the search for an empty aggregation
 
 
-class _Proving:
-    """Explains what each rule of a predicate gives; `row` is the first of the `rows`, if any."""
+class _Prover:
+    """Explains the rows of each rule of a predicate; `row` is the first of the `rows`, if any."""
 
     def __init__(
         self,
         derivations: Derivations,
         probing: Probing,
-        given: Row,
+        values: Row,
         rows: Sequence[Row],
         row: Row | None,
     ) -> None:
         self._derivations, self._probing = derivations, probing
-        self._given, self._rows, self._row = given, rows, row
-        self._arguments = probing.arguments(given)
-        wanted = {c: v for c, v in given.items() if c not in probing.given}
-        self._refuting = Refuting(derivations, probing, self._arguments, wanted)
-        self._telling = self._refuting.telling
-        self._which = "last" if probing.name == MAIN else "first"
+        self._values, self._rows, self._row = values, rows, row
+        self._arguments = probing.arguments(values)
+        targets = {c: v for c, v in values.items() if c not in probing.parameters}
+        self._refuting = Refuter(derivations, probing, self._arguments, targets)
+        self._builder = self._refuting.builder
+        self._position = "last" if probing.name == MAIN else "first"
 
-    def rule(self, rule: RuleParts) -> RuleFound:
+    def rule(self, rule: RuleParts) -> RuleOutcome:
         row = self._row
         try:
             nodes = None
             if row is not None:
                 self._derivations.prepare(self._probing, row)
-                nodes = self._derived(rule, row)
+                nodes = self._derivation_nodes(rule, row)
                 self._derivations.prepare(self._probing)
-            number = 1 if nodes is not None and len(self._rows) == 1 else self._number(rule)
+            count = 1 if nodes is not None and len(self._rows) == 1 else self._row_count(rule)
             if nodes is not None:
-                said = "gives this row"
+                remark = "gives this row"
                 if len(self._rows) > 1:
-                    said = f"gives {_number_of_rows(number)}; this is the {self._which}"
+                    remark = f"gives {_number_of_rows(count)}; this is the {self._position}"
                 if row is not None and self._probing.name == MAIN:
-                    nodes = (*nodes, *self._another(rule, row, nodes), *self._nulls(nodes))
-                return RuleFound(rule.span, number, row, None, _heading(rule, said, True, nodes))
-            if number:
-                said = f"gives {_number_of_rows(number)}, but not the {self._which}"
-                nodes = () if row is None or self._which == "first" else self._of_other_row(rule)
-                return RuleFound(rule.span, number, None, None, _heading(rule, said, True, nodes))
-            is_else, stopped, children = self._refuting.rule(rule)
-            if row is None and stopped is None and is_aggregated(rule):
-                unlike = self._unlike(rule)
-                children, stopped = (*children, *unlike), next(iter(unlike), None)
-            said = "does not apply to these values" if is_else else "gives no row"
-            if is_left_out := row is None and not (stopped or is_else or is_aggregated(rule)):
-                said = "gives this row, but it was left out, as by @Limit"
+                    nodes = (*nodes, *self._alternative(rule, row, nodes), *self._null_notes(nodes))
+                return RuleOutcome(rule.span, count, row, None, _heading(rule, remark, True, nodes))
+            if count:
+                remark = f"gives {_number_of_rows(count)}, but not the {self._position}"
+                nodes = (
+                    () if row is None or self._position == "first" else self._other_row_nodes(rule)
+                )
+                return RuleOutcome(
+                    rule.span, count, None, None, _heading(rule, remark, True, nodes)
+                )
+            is_unrelated, stop, children = self._refuting.rule(rule)
+            if row is None and stop is None and is_aggregated(rule):
+                differences = self._differences(rule)
+                children, stop = (*children, *differences), next(iter(differences), None)
+            remark = "does not apply to these values" if is_unrelated else "gives no row"
+            if is_omitted := row is None and not (stop or is_unrelated or is_aggregated(rule)):
+                remark = "gives this row, but it was left out, as by @Limit"
                 if self._probing.recursive:
-                    said = "would give this row in a later step"
-            node = _heading(rule, said, None if is_else or is_left_out else False, children)
-            return RuleFound(rule.span, 0, None, stopped, node)
+                    remark = "would give this row in a later step"
+            node = _heading(rule, remark, None if is_unrelated or is_omitted else False, children)
+            return RuleOutcome(rule.span, 0, None, stop, node)
         except FailureError as failure:
-            note = Node("note", "This could not be asked", str(failure))
+            note = ProofNode("note", "This could not be asked", str(failure))
             heading = _heading(rule, "could not be asked", None, (note,))
-            return RuleFound(rule.span, None, None, None, heading)
+            return RuleOutcome(rule.span, None, None, None, heading)
 
-    def _unlike(self, rule: RuleParts) -> tuple[Node, ...]:
-        given = self._given
-        keys = {c: v for c, v in given.items() if any(c in each.head for each in rule.clauses)}
+    def _differences(self, rule: RuleParts) -> tuple[ProofNode, ...]:
+        values = self._values
+        keys = {c: v for c, v in values.items() if any(c in clause.head for clause in rule.clauses)}
         return tuple(
-            Node("column", self.label(column), "actual value", False, (row[column],))
+            ProofNode("column", self.label(column), "actual value", False, (row[column],))
             for row in self._derivations.rows(self._probing, keys)[:1]
-            for column, value in given.items()
+            for column, value in values.items()
             if column not in keys and not same(row[column], value)
         )
 
     def label(self, column: str) -> str:
         return self._derivations.relations.label(self._probing.predicate, column)
 
-    def _number(self, rule: RuleParts) -> int:
+    def _row_count(self, rule: RuleParts) -> int:
         if not self._rows:
             return 0
         probing, relations = self._probing, self._derivations.relations
         if probing.recursive or is_aggregated(rule):
-            return sum(any(True for _ in self._ways(rule, row)) for row in self._rows[:100])
-        found: set[str] = set()
-        number = 0
+            return sum(any(True for _ in self._matches(rule, row)) for row in self._rows[:100])
+        distinct_rows: set[str] = set()
+        count = 0
         for clause in rule.clauses:
             sql = self._derivations.sql(clause, probing)
             places = [
-                (place, self._given[c]) for c, place in clause.head.items() if c in self._given
+                (place, self._values[c]) for c, place in clause.head.items() if c in self._values
             ]
-            if probing.distinct:
-                what = f"DISTINCT {', '.join(clause.head.values()) or 'one'}"
-                rest = relations.ways(sql, self._arguments, places, what, MOST_ROWS)
-                found |= {repr(tuple(way.values())) for way in rest}
+            if probing.is_distinct:
+                selection = f"DISTINCT {', '.join(clause.head.values()) or 'one'}"
+                matches = relations.ways(sql, self._arguments, places, selection, MOST_ROWS)
+                distinct_rows |= {repr(tuple(match.values())) for match in matches}
             else:
-                number += relations.count(sql, self._arguments, places, MOST_ROWS)
-        return min(number + len(found), MOST_ROWS)
+                count += relations.count(sql, self._arguments, places, MOST_ROWS)
+        return min(count + len(distinct_rows), MOST_ROWS)
 
-    def _ways(self, rule: RuleParts, row: Row, most: int = 1) -> Iterator[tuple[Clause, Way]]:
-        return self._derivations.ways(rule, self._probing, row, self._arguments, most)
+    def _matches(self, rule: RuleParts, row: Row, limit: int = 1) -> Iterator[tuple[Clause, Way]]:
+        return self._derivations.matches(rule, self._probing, row, self._arguments, limit)
 
-    def _derived(self, rule: RuleParts, row: Row) -> tuple[Node, ...] | None:
+    def _derivation_nodes(self, rule: RuleParts, row: Row) -> tuple[ProofNode, ...] | None:
         if is_aggregated(rule):
-            ways = list(self._ways(rule, row, MOST_ELEMENTS + 1))
-            return tuple(self._aggregated(ways, row)) if ways else None
-        ways = self._derivations_of(rule, row)
-        if not ways:
+            matches = list(self._matches(rule, row, MOST_ELEMENTS + 1))
+            return tuple(self._aggregate_nodes(matches, row)) if matches else None
+        matches = self._matches_of(rule, row)
+        if not matches:
             return None
-        nodes = (*self._telling.row(*ways[0], row), *self._telling.derivation(*ways[0]))
-        if number := len(ways) - 1:
-            others = number_of(number, "other derivation", is_all=len(ways) < _MOST_OTHERS)
-            nodes = (*nodes, Node("note", f"This row has {others} by this rule"))
+        nodes = (*self._builder.row(*matches[0], row), *self._builder.derivation(*matches[0]))
+        if number := len(matches) - 1:
+            alternatives = number_of(number, "other derivation", is_all=len(matches) < _MOST_OTHERS)
+            nodes = (*nodes, ProofNode("note", f"This row has {alternatives} by this rule"))
         return nodes
 
-    def _derivations_of(self, rule: RuleParts, row: Row) -> list[tuple[Clause, Way]]:
-        """Return derivations of a row: of a distinct one those that are found in a few steps."""
-        if self._probing.distinct:
+    def _matches_of(self, rule: RuleParts, row: Row) -> list[tuple[Clause, Way]]:
+        """Return derivations of a row: several of a distinct one if it takes only a few steps."""
+        if self._probing.is_distinct:
             budget = self._derivations.relations.budget
             with suppress(FailureError), budget.bound_steps(_STEPS_FOR_OTHERS):
-                return list(self._ways(rule, row, _MOST_OTHERS))
-        return list(islice(self._ways(rule, row), 1))
+                return list(self._matches(rule, row, _MOST_OTHERS))
+        return list(islice(self._matches(rule, row), 1))
 
-    def _of_other_row(self, rule: RuleParts) -> tuple[Node, ...]:
+    def _other_row_nodes(self, rule: RuleParts) -> tuple[ProofNode, ...]:
         """Return the derivation of a row that this rule gives and that does not count."""
         if self._probing.recursive:
             return ()
-        found = (self._derived(rule, each) for each in self._rows[:_MOST_OTHERS])
-        return next(filter(None, found), ())
+        candidates = (self._derivation_nodes(rule, row) for row in self._rows[:_MOST_OTHERS])
+        return next(filter(None, candidates), ())
 
-    def _another(self, rule: RuleParts, row: Row, nodes: tuple[Node, ...]) -> Iterator[Node]:
-        """Yield what is different in another derivation of this rule, if there is one."""
+    def _alternative(
+        self, rule: RuleParts, row: Row, nodes: tuple[ProofNode, ...]
+    ) -> Iterator[ProofNode]:
+        """Yield the differences in another derivation of this rule, if there is one."""
         if self._probing.recursive or is_aggregated(rule):
             return
-        others = [row, *(each for each in self._rows[:_MOST_OTHERS] if each != row)]
-        ways = ((each, *way) for each in others for way in self._ways(rule, each, 2))
-        for other, clause, way in islice(ways, 1, 2):
-            found = (*self._telling.row(clause, way, other), *self._telling.derivation(clause, way))
-            unlike = tuple(node for node in found if node not in nodes)
-            said = "a condition, or distinct with an aggregation, would leave one row"
-            yield Node("note", "Another row of this rule comes from", said, children=unlike)
+        rows = [row, *(r for r in self._rows[:_MOST_OTHERS] if r != row)]
+        matches = ((r, *match) for r in rows for match in self._matches(rule, r, 2))
+        for other_row, clause, match in islice(matches, 1, 2):
+            alternative = (
+                *self._builder.row(clause, match, other_row),
+                *self._builder.derivation(clause, match),
+            )
+            differences = tuple(node for node in alternative if node not in nodes)
+            advice = "a condition, or distinct with an aggregation, would leave one row"
+            yield ProofNode(
+                "note", "Another row of this rule comes from", advice, children=differences
+            )
 
-    def _nulls(self, nodes: Sequence[Node]) -> Iterator[Node]:
+    def _null_notes(self, nodes: Sequence[ProofNode]) -> Iterator[ProofNode]:
         """Yield which aggregations over nothing made values of the row null."""
-        found: dict[tuple[str, str], None] = {}
+        pairs: dict[tuple[str, str], None] = {}
         for top in nodes:
             for _, node in top.walk():
                 if node.kind != "note" and node.values == (None,):
                     name = node.span.text if node.span else node.text
-                    found |= {(name, each): None for each in self._empty(node, _DEEPEST)}
-        for name, empty in found:
-            because = "It" if name == empty else f"`{empty}`"
-            said = f"{because} aggregates no rows; Coalesce({name}, 0) would be 0 then"
-            yield Node("note", f"`{name}` is null", said)
+                    pairs |= {
+                        (name, aggregation): None
+                        for aggregation in self._empty_aggregations(node, _DEEPEST)
+                    }
+        for name, empty in pairs:
+            subject = "It" if name == empty else f"`{empty}`"
+            remark = f"{subject} aggregates no rows; Coalesce({name}, 0) would be 0 then"
+            yield ProofNode("note", f"`{name}` is null", remark)
 
-    def _empty(self, node: Node, depth: int) -> Iterator[str]:
+    def _empty_aggregations(self, node: ProofNode, depth: int) -> Iterator[str]:
         if any(child.text == AGGREGATES_NO_ROWS for child in node.children):
             yield node.span.text if node.span else node.text
-        elif node.asked is not None and depth:
-            inner = explain(self._derivations, node.asked, is_first=False)
-            for top in inner.nodes:
-                for _, each in top.walk():
-                    if each.values == (None,):
-                        yield from self._empty(each, depth - 1)
+        elif node.query is not None and depth:
+            explanation = explain(self._derivations, node.query, is_first=False)
+            for top in explanation.nodes:
+                for _, inner_node in top.walk():
+                    if inner_node.values == (None,):
+                        yield from self._empty_aggregations(inner_node, depth - 1)
 
-    def _aggregated(self, ways: list[tuple[Clause, Way]], row: Row) -> Iterator[Node]:
-        is_all = len(ways) <= MOST_ELEMENTS
-        yield from self._telling.row(*ways[0], row)
-        for column in (each.column for each in ways[0][0].collected):
-            found: list[tuple[Clause, AggregateInput, Way]] = [
-                (clause, next(c for c in clause.collected if c.column == column), way)
-                for clause, way in ways[:MOST_ELEMENTS]
+    def _aggregate_nodes(self, matches: list[tuple[Clause, Way]], row: Row) -> Iterator[ProofNode]:
+        is_all = len(matches) <= MOST_ELEMENTS
+        yield from self._builder.row(*matches[0], row)
+        for column in (aggregate.column for aggregate in matches[0][0].aggregates):
+            elements: list[Element] = [
+                (clause, next(c for c in clause.aggregates if c.column == column), match)
+                for clause, match in matches[:MOST_ELEMENTS]
             ]
-            children = self._telling.contributors(found, row[column], is_all)
-            operator = found[0][1].operator
-            said = f"{operator} over {number_of(len(found), 'row', is_all=is_all)}"
+            children = self._builder.contributors(elements, row[column], is_all)
+            name = elements[0][1].operator
+            remark = f"{name} over {number_of(len(elements), 'row', is_all=is_all)}"
             if len(self._probing.rules) > 1:
-                said += " of this rule"
-            yield Node(
-                "aggregate", self.label(column), said, values=(row[column],), children=children
+                remark += " of this rule"
+            yield ProofNode(
+                "aggregate", self.label(column), remark, values=(row[column],), children=children
             )
 
 
 def _heading(
-    rule: RuleParts, said: str, holds: bool | None, children: tuple[Node, ...] = ()
-) -> Node:
-    return Node("rule", rule.span.text, said, holds, span=rule.span, children=children)
+    rule: RuleParts, remark: str, holds: bool | None, children: tuple[ProofNode, ...] = ()
+) -> ProofNode:
+    return ProofNode("rule", rule.span.text, remark, holds, span=rule.span, children=children)
 
 
 def _number_of_rows(number: int) -> str:
     return number_of(number, "row", is_all=number < MOST_ROWS)
 
 
-def _over_nothing(found: RuleFound, row: Row, label: Callable[[str], str]) -> RuleFound:
-    said = AGGREGATES_NO_ROWS
-    columns = (Node("column", label(c), said, None, (v,)) for c, v in row.items())
-    children = (*columns, *found.node.children)
-    node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)
-    return replace(found, rows=1, row=row, node=node)
+def _over_nothing(outcome: RuleOutcome, row: Row, label: Callable[[str], str]) -> RuleOutcome:
+    remark = AGGREGATES_NO_ROWS
+    columns = (ProofNode("column", label(c), remark, None, (v,)) for c, v in row.items())
+    children = (*columns, *outcome.node.children)
+    node = replace(outcome.node, remark="gives this row, of nothing", holds=True, children=children)
+    return replace(outcome, rows=1, row=row, node=node)
 
 
-def _note(like: RuleFound, text: str) -> RuleFound:
-    return RuleFound(like.span, None, None, None, Node("note", text))
+def _note(outcome: RuleOutcome, text: str) -> RuleOutcome:
+    return RuleOutcome(outcome.span, None, None, None, ProofNode("note", text))
 
 
 def _unexplained(probing: Probing) -> str:
     if not probing.recursive:
         return "The origin of this row can't be determined."
-    if not probing.founded:
+    if not probing.is_founded:
         return "This row is from a recursion that goes through a sum or a negation."
     return "This row is from a recursion that was cut off."
 
 
-def prove(derivations: Derivations, asked: Ask, *, depth: int, nodes: int) -> Proof:
+def prove(derivations: Derivations, query: Ask, *, depth: int, nodes: int) -> Proof:
     """Prove a row, or its absence, up to `depth` predicates and `nodes` nodes."""
-    explanation = explain(derivations, asked)
-    unfolding = _Unfolding(derivations, nodes)
-    above = (explanation.asked.key,)
-    roots = tuple(unfolding.node(node, depth, above) for node in _premises(explanation))
-    return Proof(explanation, roots, unfolding.complete, unfolding.is_cut)
+    explanation = explain(derivations, query)
+    unfolder = _Unfolder(derivations, nodes)
+    path = (explanation.query.key,)
+    roots = tuple(unfolder.node(node, depth, path) for node in _premises(explanation))
+    return Proof(explanation, roots, unfolder.complete, unfolder.is_cut)
 
 
-class _Unfolding:
+class _Unfolder:
     """Unfolds calls into their proofs; `is_cut` if the depth has cut some off."""
 
-    def __init__(self, derivations: Derivations, most: int) -> None:
-        self._derivations, self._most, self._left = derivations, most, most
+    def __init__(self, derivations: Derivations, limit: int) -> None:
+        self._derivations, self._limit, self._budget = derivations, limit, limit
         self.complete, self.is_cut = True, False
 
     def node(
-        self, node: Node, depth: int, above: tuple[str, ...], *, is_tried: bool = True
-    ) -> Node:
+        self, node: ProofNode, depth: int, path: tuple[str, ...], *, is_expanded: bool = True
+    ) -> ProofNode:
         """Return a node with proofs below; of the calls in `instance` nodes, only of the first."""
-        self._left -= 1
-        if not node.children and (node.asked is None or not is_tried):
+        self._budget -= 1
+        if not node.children and (node.query is None or not is_expanded):
             return node
-        tried = next((child for child in node.children if child.kind == "instance"), None)
+        instance = next((child for child in node.children if child.kind == "instance"), None)
         children = tuple(
-            self.node(child, depth, above, is_tried=child is tried or child.kind != "instance")
+            self.node(child, depth, path, is_expanded=child is instance or child.kind != "instance")
             for child in node.children
         )
-        if node.asked is not None and is_tried and tried is None:
-            children = (*children, *self._called(node.asked, depth, above))
+        if node.query is not None and is_expanded and instance is None:
+            children = (*children, *self._call_proof(node.query, depth, path))
         elif all(map(operator.is_, children, node.children)):
             return node
         return replace(node, children=children)
 
-    def _called(self, asked: Ask, depth: int, above: tuple[str, ...]) -> tuple[Node, ...]:
-        key = asked.key
-        if key in above:
-            text = f"{spell_call(asked)} is asked above; no row follows from itself."
-            return (Node("note", text),)
+    def _call_proof(self, query: Ask, depth: int, path: tuple[str, ...]) -> tuple[ProofNode, ...]:
+        key = query.key
+        if key in path:
+            text = f"{spell_call(query)} is asked above; no row follows from itself."
+            return (ProofNode("note", text),)
         if depth <= 1:
             self.complete, self.is_cut = False, True
             return ()
         try:
-            if self._left <= 0:
-                raise FailureError(f"it has {self._most:,} lines")
+            if self._budget <= 0:
+                raise FailureError(f"it has {self._limit:,} lines")
             self._derivations.relations.spend(len(key))
         except FailureError as failure:
             self.complete = False
-            return (Node("note", f"The proof ends here: {failure}."),)
+            return (ProofNode("note", f"The proof ends here: {failure}."),)
         try:
-            found = explain(self._derivations, asked, is_first=False)
+            explanation = explain(self._derivations, query, is_first=False)
         except QueryError as error:
-            return (Node("note", str(error)),)
-        return tuple(self.node(each, depth - 1, (*above, key)) for each in _premises(found))
+            return (ProofNode("note", str(error)),)
+        return tuple(
+            self.node(premise, depth - 1, (*path, key)) for premise in _premises(explanation)
+        )
 
 
-def _premises(explanation: Explanation) -> tuple[Node, ...]:
+def _premises(explanation: Explanation) -> tuple[ProofNode, ...]:
     if explanation.row is None:
         return explanation.nodes
     giving = tuple(rule.node for rule in explanation.rules if rule.row is not None)
     if not giving:
         return next((rule.node,) for rule in explanation.rules if rule.rows is None)
-    # Several rules may contribute to what is aggregated; else one of them is enough.
+    # Several rules may contribute to an aggregate; otherwise one of them is enough.
     is_aggregated = any(child.kind == "aggregate" for child in giving[0].children)
     return giving if is_aggregated else giving[:1]

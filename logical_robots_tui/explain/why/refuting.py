@@ -1,4 +1,4 @@
-"""Why a rule gives nothing: the first of its steps that no way gets past."""
+"""Why a rule has no row: the first of its steps that no derivation gets past."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import NamedTuple
 
 from logical_robots_tui.explain.why.derivations import Derivations
 from logical_robots_tui.explain.why.deriving import (
-    Telling,
+    NodeBuilder,
     ask_of,
-    grouped,
+    group_alternatives,
     negation,
     number_of,
     value_of,
 )
-from logical_robots_tui.explain.why.explanation import Ask, Node, spell_call, unlike_types
+from logical_robots_tui.explain.why.explanation import Ask, ProofNode, spell_call, type_difference
 from logical_robots_tui.explain.why.probing import (
-    Call,
     Clause,
     Misread,
+    PredicateCall,
     Probing,
     RuleParts,
-    Span,
+    SourceSpan,
     Step,
     Term,
 )
@@ -37,387 +37,424 @@ from logical_robots_tui.values import Value, spell
 
 _MOST_WAYS = 1_000
 _EXAMPLES = 100
-_MOST_COMPARED = 20_000  # pairs of asked arguments and rows
+_MOST_COMPARED = 20_000  # pairs of a query's arguments and rows
 _SHOWN_CALLS = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
-    """A step that nothing gets past, and the ways to reach it, up to a limit."""
+class FailedStep:
+    """A step that nothing gets past, and the matches that reach it, up to a limit."""
 
     clause: Clause
     step: Step
-    ways: Sequence[Way]
+    matches: Sequence[Way]
 
 
-class _Reached(NamedTuple):
-    """How far ways get: steps that hold, their query, the wanted values there, number of ways."""
+class _Progress(NamedTuple):
+    """How far matches get: steps that hold, their query, conditions on its columns, a count."""
 
     steps: int
     query: str
-    wanted: list[tuple[str, Value]]
-    ways: int
+    conditions: list[tuple[str, Value]]
+    match_count: int
 
 
-class Refuting:
-    """Explains why bodies have no derivation; `wanted` are the values of head columns."""
+class Refuter:
+    """Explains why bodies have no derivation; `targets` are the values of head columns."""
 
     def __init__(
         self,
         derivations: Derivations,
         probing: Probing,
-        given: Sequence[Scalar],
-        wanted: Mapping[str, Value],
+        arguments: Sequence[Scalar],
+        targets: Mapping[str, Value],
     ) -> None:
-        self._relations, self._given, self._wanted = derivations.relations, given, wanted
+        self._relations, self._arguments, self._targets = derivations.relations, arguments, targets
         self._probing, self._queries = probing, probing.queries
 
-        def refuted(clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
-            return Refuting(derivations, probing, given, {}).of(clauses)
+        def refute(clauses: Sequence[Clause], arguments: Sequence[Scalar]) -> tuple[ProofNode, ...]:
+            return Refuter(derivations, probing, arguments, {}).refute(clauses)
 
-        self.telling = Telling(
-            self._relations, probing.queries, refuted, derivations.robot, probing.predicate
+        self.builder = NodeBuilder(
+            self._relations, probing.queries, refute, derivations.robot, probing.predicate
         )
 
-    def rule(self, rule: RuleParts) -> tuple[bool, Node | None, tuple[Node, ...]]:
-        """Return whether it is about something else, the stopping node, and all nodes."""
-        if others := self._others(rule):
-            is_else = self._is_about_else(rule, others)
-            said, holds = ("", None) if is_else else ("actual value", False)
+    def rule(self, rule: RuleParts) -> tuple[bool, ProofNode | None, tuple[ProofNode, ...]]:
+        """Return whether the rule is unrelated, the node that stops it, and all nodes."""
+        if differences := self._differing_constants(rule):
+            is_unrelated = self._is_unrelated(rule, differences)
+            remark, holds = ("", None) if is_unrelated else ("actual value", False)
             nodes = tuple(
-                Node(
-                    "column", self._label(c), unlike_types(self._wanted[c], v) or said, holds, (v,)
+                ProofNode(
+                    "column",
+                    self._label(c),
+                    type_difference(self._targets[c], v) or remark,
+                    holds,
+                    (v,),
                 )
-                for c, v in others.items()
+                for c, v in differences.items()
             )
-            return is_else, None if is_else else nodes[0], nodes
-        found = [self._clause(clause) for clause in rule.clauses]
-        return False, max(found, key=lambda each: each.steps).stop, _join(found)
+            return is_unrelated, None if is_unrelated else nodes[0], nodes
+        ends = [self._clause(clause) for clause in rule.clauses]
+        return False, max(ends, key=lambda end: end.steps).stop, _join(ends)
 
-    def stop(self, rule: RuleParts) -> Stop | None:
+    def stop(self, rule: RuleParts) -> FailedStep | None:
         """Return what stops the clause that gets furthest, or None if nothing stops it."""
-        if self._others(rule):
+        if self._differing_constants(rule):
             return None
-        reached = [(clause, self._reached(clause)) for clause in rule.clauses]
-        clause, found = max(reached, key=lambda each: each[1].steps)
-        sql = self._queries.get(found.query)
-        if sql is None or any(each.steps == len(of.steps) for of, each in reached):
+        candidates = [(clause, self._progress(clause)) for clause in rule.clauses]
+        clause, progress = max(candidates, key=lambda pair: pair[1].steps)
+        sql = self._queries.get(progress.query)
+        if sql is None or any(p.steps == len(c.steps) for c, p in candidates):
             return None
-        ways = self._relations.ways(sql, self._given, found.wanted, max_rows=_MOST_WAYS)
-        return Stop(clause, clause.steps[found.steps], ways)
+        matches = self._relations.ways(
+            sql, self._arguments, progress.conditions, max_rows=_MOST_WAYS
+        )
+        return FailedStep(clause, clause.steps[progress.steps], matches)
 
-    def of(self, clauses: Sequence[Clause]) -> tuple[Node, ...]:
-        """Return why none of some clauses has a derivation, or the derivation of one that has."""
+    def refute(self, clauses: Sequence[Clause]) -> tuple[ProofNode, ...]:
+        """Return why no clause has a derivation, or the derivation of one that has."""
         for clause in clauses:
-            way = self._first(clause.query)
-            if way is not None:
-                return self.telling.derivation(clause, way)
+            match = self._first_match(clause.query)
+            if match is not None:
+                return self.builder.derivation(clause, match)
         return _join([self._clause(clause) for clause in clauses])
 
     def _label(self, column: str) -> str:
         return self._relations.label(self._probing.predicate, column)
 
-    def _others(self, rule: RuleParts) -> dict[str, Value]:
-        """Return the constants of a head that are unlike what is wanted."""
+    def _differing_constants(self, rule: RuleParts) -> dict[str, Value]:
+        """Return the constants of a head that differ from the targets."""
         clause = rule.clauses[0]
-        way = self._first(clause.before) or {}
+        match = self._first_match(clause.start_query) or {}
         return {
-            column: value_of(way, place)
+            column: value_of(match, place)
             for column, place in clause.head.items()
-            if column in self._wanted and place in way
-            # Others are known only together with the body.
+            if column in self._targets and place in match
+            # Other values are known only together with the body.
             if not clause.steps or clause.terms[column].kind == "literal"
-            if not same(value_of(way, place), self._wanted[column])
+            if not same(value_of(match, place), self._targets[column])
         }
 
-    def _is_about_else(self, rule: RuleParts, others: Mapping[str, Value]) -> bool:
-        """Return whether a rule's constants share nothing with what is wanted."""
-        alike = self._wanted.keys() - others.keys() - {"robot_name"}
+    def _is_unrelated(self, rule: RuleParts, differences: Mapping[str, Value]) -> bool:
+        """Return whether a rule's constants share nothing with the targets."""
+        shared = self._targets.keys() - differences.keys() - {"robot_name"}
         head = rule.clauses[0].terms
-        is_near = any(head[column].kind == "literal" for column in alike if column in head)
-        is_computed = all(head[column].kind != "literal" for column in others)
-        return "robot_name" in others or not (self._probing.given or is_near or is_computed)
+        is_near = any(head[column].kind == "literal" for column in shared if column in head)
+        is_computed = all(head[column].kind != "literal" for column in differences)
+        return "robot_name" in differences or not (
+            self._probing.parameters or is_near or is_computed
+        )
 
     def _places(self, clause: Clause, query: str, *, joined: bool) -> list[tuple[str, Value]]:
-        """Return the wanted values of a query's columns that are bound by calls, or computed."""
+        """Return the targets of a query's columns that are bound by calls, or computed."""
         sql = self._queries[query]
         return [
-            (place, self._wanted[column])
+            (place, self._targets[column])
             for column, place in clause.head.items()
-            if column in self._wanted
+            if column in self._targets
             and joined == _is_joined(clause, column)
             and re.search(rf"\bAS {place}\b", sql)
         ]
 
-    def _came_out(self, clause: Clause, way: Way) -> Node | None:
-        """Return the first computed column that differs from what is wanted wherever steps hold."""
+    def _differing_column(self, clause: Clause, match: Way) -> ProofNode | None:
+        """Return the first computed column that differs from its target wherever steps hold."""
         sql = self._queries[clause.query]
-        wanted = self._places(clause, clause.query, joined=True)
+        conditions = self._places(clause, clause.query, joined=True)
         for column, place in clause.head.items():
-            if column not in self._wanted or _is_joined(clause, column):
+            if column not in self._targets or _is_joined(clause, column):
                 continue
-            further = [*wanted, (place, self._wanted[column])]
-            if self._relations.count(sql, self._given, further):
-                wanted = further
+            extended = [*conditions, (place, self._targets[column])]
+            if self._relations.count(sql, self._arguments, extended):
+                conditions = extended
                 continue
-            what = f"DISTINCT {place}"
-            ways = self._relations.ways(sql, self._given, wanted, what, _MOST_WAYS)
-            values = tuple(from_sql(each[place]) for each in ways)
-            return self._computed(column, clause.terms[column], way, values)
+            selection = f"DISTINCT {place}"
+            matches = self._relations.ways(sql, self._arguments, conditions, selection, _MOST_WAYS)
+            values = tuple(from_sql(row[place]) for row in matches)
+            return self._column_node(column, clause.terms[column], match, values)
         return None
 
-    def _computed(self, column: str, term: Term, way: Way, values: tuple[Value, ...]) -> Node:
-        shown, more = values[:_EXAMPLES], max(0, len(values) - _EXAMPLES)
-        found = Node("column", self._label(column), "actual value", False, shown, more)
+    def _column_node(
+        self, column: str, term: Term, match: Way, values: tuple[Value, ...]
+    ) -> ProofNode:
+        examples, excess = values[:_EXAMPLES], max(0, len(values) - _EXAMPLES)
+        node = ProofNode("column", self._label(column), "actual value", False, examples, excess)
         if term.kind in ("literal", "variable"):
-            return found
-        text = f"{found.text}: {term.span.text}"
+            return node
+        text = f"{node.text}: {term.span.text}"
         if term.kind == "call" and term.call is not None:
-            (called,) = self.telling.term(term, way) or (found,)
-            asked, inside = called.asked, called.children
+            (call_node,) = self.builder.term(term, match) or (node,)
+            query, children = call_node.query, call_node.children
         else:
-            asked, inside = None, tuple(self.telling.reason(term, way))
-        inside = inside if len(values) == 1 else ()
-        return replace(found, text=text, span=term.span, asked=asked, children=inside)
+            query, children = None, tuple(self.builder.reason(term, match))
+        children = children if len(values) == 1 else ()
+        return replace(node, text=text, span=term.span, query=query, children=children)
 
-    def _reached(self, clause: Clause) -> _Reached:
-        reached = _Reached(0, clause.before, [], 1)
+    def _progress(self, clause: Clause) -> _Progress:
+        progress = _Progress(0, clause.start_query, [], 1)
         for number, step in enumerate(clause.steps, 1):
             sql = self._queries.get(step.query)
             if sql is None:
                 continue  # the next step answers for this one, too
-            wanted = self._places(clause, step.query, joined=True)
-            found = self._relations.count(sql, self._given, wanted, _MOST_WAYS)
-            if not found:
-                return reached._replace(steps=number - 1)
-            reached = _Reached(number, step.query, wanted, found)
-        return reached._replace(steps=len(clause.steps))
+            conditions = self._places(clause, step.query, joined=True)
+            match_count = self._relations.count(sql, self._arguments, conditions, _MOST_WAYS)
+            if not match_count:
+                return progress._replace(steps=number - 1)
+            progress = _Progress(number, step.query, conditions, match_count)
+        return progress._replace(steps=len(clause.steps))
 
-    def _clause(self, clause: Clause) -> _Refuted:
-        reached = self._reached(clause)
-        way = self._first(reached.query, reached.wanted)
-        held = self._held(clause, reached, way)
-        if reached.steps < len(clause.steps):
-            step = clause.steps[reached.steps]
-            return _Refuted(clause, reached.steps, held, self._failed(clause, step, reached, way))
-        failed = self._came_out(clause, way or {}) if self._wanted else None
-        return _Refuted(clause, reached.steps, held, failed)
+    def _clause(self, clause: Clause) -> _Refutation:
+        progress = self._progress(clause)
+        match = self._first_match(progress.query, progress.conditions)
+        prefix = self._prefix(clause, progress, match)
+        if progress.steps < len(clause.steps):
+            step = clause.steps[progress.steps]
+            return _Refutation(
+                clause, progress.steps, prefix, self._failed_node(clause, step, progress, match)
+            )
+        stop = self._differing_column(clause, match or {}) if self._targets else None
+        return _Refutation(clause, progress.steps, prefix, stop)
 
-    def _held(self, clause: Clause, reached: _Reached, way: Way | None) -> tuple[Node, ...]:
-        nodes = self.telling.derivation(clause, way or {}, reached.steps)
-        if reached.ways > 1 and nodes:
-            matches = number_of(reached.ways, "match", is_all=reached.ways < _MOST_WAYS)
-            nodes = (*nodes[:-1], replace(nodes[-1], said=f"1 of {matches}"))
+    def _prefix(
+        self, clause: Clause, progress: _Progress, match: Way | None
+    ) -> tuple[ProofNode, ...]:
+        nodes = self.builder.derivation(clause, match or {}, progress.steps)
+        if progress.match_count > 1 and nodes:
+            matches = number_of(
+                progress.match_count, "match", is_all=progress.match_count < _MOST_WAYS
+            )
+            nodes = (*nodes[:-1], replace(nodes[-1], remark=f"1 of {matches}"))
         return nodes
 
-    def _failed(self, clause: Clause, step: Step, reached: _Reached, way: Way | None) -> Node:
-        text, said = step.span.text, self._elsewhere(step)
-        children: tuple[Node, ...] = ()
-        asked: Ask | None = None
-        if way is not None and step.denied is not None:
-            children = self.telling.refuted(step.denied, way)
-            text, found = negation(text, holds=False)
-            said = said or found
-        elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
-            asked, children = self._call(step.call, reached, self._known(clause))
-            said = self._unlike_row(asked) or said
+    def _failed_node(
+        self, clause: Clause, step: Step, progress: _Progress, match: Way | None
+    ) -> ProofNode:
+        text, remark = step.span.text, self._matches_elsewhere(step)
+        children: tuple[ProofNode, ...] = ()
+        query: Ask | None = None
+        if match is not None and step.denial is not None:
+            children = self.builder.refutation(step.denial, match)
+            text, default = negation(text, holds=False)
+            remark = remark or default
+        elif match is not None and step.call is not None and step.call.predicate not in INPUTS:
+            query, children = self._call_queries(step.call, progress, self._bound_values(clause))
+            remark = self._row_difference(query) or remark
         terms = [term for term in step.terms if term.kind != "literal"]
-        if way is not None and reached.ways == 1:
-            inside = tuple(node for term in terms for node in self.telling.term(term, way))
+        if match is not None and progress.match_count == 1:
+            inner = tuple(node for term in terms for node in self.builder.term(term, match))
             if len(step.terms) == 2:
-                one, other = (value_of(way, term.column) for term in step.terms)
-                said = unlike_types(one, other) or said
+                left, right = (value_of(match, term.column) for term in step.terms)
+                remark = type_difference(left, right) or remark
         else:
-            inside = tuple(self._examples(terms, reached))
+            inner = tuple(self._examples(terms, progress))
         if step.misread is not None:
-            said = _misread(step.misread, way if reached.ways == 1 else None)
-        return Node(
+            remark = _misread(step.misread, match if progress.match_count == 1 else None)
+        return ProofNode(
             "call" if step.kind == "function" else step.kind,
             text,
-            said or "no match",
+            remark or "no match",
             False,
             span=step.span,
-            asked=asked,
-            children=(*inside, *children),
+            query=query,
+            children=(*inner, *children),
         )
 
-    def _elsewhere(self, step: Step) -> str:
-        number = 0
-        if self._wanted:
+    def _matches_elsewhere(self, step: Step) -> str:
+        count = 0
+        if self._targets:
             sql = self._queries[step.query]
-            number = self._relations.count(sql, self._given, (), _MOST_WAYS)
-        if not number:
+            count = self._relations.count(sql, self._arguments, (), _MOST_WAYS)
+        if not count:
             return ""
-        matches = number_of(number, "match", is_all=number < _MOST_WAYS)
-        if self._wanted.keys() == {"robot_name"}:
+        matches = number_of(count, "match", is_all=count < _MOST_WAYS)
+        if self._targets.keys() == {"robot_name"}:
             return f"not here, but {matches} elsewhere"
         return f"not for these values, but {matches} for others"
 
-    def _call(self, call: Call, reached: _Reached, known: Way) -> tuple[Ask, tuple[Node, ...]]:
-        """Return what a call was asked for, nearest to a row that is there first."""
-        sql = self._queries[reached.query]
+    def _call_queries(
+        self, call: PredicateCall, progress: _Progress, bindings: Way
+    ) -> tuple[Ask, tuple[ProofNode, ...]]:
+        """Return the queries of a call, those nearest to an existing row first."""
+        sql = self._queries[progress.query]
         places = [p for p in call.arguments.values() if re.search(rf"\bAS {p}\b", sql)]
-        what = f"DISTINCT {', '.join(dict.fromkeys(places))}" if places else "1"
-        ways = self._relations.ways(
-            sql, self._given, reached.wanted, what, _MOST_WAYS if places else 1
+        selection = f"DISTINCT {', '.join(dict.fromkeys(places))}" if places else "1"
+        matches = self._relations.ways(
+            sql, self._arguments, progress.conditions, selection, _MOST_WAYS if places else 1
         )
-        asks = [ask_of(call, way | known) for way in ways]
-        if len(asks) > 1:
-            asks = self._nearest_first(asks)
-            shown = [Node("instance", spell_call(ask), asked=ask) for ask in asks[:_SHOWN_CALLS]]
-            if more := len(asks) - len(shown):
-                shown.append(Node("note", f"and {more:,} more"))
-            return asks[0], tuple(shown)
-        labels = ((self._relations.label(call.predicate, c), v) for c, v in asks[0].given.items())
-        return asks[0], tuple(Node("value", label, values=(value,)) for label, value in labels)
+        queries = [ask_of(call, match | bindings) for match in matches]
+        if len(queries) > 1:
+            queries = self._nearest_first(queries)
+            instances = [
+                ProofNode("instance", spell_call(q), query=q) for q in queries[:_SHOWN_CALLS]
+            ]
+            if excess := len(queries) - len(instances):
+                instances.append(ProofNode("note", f"and {excess:,} more"))
+            return queries[0], tuple(instances)
+        labels = (
+            (self._relations.label(call.predicate, c), v) for c, v in queries[0].given.items()
+        )
+        return queries[0], tuple(
+            ProofNode("value", label, values=(value,)) for label, value in labels
+        )
 
-    def _rows(self, asked: Ask) -> Sequence[Mapping[str, Value]]:
-        name, probing = asked.predicate, self._probing
-        if asked.within or name not in probing.tables:
+    def _rows(self, query: Ask) -> Sequence[Mapping[str, Value]]:
+        name, probing = query.predicate, self._probing
+        if query.within or name not in probing.tables:
             return ()
         return self._relations.rows(name, probing.sources.get(name, ""))
 
-    def _unlike_row(self, asked: Ask) -> str:
-        """Return how a row differs from what was asked for, if in nothing but types, or ""."""
-        for row in self._rows(asked)[:_MOST_WAYS]:
-            others = [(v, row[c]) for c, v in asked.given.items() if not same(v, row[c])]
-            said = [unlike_types(*each) for each in others]
-            if said and all(said):
-                return said[0]
+    def _row_difference(self, query: Ask) -> str:
+        """Return how a row differs from the query, if only in types; else ""."""
+        for row in self._rows(query)[:_MOST_WAYS]:
+            differences = [(v, row[c]) for c, v in query.given.items() if not same(v, row[c])]
+            remarks = [type_difference(*pair) for pair in differences]
+            if remarks and all(remarks):
+                return remarks[0]
         return ""
 
-    def _nearest_first(self, asks: list[Ask]) -> list[Ask]:
-        rows = self._rows(asks[0])[: _MOST_COMPARED // len(asks)]
+    def _nearest_first(self, queries: list[Ask]) -> list[Ask]:
+        rows = self._rows(queries[0])[: _MOST_COMPARED // len(queries)]
 
-        def gap(ask: Ask) -> float:
-            gaps = (sum(_unlikeness(v, row.get(c)) for c, v in ask.given.items()) for row in rows)
+        def gap(query: Ask) -> float:
+            gaps = (sum(_unlikeness(v, row.get(c)) for c, v in query.given.items()) for row in rows)
             return min(gaps, default=0.0)
 
-        return sorted(asks, key=gap)
+        return sorted(queries, key=gap)
 
-    def _examples(self, terms: Sequence[Term], reached: _Reached) -> Iterator[Node]:
-        sql = self._queries.get(reached.query)
+    def _examples(self, terms: Sequence[Term], progress: _Progress) -> Iterator[ProofNode]:
+        sql = self._queries.get(progress.query)
         for term in _flat(terms):
             if sql is None or not term.column or term.kind == "literal":
                 continue
-            what = f"DISTINCT {term.column}"
+            selection = f"DISTINCT {term.column}"
             try:
-                found = self._relations.ways(sql, self._given, reached.wanted, what, _MOST_WAYS)
+                matches = self._relations.ways(
+                    sql, self._arguments, progress.conditions, selection, _MOST_WAYS
+                )
             except FailureError:
                 continue
-            values = tuple(from_sql(way[term.column]) for way in found)
-            yield Node(
+            values = tuple(from_sql(match[term.column]) for match in matches)
+            yield ProofNode(
                 "value",
                 term.span.text,
                 values=values[:_EXAMPLES],
-                more=max(0, len(values) - _EXAMPLES),
+                excess=max(0, len(values) - _EXAMPLES),
                 span=term.span,
             )
 
-    def _known(self, clause: Clause) -> Way:
+    def _bound_values(self, clause: Clause) -> Way:
         return {
-            place: to_sql(self._wanted[column])
+            place: to_sql(self._targets[column])
             for column, place in clause.head.items()
-            if column in self._wanted and _is_joined(clause, column)
+            if column in self._targets and _is_joined(clause, column)
         }
 
-    def _first(self, query: str, wanted: Sequence[tuple[str, Value]] = ()) -> Way | None:
+    def _first_match(self, query: str, conditions: Sequence[tuple[str, Value]] = ()) -> Way | None:
         sql = self._queries.get(query)
         if sql is None:
             return None
-        return next(iter(self._relations.ways(sql, self._given, wanted)), None)
+        return next(iter(self._relations.ways(sql, self._arguments, conditions)), None)
 
 
-def _misread(found: Misread, way: Way | None) -> str:
-    """Return what an operator has on its sides, of which one is an equation."""
-    shown = []
-    for term in found.sides:
+def _misread(misread: Misread, match: Way | None) -> str:
+    """Describe the sides of an operator, one of which is an equation."""
+    sides = []
+    for term in misread.sides:
         text = term.span.text if term.kind == "literal" else f"`{term.span.text}`"
-        if way is not None and term.kind != "literal" and term.column in way:
-            text += f" ({spell(value_of(way, term.column))})"
-        shown.append(text)
-    verb = "joins" if found.operator in ("&&", "||") else "compares"
-    return f"{verb} {' with '.join(shown)}"
+        if match is not None and term.kind != "literal" and term.column in match:
+            text += f" ({spell(value_of(match, term.column))})"
+        sides.append(text)
+    verb = "joins" if misread.operator in ("&&", "||") else "compares"
+    return f"{verb} {' with '.join(sides)}"
 
 
-class _Refuted(NamedTuple):
-    """How a clause ends: steps that hold, as nodes, and what stops it."""
+class _Refutation(NamedTuple):
+    """How a clause fails: the nodes of the steps that hold, and of the one that stops it."""
 
     clause: Clause
     steps: int
-    held: tuple[Node, ...]
-    stop: Node | None
+    prefix: tuple[ProofNode, ...]
+    stop: ProofNode | None
 
     @property
-    def nodes(self) -> tuple[Node, ...]:
-        return (*self.held, *((self.stop,) if self.stop is not None else ()))
+    def nodes(self) -> tuple[ProofNode, ...]:
+        return (*self.prefix, *((self.stop,) if self.stop is not None else ()))
 
     @property
-    def met(self) -> tuple[Span, ...]:
+    def alternatives(self) -> tuple[SourceSpan, ...]:
         """The alternatives that were evaluated, at least in part."""
-        reached = self.clause.steps[: self.steps + 1]
+        steps = self.clause.steps[: self.steps + 1]
         return tuple(
-            span for span in self.clause.taken if any(span.holds(step.span) for step in reached)
+            span
+            for span in self.clause.alternatives
+            if any(span.holds(step.span) for step in steps)
         )
 
     @property
-    def failing(self) -> Span | None:
-        """The innermost alternative that it ends in, or None if it gets past all of them."""
-        ends = self.clause.steps[self.steps : self.steps + 1]
-        return next((s for s in self.met[::-1] if any(s.holds(step.span) for step in ends)), None)
+    def failure(self) -> SourceSpan | None:
+        """The innermost alternative that it fails in, or None if it gets past all of them."""
+        steps = self.clause.steps[self.steps : self.steps + 1]
+        return next(
+            (s for s in self.alternatives[::-1] if any(s.holds(t.span) for t in steps)), None
+        )
 
 
-def _join(found: Sequence[_Refuted]) -> tuple[Node, ...]:
-    """Return the nodes of a body with alternatives: each that fails, and what stops the others."""
-    if len(found) == 1:
-        return found[0].nodes
-    different = {(each.met, repr(each.nodes)): each for each in found}
-    ends = [*different.values()]
+def _join(refutations: Sequence[_Refutation]) -> tuple[ProofNode, ...]:
+    """Return the nodes of a body with alternatives: those that fail, and what stops the rest."""
+    if len(refutations) == 1:
+        return refutations[0].nodes
+    distinct = {(end.alternatives, repr(end.nodes)): end for end in refutations}
+    ends = [*distinct.values()]
     if len(ends) == 1:
-        return tuple(grouped(ends[0].nodes, ends[0].met))
+        return tuple(group_alternatives(ends[0].nodes, ends[0].alternatives))
     common = 0
     while (
-        all(len(each.nodes) > common for each in ends)
-        and len({repr(each.nodes[common]) for each in ends}) == 1
+        all(len(end.nodes) > common for end in ends)
+        and len({repr(end.nodes[common]) for end in ends}) == 1
     ):
         common += 1
-    failing = [_alternative(each, common) for each in ends if each.failing is not None]
-    passed = [each for each in ends if each.failing is None]
+    failing = [_alternative(end, common) for end in ends if end.failure is not None]
+    passed = [end for end in ends if end.failure is None]
     if len(passed) == 1:
-        rest: Sequence[Node] = grouped(passed[0].nodes[common:], passed[0].met)
+        remainder: Sequence[ProofNode] = group_alternatives(
+            passed[0].nodes[common:], passed[0].alternatives
+        )
     else:
-        rest = [_alternative(each, common) for each in passed]
-    return (*ends[0].nodes[:common], *failing, *rest)
+        remainder = [_alternative(end, common) for end in passed]
+    return (*ends[0].nodes[:common], *failing, *remainder)
 
 
-def _alternative(end: _Refuted, common: int) -> Node:
-    nodes, span = end.nodes[common:], end.failing
+def _alternative(end: _Refutation, common: int) -> ProofNode:
+    nodes, span = end.nodes[common:], end.failure
     if span is not None:
-        held = [each for each in end.met if not each.holds(span)]
-        said, children = "this alternative does not hold", tuple(grouped(nodes, held))
-        return Node("alternative", span.text, said, False, span=span, children=children)
-    text = " and ".join(each.text for each in end.met)
-    said = "this alternative holds, but not what comes after it"
-    span = end.met[-1] if end.met else None
-    return Node("alternative", text, said, span=span, children=nodes)
+        alternatives = [a for a in end.alternatives if not a.holds(span)]
+        remark = "this alternative does not hold"
+        children = tuple(group_alternatives(nodes, alternatives))
+        return ProofNode("alternative", span.text, remark, False, span=span, children=children)
+    text = " and ".join(a.text for a in end.alternatives)
+    remark = "this alternative holds, but not what comes after it"
+    span = end.alternatives[-1] if end.alternatives else None
+    return ProofNode("alternative", text, remark, span=span, children=nodes)
 
 
 def _is_joined(clause: Clause, column: str) -> bool:
-    """Return whether a column of the head is a variable that no equation or list gives."""
+    """Return whether a column of the head is a variable that no equation or list binds."""
     place = clause.head[column]
     return clause.terms[column].kind in ("variable", "literal") and not any(
-        place in step.gives.values() for step in clause.steps if step.kind in ("value", "element")
+        place in step.bindings.values()
+        for step in clause.steps
+        if step.kind in ("value", "element")
     )
 
 
-def _unlikeness(one: Value, other: Value) -> float:
+def _unlikeness(left: Value, right: Value) -> float:
     """Return the dissimilarity of two values, at most 1."""
-    if same(one, other):
+    if same(left, right):
         return 0.0
-    if isinstance(one, int | float) and isinstance(other, int | float):
-        return 0.5 * (size := abs(one - other)) / (size + 1)
-    if isinstance(one, str) and isinstance(other, str):
-        return min(1.0, distance(one, other) / max(1, len(one), len(other)))
+    if isinstance(left, int | float) and isinstance(right, int | float):
+        return 0.5 * (size := abs(left - right)) / (size + 1)
+    if isinstance(left, str) and isinstance(right, str):
+        return min(1.0, distance(left, right) / max(1, len(left), len(right)))
     return 1.0
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain.why.explanation import Ask, Path, Read, Source, Subject
+from logical_robots_tui.explain.why.explanation import Ask, Path, Read, Subject, ValueSource
 from logical_robots_tui.game.advancing import Thinker
 from logical_robots_tui.game.debugging.changes import FEWEST_STEPS, Change, Steps, last_change
 from logical_robots_tui.game.debugging.inquiry import path_text
@@ -54,7 +54,7 @@ class Link:
     value: Value
     tick: int
     until: int
-    source: Source | None = None
+    source: ValueSource | None = None
     path: Path | None = None
     steps: Steps | None = None
     before: tuple[int | None, ...] = ()
@@ -62,7 +62,7 @@ class Link:
     problem: str = ""
 
     @property
-    def inputs(self) -> tuple[Source, ...]:
+    def inputs(self) -> tuple[ValueSource, ...]:
         """What it was made from; if it was copied, that. Without itself, if there are steps."""
         source = self.source
         if source is None:
@@ -131,7 +131,7 @@ async def _origin_of(past: _Past, robot: str, subject: Subject, tick: int) -> Or
 
 def is_memory(subject: Subject) -> bool:
     """Return whether a subject is a part of the memory that a robot keeps after the tick."""
-    is_own = subject.asked in (Ask(), Ask("Robot")) and not subject.span and not subject.variable
+    is_own = subject.query in (Ask(), Ask("Robot")) and not subject.span and not subject.variable
     return is_own and subject.column == "memory"
 
 
@@ -154,7 +154,7 @@ def subject_name(robot: str, subject: Subject) -> str:
     if subject.span is not None or subject.variable:
         name = subject.variable or (subject.span.text if subject.span else "")
         return path_text(subject.path, name)
-    predicate, column = subject.asked.predicate, subject.column
+    predicate, column = subject.query.predicate, subject.column
     row = "" if predicate == "Robot" else predicate
     return f"{robot}'s {path_text(subject.path, '.'.join(filter(None, (row, column))))}"
 
@@ -168,7 +168,7 @@ class _Waiting:
 
     parent: int
     place: int | None
-    source: Source
+    source: ValueSource
     robot: str
     tick: int
 
@@ -212,7 +212,7 @@ class _Tracing:
             self._complete = False
         return self._add(key, link)
 
-    def value(self, source: Source, robot: str, tick: int, name: str) -> int:
+    def value(self, source: ValueSource, robot: str, tick: int, name: str) -> int:
         """Add the link of a value within a tick; return its number."""
         key = repr((robot, tick, source.span, source.value, source.inputs))
         return self._add(key, Link(robot, name, source.value, tick, tick, source))
@@ -227,7 +227,7 @@ class _Tracing:
             return replace(link, problem=str(error).rstrip("."))
         return replace(link, source=source, steps=await self._steps(link, change, source))
 
-    async def _steps(self, link: Link, change: Change, source: Source) -> Steps | None:
+    async def _steps(self, link: Link, change: Change, source: ValueSource) -> Steps | None:
         """Return the steps to a value, if it was made from the one before in each of them."""
         steps, own = change.steps, (link.robot, change.path)
         if steps is None or own not in _memories_in(source) or steps.by is not None:
@@ -251,7 +251,7 @@ class _Tracing:
         self._links.append(replace(link, before=(None,) * len(link.inputs)))
         if link.steps is not None and link.path is not None:
             read = Read("memory", link.robot, link.path, link.steps.begin)
-            source = Source("", read.value, read=read)
+            source = ValueSource("", read.value, read=read)
             self._waiting.append(_Waiting(number, None, source, "", link.steps.since - 1))
         reads = 0
         is_older = link.tick != self._links[0].tick  # then only what it was made from is traced
@@ -262,7 +262,7 @@ class _Tracing:
             if source.read is None:
                 if source.inputs and not source.is_constant:
                     self._waiting.append(_Waiting(number, place, source, link.robot, link.tick))
-            elif source.read.what == "memory" and source.value is not None:
+            elif source.read.kind == "memory" and source.value is not None:
                 reads += 1
                 if reads <= _MOST_READS:
                     self._waiting.append(_Waiting(number, place, source, "", link.tick - 1))
@@ -279,12 +279,12 @@ class _Tracing:
             self._links[waiting.parent] = replace(link, before=tuple(before))
 
 
-def _memories_in(source: Source) -> dict[tuple[str, Path | None], Value]:
+def _memories_in(source: ValueSource) -> dict[tuple[str, Path | None], Value]:
     found: dict[tuple[str, Path | None], Value] = {}
     waiting, known = [source], {id(source)}
     while waiting:
         each = waiting.pop()
-        if each.read is not None and each.read.what == "memory":
+        if each.read is not None and each.read.kind == "memory":
             found[each.read.robot, each.read.path] = each.read.value
         inner = [one for one in (*each.inputs, *each.decided_by) if id(one) not in known]
         known.update(map(id, inner))
@@ -304,11 +304,11 @@ class _PastOfRun:
         """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
         return self._run.memories(robot, tick)
 
-    async def source(self, tick: int, robot: str, subject: Subject) -> Source:
+    async def source(self, tick: int, robot: str, subject: Subject) -> ValueSource:
         """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
         self._report(tick)
 
-        def work(frame: Frame, mind: Mind, stop: threading.Event) -> Source:
+        def work(frame: Frame, mind: Mind, stop: threading.Event) -> ValueSource:
             return _source(robot, subject, frame, mind, stop)
 
         (found,) = [each async for each in self._run.each(tick, tick, work)]
@@ -338,7 +338,7 @@ class _PastOfGame:
             await self.thinker.do(lambda _stop: None)  # lets the event loop go on
             self._check()
 
-    async def source(self, tick: int, robot: str, subject: Subject) -> Source:
+    async def source(self, tick: int, robot: str, subject: Subject) -> ValueSource:
         self._check()
         self._report(tick)
         history = self._game.history
@@ -351,7 +351,7 @@ class _PastOfGame:
         program = history.program_at(tick) or self._game.program
         program = program.for_team(known.level.team_of(robot))
 
-        def work(stop: threading.Event) -> Source:
+        def work(stop: threading.Event) -> ValueSource:
             frame, mind = self.thinker.replay(program, before, known, self._game.limits)
             return _source(robot, subject, frame, mind, stop)
 
@@ -364,18 +364,18 @@ class _PastOfGame:
 
 def _source(
     robot: str, subject: Subject, frame: Frame, mind: Mind, stop: threading.Event
-) -> Source:
+) -> ValueSource:
     explainer = explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
     decided = _decided(frame.decision_of(robot), subject)
     if decided:
-        asked = replace(subject.asked, given={**subject.asked.given, **decided})
-        subject = replace(subject, asked=asked)
+        asked = replace(subject.query, given={**subject.query.given, **decided})
+        subject = replace(subject, query=asked)
     return explainer.source(subject)
 
 
 def _decided(decision: Decision | None, subject: Subject) -> dict[str, Value]:
     """Return what tells the row of `Robot` that counts from the others, if there are several."""
-    if decision is None or subject.asked.predicate != "Robot":
+    if decision is None or subject.query.predicate != "Robot":
         return {}
     if not any(notice.kind == "several rows" for notice in decision.notices):
         return {}
@@ -416,13 +416,13 @@ def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
         yield f"{_steps(link.steps, link.tick)}, from {written(link.steps.begin)}{began}"
     verb = "from"
     if source.read is not None:
-        verb = "copied from" if source.read.what == "memory" else "read from"
+        verb = "copied from" if source.read.kind == "memory" else "read from"
     pairs = list(zip(link.inputs, link.before, strict=True))
     for each, number in pairs[:_SHOWN_INPUTS]:
         goes_on = f" ({number + 1}.)" if number is not None else ""
         yield f"{verb} {_input(each, written)}{goes_on}"
         verb = "from"
-    if (more := len(pairs) - len(pairs[:_SHOWN_INPUTS]) + source.more) > 0:
+    if (more := len(pairs) - len(pairs[:_SHOWN_INPUTS]) + source.excess) > 0:
         numbers = [f"{n + 1}." for _, n in pairs[_SHOWN_INPUTS:] if n is not None]
         goes_on = f" ({', '.join(numbers)})" if numbers else ""
         yield f"and from {more} more{goes_on}"
@@ -445,15 +445,15 @@ def _steps(steps: Steps, tick: int) -> str:
     return f"{way} {since}" if is_in_each_tick else f"{way}, {steps.times} times {since}"
 
 
-def _input(source: Source, written: Callable[[Value], str]) -> str:
+def _input(source: ValueSource, written: Callable[[Value], str]) -> str:
     read = source.read
     if read is None:
         where = source.span if source.is_constant else None
         line = f" (line {where.line})" if where is not None else ""
         return f"{source.name} = {written(source.value)}{line}"
-    if read.what == "sensor" and read.path[:1] == ("radar",) and len(read.path) == 2:
+    if read.kind == "sensor" and read.path[:1] == ("radar",) and len(read.path) == 2:
         return _ray(read)
-    return f"{read.robot}'s {path_text(read.path, read.what)} = {written(read.value)}"
+    return f"{read.robot}'s {path_text(read.path, read.kind)} = {written(read.value)}"
 
 
 def _ray(read: Read) -> str:

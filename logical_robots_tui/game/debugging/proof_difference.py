@@ -10,7 +10,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain import Node, Proof
+from logical_robots_tui.explain import Proof, ProofNode
 from logical_robots_tui.game.advancing import Thinker
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.values import spell
@@ -80,7 +80,7 @@ def _lines(proof: Proof) -> list[str]:
     return [f"{'  ' * depth}{_line(node)}" for root in proof.nodes for depth, node in root.walk()]
 
 
-def _line(node: Node) -> str:
+def _line(node: ProofNode) -> str:
     """Return a node's text without its place in the program, which any edit above it moves."""
     if node.holds is False:
         return f"{node.text} does not hold"

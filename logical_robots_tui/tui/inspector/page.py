@@ -324,4 +324,4 @@ def traced_value(
     if predicate == "Robot" and column == "memory":
         return Traced(whose, subject, tick)
     asked = Ask(predicate, {name: value for name, value in row.items() if name != MIND})
-    return Traced(whose, replace(subject, asked=asked, column=column), tick)
+    return Traced(whose, replace(subject, query=asked, column=column), tick)

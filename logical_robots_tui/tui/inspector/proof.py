@@ -16,7 +16,7 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain import Ask, Node
+    from logical_robots_tui.explain import Ask, ProofNode
 
 _GUIDE = "│ "  # for each node above a line
 _GUIDES_SHARE = 3  # guides take a third of a line at most
@@ -35,10 +35,10 @@ class ProofLine(NamedTuple):
     not known yet.
     """
 
-    node: Node
+    node: ProofNode
     depth: int
     key: int
-    children: tuple[Node, ...]
+    children: tuple[ProofNode, ...]
     lacks: bool
 
     @property
@@ -49,16 +49,21 @@ class ProofLine(NamedTuple):
 class ProofTree:
     def __init__(self) -> None:
         self.lines: list[ProofLine] = []
-        self._roots: tuple[Node, ...] = ()
-        self._rest: tuple[Node, ...] = ()
+        self._roots: tuple[ProofNode, ...] = ()
+        self._rest: tuple[ProofNode, ...] = ()
         self._open: set[int] = set()
         self._chosen: dict[int, bool] = {}
-        self._unfolded: dict[int, tuple[Node, ...]] = {}
+        self._unfolded: dict[int, tuple[ProofNode, ...]] = {}
         self._made: dict[int, list[ProofLine]] = {}
         self._keys: dict[tuple[int, str, str, int], int] = {}
 
     def show(
-        self, roots: Sequence[Node], rest: Sequence[Node], room: int, *, anew: bool = False
+        self,
+        roots: Sequence[ProofNode],
+        rest: Sequence[ProofNode],
+        room: int,
+        *,
+        anew: bool = False,
     ) -> None:
         """Replace the nodes, keeping what the player expanded or collapsed, unless `anew`.
 
@@ -101,7 +106,7 @@ class ProofTree:
     def number(self, key: int) -> int | None:
         return next((n for n, line in enumerate(self.lines) if line.key == key), None)
 
-    def unfold(self, key: int, nodes: Sequence[Node]) -> None:
+    def unfold(self, key: int, nodes: Sequence[ProofNode]) -> None:
         self._unfolded[key] = tuple(nodes)
         self._made.clear()
         number = self.number(key)
@@ -148,7 +153,7 @@ class ProofTree:
             self._made[line.key] = found
         return found
 
-    def _siblings(self, nodes: Sequence[Node], depth: int, above: int) -> list[ProofLine]:
+    def _siblings(self, nodes: Sequence[ProofNode], depth: int, above: int) -> list[ProofLine]:
         keys, alike, found = self._keys, dict[tuple[str, str], int](), []
         for node in nodes:
             about = node.kind, node.text
@@ -157,8 +162,8 @@ class ProofTree:
             found.append(self._line(node, depth, key))
         return found
 
-    def _line(self, node: Node, depth: int, key: int) -> ProofLine:
-        if node.asked is None:
+    def _line(self, node: ProofNode, depth: int, key: int) -> ProofLine:
+        if node.query is None:
             return ProofLine(node, depth, key, node.children, lacks=False)
         more = self._unfolded.get(key, ())
         is_proved = more or any(
@@ -185,10 +190,10 @@ def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
     )
     if node.kind == "rule" and node.span is not None:
         before = before.append(Content.styled(f"{node.span.line}: ", INK.faint))
-    said = f"  {one_line(node.said)}" if node.said else ""
+    said = f"  {one_line(node.remark)}" if node.remark else ""
     after = Content.assemble(
         (said, INK.bad if node.holds is False else INK.dim),
-        (_DEEPER if node.asked is not None else "", INK.key),
+        (_DEEPER if node.query is not None else "", INK.key),
     )
     text = one_line(node.text)
     room = max(_NARROWEST_TEXT, width - before.cell_length - after.cell_length)
@@ -198,11 +203,11 @@ def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
     return before.append(named).append(values).append(after).truncate(width)
 
 
-def _values(node: Node, room: int) -> Content:
+def _values(node: ProofNode, room: int) -> Content:
     parts: list[Content] = []
     rest = ""
     for number, value in enumerate(node.values):
-        more = len(node.values) - number - 1 + node.more
+        more = len(node.values) - number - 1 + node.excess
         words = f" (and {more:,} more)" if more else ""
         glue = " or " if parts else " = "
         left = room - sum(part.cell_length for part in parts) - len(glue) - len(words)
@@ -233,7 +238,7 @@ class WhyView(CursorView):
     def __init__(
         self,
         *,
-        pointed: Callable[[Node, bool], None],
+        pointed: Callable[[ProofNode, bool], None],
         deeper: Callable[[Ask], None],
         lacking: Callable[[int, Ask], None],
         back: Callable[[], None],
@@ -255,13 +260,13 @@ class WhyView(CursorView):
         return self.lines[self._at] if self.lines else None
 
     @property
-    def pointed(self) -> Node | None:
+    def pointed(self) -> ProofNode | None:
         return self.line.node if self.line is not None else None
 
     @property
-    def path(self) -> Sequence[Node]:
+    def path(self) -> Sequence[ProofNode]:
         """The node under the cursor, then those above it, the nearest first."""
-        found: list[Node] = []
+        found: list[ProofNode] = []
         at: int | None = self._at if self.lines else None
         while at is not None:
             found.append(self.lines[at].node)
@@ -293,8 +298,8 @@ class WhyView(CursorView):
 
     def show(
         self,
-        roots: Sequence[Node],
-        rest: Sequence[Node] = (),
+        roots: Sequence[ProofNode],
+        rest: Sequence[ProofNode] = (),
         *,
         anew: bool = False,
         has_way_back: bool = False,
@@ -317,8 +322,8 @@ class WhyView(CursorView):
         self._restore_cursor()
         height = 1 + min(len(line.children), self.size.height - 1)
         self.scroll_to_region(Region(0, number, 1, height), animate=False, force=True)
-        if line.lacks and line.node.asked is not None:
-            self._tell_lacking(line.key, line.node.asked)
+        if line.lacks and line.node.query is not None:
+            self._tell_lacking(line.key, line.node.query)
 
     def close(self, number: int) -> None:
         self._tree.close(number)
@@ -327,7 +332,7 @@ class WhyView(CursorView):
     def toggle_fold(self, number: int) -> None:
         self.close(number) if self.is_open(number) else self.open(number)
 
-    def unfold(self, key: int, nodes: Sequence[Node]) -> None:
+    def unfold(self, key: int, nodes: Sequence[ProofNode]) -> None:
         self._tree.unfold(key, nodes)
         self._restore_cursor()
 
@@ -373,8 +378,8 @@ class WhyView(CursorView):
         node = self.pointed
         if node is None:
             return
-        if node.asked is not None:
-            self._tell_deeper(node.asked)
+        if node.query is not None:
+            self._tell_deeper(node.query)
         elif node.values:
             self.post_message(CommandChosen("open_value"))
         else:

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.explain.why.explainer import Explainer
-from logical_robots_tui.explain.why.explanation import Ask, Read, Source, Subject
+from logical_robots_tui.explain.why.explanation import Ask, Read, Subject, ValueSource
 from logical_robots_tui.explain.why.explanation import Path as Parts
-from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.probing import SourceSpan
 from logical_robots_tui.game import Link, Origin, Pin
 from logical_robots_tui.tui.inspector.page import Traced, traced_pin
 from logical_robots_tui.tui.inspector.pages.origin import LinksView, lines_of
@@ -136,7 +136,7 @@ async def test_pins_and_reads_are_followed(data_dir: Path, monkeypatch: pytest.M
         # It says how far back it is, and can be stopped.
         source, hold = Explainer.source, Hold()
 
-        def slow(explainer: Explainer, subject: Subject) -> Source:
+        def slow(explainer: Explainer, subject: Subject) -> ValueSource:
             hold.here()
             return source(explainer, subject)
 
@@ -223,14 +223,15 @@ def test_only_memory_is_from_the_tick_before(pin: Pin | None, found: Traced | No
 
 
 def test_a_link_tells_the_rays_and_how_much_more_was_read() -> None:
-    span = Span(0, 5, 31, "Avg{ray.distance}")
+    span = SourceSpan(0, 5, 31, "Avg{ray.distance}")
     rays: list[Value] = [
         {"angle": 0.0, "object": "beacon", "label": "Key", "distance": n} for n in range(7)
     ]
     inputs = tuple(
-        Source("", ray, read=Read("sensor", "Ada", ("radar", n), ray)) for n, ray in enumerate(rays)
+        ValueSource("", ray, read=Read("sensor", "Ada", ("radar", n), ray))
+        for n, ray in enumerate(rays)
     )
-    source = Source("d", 43, span, span, inputs=inputs)
+    source = ValueSource("d", 43, span, span, inputs=inputs)
     link = Link("Ada", "Ada's memory.d", 43, 12, 12, source, ("d",), before=(None,) * 7)
     told = [line.plain for line in lines_of(0, link, 80)]
     assert told[:4] == [

@@ -4,28 +4,28 @@ from dataclasses import replace
 
 import pytest
 
-from logical_robots_tui.explain import Ask, Node
+from logical_robots_tui.explain import Ask, ProofNode
 from logical_robots_tui.tui.inspector.proof import ProofLine, ProofTree, line_content
 
 
-def many(count: int) -> Node:
+def many(count: int) -> ProofNode:
     """A rule with so many nodes below it, ten below each."""
-    waiting: list[Node] = [Node("value", f"v{n}", values=(n,)) for n in range(count)]
+    waiting: list[ProofNode] = [ProofNode("value", f"v{n}", values=(n,)) for n in range(count)]
     while len(waiting) > 10:
         waiting = [
-            Node("call", f"c{n}", children=tuple(waiting[n : n + 10]))
+            ProofNode("call", f"c{n}", children=tuple(waiting[n : n + 10]))
             for n in range(0, len(waiting), 10)
         ]
-    return Node("rule", "Many(x)", holds=True, children=tuple(waiting))
+    return ProofNode("rule", "Many(x)", holds=True, children=tuple(waiting))
 
 
-def shown(node: Node) -> ProofTree:
+def shown(node: ProofNode) -> ProofTree:
     folds = ProofTree()
     folds.show([node], [], 10_000)
     return folds
 
 
-def nodes(folds: ProofTree) -> list[Node]:
+def nodes(folds: ProofTree) -> list[ProofNode]:
     return [line.node for line in folds.lines]
 
 
@@ -49,18 +49,18 @@ def test_folds_are_exact_wherever_one_opens_and_closes() -> None:
 
     # A player's folds stay when another tick has other values.
     folds.close(1)
-    folds.show([replace(many(100), said="gives this row")], [], 10_000)
+    folds.show([replace(many(100), remark="gives this row")], [], 10_000)
     assert not folds.is_open(folds.lines[1])
     folds.show([many(100)], [], 10_000, anew=True)
     assert folds.is_open(folds.lines[1])
 
 
 def test_a_proof_that_came_later_stays_when_what_is_above_it_is_folded() -> None:
-    asks = Node("call", "Near(x)", asked=Ask("Near", {"x": 1}))
-    folds = shown(Node("rule", "Robot()", children=(asks,)))
+    asks = ProofNode("call", "Near(x)", query=Ask("Near", {"x": 1}))
+    folds = shown(ProofNode("rule", "Robot()", children=(asks,)))
     assert folds.lines[1].lacks
     folds.open(1)
-    folds.unfold(folds.lines[1].key, [Node("rule", "Near(1)")])
+    folds.unfold(folds.lines[1].key, [ProofNode("rule", "Near(1)")])
     texts = [node.text for node in nodes(folds)]
     assert texts == ["Robot()", "Near(x)", "Near(1)"]
     folds.close(0)
@@ -72,24 +72,26 @@ def test_a_proof_that_came_later_stays_when_what_is_above_it_is_folded() -> None
 @pytest.mark.parametrize("width", [53, 80, 200])
 @pytest.mark.parametrize("depth", [0, 9, 150])
 def test_values_that_have_no_room_are_counted(width: int, depth: int) -> None:
-    node = Node("value", "ray.object", values=("wall", "none", "lamp", "gate", "door"), more=7)
+    node = ProofNode(
+        "value", "ray.object", values=("wall", "none", "lamp", "gate", "door"), excess=7
+    )
     text = content(node, width, depth)
     shown = [value for value in node.values if str(value) in text]
-    hidden = len(node.values) - len(shown) + node.more
+    hidden = len(node.values) - len(shown) + node.excess
     assert f"(and {hidden} more)" in text
     assert len(text) <= width
-    truths = Node("value", "x > 2", values=(True, False, None))
+    truths = ProofNode("value", "x > 2", values=(True, False, None))
     assert "= true or false or null" in content(truths, 80), "they are no numbers"
 
 
-def content(node: Node, width: int, depth: int = 0) -> str:
+def content(node: ProofNode, width: int, depth: int = 0) -> str:
     return line_content(ProofLine(node, depth, 1, (), lacks=False), width, is_open=False).plain
 
 
 def test_what_fails_is_opened_before_what_holds() -> None:
-    value = (Node("value", "x", values=(1,)),)
-    holds = Node("condition", "x > 0", holds=True, children=value)
-    fails = Node("condition", "x > 5", holds=False, children=value)
+    value = (ProofNode("value", "x", values=(1,)),)
+    holds = ProofNode("condition", "x > 0", holds=True, children=value)
+    fails = ProofNode("condition", "x > 5", holds=False, children=value)
     folds = ProofTree()
-    folds.show([Node("rule", "P(x)", holds=False, children=(holds, fails))], [], 4)
+    folds.show([ProofNode("rule", "P(x)", holds=False, children=(holds, fails))], [], 4)
     assert [folds.is_open(line) for line in folds.lines] == [True, False, True, False]

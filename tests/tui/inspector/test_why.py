@@ -4,7 +4,7 @@ from pathlib import Path
 
 from textual.widgets import Input
 
-from logical_robots_tui.explain import Ask, Node
+from logical_robots_tui.explain import Ask, ProofNode
 from logical_robots_tui.game import Breakpoint
 from logical_robots_tui.tui.inspector.pages.why import ValuesPrompt
 from logical_robots_tui.tui.inspector.proof import WhyView
@@ -30,7 +30,7 @@ def view(game: Opened) -> WhyView:
     return game.main.query_one(WhyView)
 
 
-def nodes(game: Opened) -> list[Node]:
+def nodes(game: Opened) -> list[ProofNode]:
     return [line.node for line in view(game).lines]
 
 
@@ -57,7 +57,7 @@ async def test_one_key_says_why_in_a_tree_that_folds_and_stays_folded(data_dir: 
         await asked_why(game)
         assert game.inspector.inspected == "why"
         rules = [node for node in nodes(game) if node.kind == "rule"]
-        assert (rules[0].said, rules[-1].said) == ("gives this row", "gives no row")
+        assert (rules[0].remark, rules[-1].remark) == ("gives this row", "gives no row")
         await game.until(lambda: PROVED in told(game))
         await game.sees("✗ 4: Robot(")
         assert game.shows("✓ 2: Robot(")
@@ -171,9 +171,10 @@ async def test_a_proof_goes_as_deep_as_there_is_room_and_on_where_opened(data_di
         # Two calls that are opened at once are both proved.
         await game.sees("Why · tick 1")
         lacking = [
-            Node("call", f"{name}(d)", asked=Ask(name, {"col0": 10})) for name in ("Close", "Low")
+            ProofNode("call", f"{name}(d)", query=Ask(name, {"col0": 10}))
+            for name in ("Close", "Low")
         ]
-        view(game).show([Node("rule", "both", children=tuple(lacking))], anew=True)
+        view(game).show([ProofNode("rule", "both", children=tuple(lacking))], anew=True)
         view(game).open(2)
         view(game).open(1)
         for start in ("Close(d) :-", "Low(d) :-"):
@@ -291,4 +292,4 @@ async def test_other_values_show_where_rules_stop_and_nonsense_is_mended(data_di
         await prompted(game, "memory")
         await game.press(*'"near"', "enter")
         await game.until(lambda: told(game)[0].startswith("Robot(") and not nodes(game)[0].holds)
-        assert nodes(game)[0].said == "does not apply to these values"
+        assert nodes(game)[0].remark == "does not apply to these values"

@@ -11,7 +11,7 @@ from math import isclose
 from textual.content import Content
 from textual.widgets.input import Selection
 
-from logical_robots_tui.explain import Ask, Explanation, Node, Proof
+from logical_robots_tui.explain import Ask, Explanation, Proof, ProofNode
 from logical_robots_tui.explain.why.explanation import Subject, spell_call
 from logical_robots_tui.explain.why.nearest import Suggestion
 from logical_robots_tui.game import Breakpoint, Frame, Inquiry, Superseded, read_part
@@ -65,7 +65,7 @@ class WhyPage(Page):
         self._steps: list[Ask] = [Ask("Robot", {})]
         self._shown: _Question | None = None
         self._answered: _Question | None = None
-        self._roots: Sequence[Node] = ()
+        self._roots: Sequence[ProofNode] = ()
         self._lacking: list[tuple[_Question, int, Ask]] = []
         self._is_proving = False
         self._depth = _FIRST_DEPTH
@@ -103,7 +103,7 @@ class WhyPage(Page):
         node = self.view.pointed if self.view.has_focus else None
         if node is None or not node.values:
             return super().values_here()
-        title = f"{node.text} (and {node.more:,} more)" if node.more else node.text
+        title = f"{node.text} (and {node.excess:,} more)" if node.excess else node.text
         if len(node.values) == 1:
             return title, (Branch(node.text, node.values[0]),)
         return title, [Branch(f"{number}", each) for number, each in enumerate(node.values, 1)]
@@ -130,10 +130,10 @@ class WhyPage(Page):
         line = self.view.pointed
         if self._answered is None or line is None:
             return None
-        above = (node.asked for node in self.view.path if node.asked is not None)
+        above = (node.query for node in self.view.path if node.query is not None)
         asked = next(above, self._answered.asked)
-        own: tuple[Node, ...] = ()
-        if line.kind == "column" and line.asked is None:
+        own: tuple[ProofNode, ...] = ()
+        if line.kind == "column" and line.query is None:
             own = (line,)
         elif line.kind == "rule" and line.holds:
             own = tuple(n for n in line.children if n.kind == "column" and _is_short(n))
@@ -188,10 +188,10 @@ class WhyPage(Page):
         if misses and self._answered is question:
             notes = [_suggested(line, miss) for line, miss in misses]
             said = "This change" if len(misses) == 1 else "Each of these changes"
-            head = Node("note", f"{said} would give a row", children=tuple(notes))
+            head = ProofNode("note", f"{said} would give a row", children=tuple(notes))
             self._show_nodes(question, (*self._roots, head), ())
 
-    def _show(self, question: _Question, found: Explanation, roots: Sequence[Node]) -> None:
+    def _show(self, question: _Question, found: Explanation, roots: Sequence[ProofNode]) -> None:
         self._answered, self._roots = question, roots
         self.say("")
         self._show_nodes(question, roots, () if found.row is None else _others(found))
@@ -203,7 +203,9 @@ class WhyPage(Page):
         self._show_nodes(question, (), ())
         self.post_message(Sighted(None, question.frame))
 
-    def _show_nodes(self, question: _Question, roots: Sequence[Node], rest: Sequence[Node]) -> None:
+    def _show_nodes(
+        self, question: _Question, roots: Sequence[ProofNode], rest: Sequence[ProofNode]
+    ) -> None:
         anew = not question.is_like(self._shown)
         self._shown = question
         tick = question.frame.tick
@@ -258,14 +260,14 @@ class WhyPage(Page):
     ) -> Proof:
         return await inquiry.proof(program, question.robot, question.frame, asked, depth=depth)
 
-    async def _proved(self, question: _Question, asked: Ask) -> Sequence[Node]:
+    async def _proved(self, question: _Question, asked: Ask) -> Sequence[ProofNode]:
         try:
             proof = await self._proof(question, asked, _DEPTH, *self._questions.about())
         except QueryError as error:
-            return (Node("note", str(error)),)
+            return (ProofNode("note", str(error)),)
         return proof.nodes
 
-    def _pointed(self, node: Node, moved: bool) -> None:
+    def _pointed(self, node: ProofNode, moved: bool) -> None:
         question = self._answered
         if question is None:
             return
@@ -276,18 +278,18 @@ class WhyPage(Page):
             self.post_message(Placed(self._questions.program.text, place))
 
 
-def _suggested(rule: int, miss: Suggestion) -> Node:
+def _suggested(rule: int, miss: Suggestion) -> ProofNode:
     """Return a change of a rule, in a line, with its reason below; together they are cut off."""
-    reason = Node("note", f"{miss.reason}.", span=miss.span)
+    reason = ProofNode("note", f"{miss.reason}.", span=miss.span)
     said = f"rule in line {rule}"
-    return Node("note", miss.advice, said, span=miss.span, children=(reason,))
+    return ProofNode("note", miss.advice, said, span=miss.span, children=(reason,))
 
 
-def _is_short(node: Node) -> bool:
+def _is_short(node: ProofNode) -> bool:
     return all(len(spell(value, _LONGEST_VALUE)) <= _LONGEST_VALUE for value in node.values)
 
 
-def _proving(found: Explanation) -> Sequence[Node]:
+def _proving(found: Explanation) -> Sequence[ProofNode]:
     """Return the rule that derives the row, or all rules if none does."""
     if found.row is None:
         return found.nodes
@@ -295,7 +297,7 @@ def _proving(found: Explanation) -> Sequence[Node]:
     return giving[:1] or found.nodes[-1:]
 
 
-def _others(found: Explanation) -> Sequence[Node]:
+def _others(found: Explanation) -> Sequence[ProofNode]:
     proving = _proving(found)
     return [node for node in found.nodes if node is not proving[0]]
 
@@ -312,10 +314,10 @@ def _traced_in_proof(view: WhyView, question: Ask, robot: str, tick: int) -> Tra
     rule = next((n for n, each in enumerate(above) if each.kind == "rule"), None)
     if rule is None:
         return None
-    asked = next((each.asked for each in above[rule:] if each.asked is not None), question)
+    asked = next((each.query for each in above[rule:] if each.query is not None), question)
     if node.kind == "read" and above[0].text.startswith("Memory("):
         return _memory_read(node.text, above[0].robot or robot, tick)
-    if node.kind in ("column", "aggregate") and node.asked is None and above[0].kind == "rule":
+    if node.kind in ("column", "aggregate") and node.query is None and above[0].kind == "rule":
         column = node.text.split(":")[0]
         if asked.predicate == "Robot" and column == "memory":
             return Traced(robot, Subject(), tick)
@@ -338,7 +340,7 @@ def _memory_read(text: str, robot: str, tick: int) -> Traced | None:
     return Traced(robot, Subject(path=path), max(0, tick - 1))
 
 
-def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
+def sight(node: ProofNode, robot: str, frame: Frame) -> Highlight | None:
     """The robot or ray that a proof's node is about; of equal rays, that of `robot`."""
     if node.robot:
         return Highlight(node.robot)
