@@ -48,7 +48,7 @@ PartKind: TypeAlias = typing.Literal["call", "condition", "value", "element", "d
 AUXILIARY = "why_"
 """The prefix of variables that hold the values of calls."""
 
-_OPENS = {"(": ")", "[": "]", "{": "}"}
+_BRACKETS = {"(": ")", "[": "]", "{": "}"}
 
 
 def make_rule(
@@ -70,35 +70,35 @@ def span_of_text(start: int, stop: int, text: str) -> SourceSpan:
         start += 1
     words = ""
     for line in text[start:stop].split("\n"):
-        more = " ".join((line.split("#")[0] if '"' not in line else line).split())
-        is_close = words[-1:] in _OPENS or more[:1] in _OPENS.values()
-        words += more if is_close or not (words and more) else f" {more}"
+        addition = " ".join((line.split("#")[0] if '"' not in line else line).split())
+        is_close = words[-1:] in _BRACKETS or addition[:1] in _BRACKETS.values()
+        words += addition if is_close or not (words and addition) else f" {addition}"
     return SourceSpan(start, stop, text.count("\n", 0, start) + 1, words)
 
 
 def parameters(rule: Rule) -> list[tuple[str, str]] | None:
-    """Return the columns of a function's head with their variables, or None if it has others."""
-    found = []
-    for each in rule.head.columns:
-        if each.field == VALUE:
+    """Return the columns of a function's head with their variables; None if one has none."""
+    pairs = []
+    for column in rule.head.columns:
+        if column.field == VALUE:
             continue
-        variable = variable_of(each.expression)
-        if not variable or each.field == REST:
+        variable = variable_of(column.expression)
+        if not variable or column.field == REST:
             return None
-        found.append((each.column, variable))
-    return found
+        pairs.append((column.column, variable))
+    return pairs
 
 
-def part_kind(part: Proposition, own: Container[str]) -> PartKind:
-    """Return what a part of a body does; `own` holds the program's predicates."""
+def part_kind(part: Proposition, predicates: Container[str]) -> PartKind:
+    """Return what a part of a body does; `predicates` are the program's."""
     if isinstance(part, Membership):
         return "element"
     if equation_sides(part) is not None:
         return "value"
     name = part.name if isinstance(part, Atom) else ""
-    if name == "IsNull" and any(each.is_denial for each in outer_aggregates(part)):
+    if name == "IsNull" and any(aggregate.is_denial for aggregate in outer_aggregates(part)):
         return "denial"
-    return "call" if name in INPUTS or name in own else "condition"
+    return "call" if name in INPUTS or name in predicates else "condition"
 
 
 class Scope:
@@ -108,96 +108,99 @@ class Scope:
         self.functions = functions
         self.variables = frozenset(variables)
 
-    def mentioned(self, tree: Tree) -> frozenset[str]:
+    def variables_in(self, tree: Tree) -> frozenset[str]:
         """Return the variables of this scope that a tree mentions, at any depth."""
         return variables(tree) | (variables(tree, inside=True) & self.variables)
 
-    def gives(
-        self, part: Proposition, known: frozenset[str], *, anyhow: bool = False
+    def bound_after(
+        self, part: Proposition, bound: frozenset[str], *, binds_calls: bool = False
     ) -> frozenset[str] | None:
         """Return the variables that are bound after a part, or None if it can't be evaluated.
 
-        The value of a call is bound by the call, by other parts only if `anyhow`.
+        The value of a call is bound by the call, by other parts only if `binds_calls`.
         """
         if isinstance(part, Disjunction):
-            return self._choice(part, known)
+            return self._disjunction(part, bound)
         if isinstance(part, Membership):
-            if not self.mentioned(part.collection) <= known:
+            if not self.variables_in(part.collection) <= bound:
                 return None
-            return self._matched(part.element, known, anyhow)
+            return self._pattern(part.element, bound, binds_calls)
         pair = equation_sides(part)
         if pair is not None:
-            return self._equal(*pair, known, anyhow)
+            return self._equation(*pair, bound, binds_calls)
         name = part.name if isinstance(part, Atom) else ""
         if name not in self.functions and (is_built_in(name) or not name[:1].isalpha()):
-            return known if self.mentioned(part) <= known else None
+            return bound if self.variables_in(part) <= bound else None
         assert isinstance(part, Atom)
-        needed = self.functions.get(name, ())
-        found = known
+        required = self.functions.get(name, ())
+        new_bound = bound
         for argument in part.arguments:
             assert argument.expression is not None
             value = argument.expression
-            if argument.column in needed and not self.mentioned(value) <= known:
+            if argument.column in required and not self.variables_in(value) <= bound:
                 return None
-            matched = self._matched(value, found, anyhow or argument.column == VALUE)
-            if matched is None:
+            extended = self._pattern(value, new_bound, binds_calls or argument.column == VALUE)
+            if extended is None:
                 return None
-            found = matched
-        return found
+            new_bound = extended
+        return new_bound
 
-    def _matched(
-        self, pattern: Expression, known: frozenset[str], anyhow: bool
+    def _pattern(
+        self, pattern: Expression, bound: frozenset[str], binds_calls: bool
     ) -> frozenset[str] | None:
-        if isinstance(pattern, Variable) and (anyhow or not pattern.name.startswith(AUXILIARY)):
-            return known | {str(pattern.name)}
-        return known if self.mentioned(pattern) <= known else None
+        if isinstance(pattern, Variable) and (
+            binds_calls or not pattern.name.startswith(AUXILIARY)
+        ):
+            return bound | {str(pattern.name)}
+        return bound if self.variables_in(pattern) <= bound else None
 
-    def _equal(
-        self, left: Expression, right: Expression, known: frozenset[str], anyhow: bool
+    def _equation(
+        self, left: Expression, right: Expression, bound: frozenset[str], binds_calls: bool
     ) -> frozenset[str] | None:
         for pattern, value in ((left, right), (right, left)):
-            if self.mentioned(value) <= known:
+            if self.variables_in(value) <= bound:
                 patterns: tuple[Expression, ...] = (pattern,)
                 if isinstance(pattern, Record) and pattern.arguments:
                     patterns = operands(pattern.arguments)
-                found: frozenset[str] | None = known
-                for each in patterns:
-                    found = None if found is None else self._matched(each, found, anyhow)
-                if found is not None:
-                    return found
+                new_bound: frozenset[str] | None = bound
+                for element in patterns:
+                    if new_bound is not None:
+                        new_bound = self._pattern(element, new_bound, binds_calls)
+                if new_bound is not None:
+                    return new_bound
         return None
 
-    def _choice(self, part: Disjunction, known: frozenset[str]) -> frozenset[str] | None:
-        found = []
+    def _disjunction(self, part: Disjunction, bound: frozenset[str]) -> frozenset[str] | None:
+        branch_bounds = []
         for branch in part.alternatives:
-            ordered, left = in_order(conjuncts(branch), self, known)
-            if left:
+            ordered, unordered = order_parts(conjuncts(branch), self, bound)
+            if unordered:
                 return None
-            found.append(ordered[-1][1] if ordered else known)
-        return frozenset.intersection(*found)
+            branch_bounds.append(ordered[-1][1] if ordered else bound)
+        return frozenset.intersection(*branch_bounds)
 
 
-def in_order(
-    parts: Iterable[Proposition], scope: Scope, known: frozenset[str]
+def order_parts(
+    parts: Iterable[Proposition], scope: Scope, bound: frozenset[str]
 ) -> tuple[list[tuple[Proposition, frozenset[str]]], list[Proposition]]:
     """Order parts so that each can be evaluated, in text order where possible.
 
     Returns:
         The parts, each with the variables bound after it; and those that can't be evaluated.
     """
-    waiting = list(parts)
+    remaining = list(parts)
     ordered: list[tuple[Proposition, frozenset[str]]] = []
-    while waiting:
-        choices = ((n, anyhow) for anyhow in (False, True) for n in range(len(waiting)))
-        for place, anyhow in choices:
-            found = scope.gives(waiting[place], known, anyhow=anyhow)
-            if found is not None:
-                ordered.append((waiting.pop(place), found))
-                known = found
+    while remaining:
+        choices = ((n, binds_calls) for binds_calls in (False, True) for n in range(len(remaining)))
+        for index, binds_calls in choices:
+            new_bound = scope.bound_after(remaining[index], bound, binds_calls=binds_calls)
+            if new_bound is not None:
+                ordered.append((remaining.pop(index), new_bound))
+                bound = new_bound
                 break
         else:
             break
-    return ordered, waiting
+    return ordered, remaining
 
 
 def without_equations(node: N) -> tuple[N, list[Atom]]:
@@ -205,7 +208,7 @@ def without_equations(node: N) -> tuple[N, list[Atom]]:
 
     ``short = distance < 60`` becomes ``distance < 60`` with ``short = distance``.
     """
-    found: list[Atom] = []
+    equations: list[Atom] = []
 
     def change(inner: Node) -> Node:
         if is_aggregate(inner):
@@ -213,10 +216,10 @@ def without_equations(node: N) -> tuple[N, list[Atom]]:
         inner = rebuild(inner, change)
         if not isinstance(inner, Call) or inner.name != "=":
             return inner
-        found.append(Atom("=", inner.arguments, span=inner.span))
+        equations.append(Atom("=", inner.arguments, span=inner.span))
         return replace(operands(inner.arguments)[-1], span=inner.span)
 
-    return change(node), found  # type: ignore[return-value]  # a kind for its kind
+    return change(node), equations  # type: ignore[return-value]  # a kind for its kind
 
 
 def outer_aggregates(tree: Tree) -> Iterator[Aggregate]:
@@ -224,7 +227,7 @@ def outer_aggregates(tree: Tree) -> Iterator[Aggregate]:
     return (node for node in walk(tree, is_aggregate) if isinstance(node, Aggregate))
 
 
-class Names:
+class CallablePredicates:
     """The predicates that rules may call.
 
     Args:
@@ -251,10 +254,10 @@ class Names:
 
 def head_of(rule: Rule) -> tuple[dict[str, Expression], dict[str, Aggregation]]:
     plain: dict[str, Expression] = {}
-    others: dict[str, Aggregation] = {}
-    for each in rule.head.columns:
-        if isinstance(each.value, Aggregation):
-            others[each.column] = each.value
-        elif each.field != REST:
-            plain[each.column] = each.value
-    return plain, others
+    aggregations: dict[str, Aggregation] = {}
+    for column in rule.head.columns:
+        if isinstance(column.value, Aggregation):
+            aggregations[column.column] = column.value
+        elif column.field != REST:
+            plain[column.column] = column.value
+    return plain, aggregations

@@ -40,14 +40,14 @@ def read_call(text: str) -> Called:
     called, result = _sides(source)
     if not isinstance(called, Atom | Call | PredicateName) or not called.name[:1].isalpha():
         raise _refusal(source, called, "This is not a predicate with values")
-    given = _fields(() if isinstance(called, PredicateName) else called.arguments, source)
+    values = _fields(() if isinstance(called, PredicateName) else called.arguments, source)
     if result is not None:
-        given[VALUE] = _value(result, source)
-    return Called(str(called.name), given)
+        values[VALUE] = _value(result, source)
+    return Called(str(called.name), values)
 
 
 def _sides(source: Prepared) -> tuple[Expression | Atom, Expression | None]:
-    """Return the call, and what it is said to be, if anything."""
+    """Return the call, and the value that it is compared with, if any."""
     if not source.text.strip():
         raise ProgramError((Diagnostic(1, 1, "The query is empty", _HINT),))
     try:
@@ -66,9 +66,9 @@ def _sides(source: Prepared) -> tuple[Expression | Atom, Expression | None]:
 
 def _fields(arguments: tuple[Argument, ...], source: Prepared) -> dict[str, Value]:
     return {
-        each.column: _value(each.expression, source)
-        for each in arguments
-        if each.expression is not None and not isinstance(each.expression, Variable)
+        argument.column: _value(argument.expression, source)
+        for argument in arguments
+        if argument.expression is not None and not isinstance(argument.expression, Variable)
     }
 
 
@@ -85,12 +85,12 @@ def _value(node: Expression, source: Prepared) -> Value:
         case Text():
             return node.value
         case List():
-            return [_value(each, source) for each in node.elements]
+            return [_value(element, source) for element in node.elements]
         case Record():
             return {
-                str(each.field): _value(each.expression, source)
-                for each in node.arguments
-                if each.expression is not None
+                str(field.field): _value(field.expression, source)
+                for field in node.arguments
+                if field.expression is not None
             }
     hint = 'Values are numbers, "strings", true, false, null, [lists] and {of: records}.'
     raise _refusal(source, node, "This is not a value", hint)
@@ -100,5 +100,5 @@ def _refusal(
     source: Prepared, node: Expression | Atom | None, message: str, hint: str = _HINT
 ) -> ProgramError:
     start, stop = (node.span if node is not None else None) or (0, len(source.original))
-    found = diagnostic_at(source.original, start, stop - start, message, hint)
-    return ProgramError((found,))
+    diagnostic = diagnostic_at(source.original, start, stop - start, message, hint)
+    return ProgramError((diagnostic,))

@@ -13,11 +13,11 @@ from functools import lru_cache
 from typing import Any
 
 from logical_robots_tui.explain.bodies import (
-    Names,
+    CallablePredicates,
     Scope,
     head_of,
-    in_order,
     make_rule,
+    order_parts,
     outer_aggregates,
 )
 from logical_robots_tui.explain.normal_form import Builder
@@ -75,61 +75,63 @@ class Decomposition:
         self._functions = functions = _functions(expanded, kinds)
         reach = expanded.reach(name)
         # The predicates that are mutually recursive with this one, itself included, or none.
-        circle = {each for each in reach & expanded.rules.keys() if name in expanded.reach(each)}
+        circle = {p for p in reach & expanded.rules.keys() if name in expanded.reach(p)}
         self._tables = {
-            each: f"{LOWER if each in circle else ROWS}{each}"
-            for each in expanded.rules
-            if each not in functions
+            p: f"{LOWER if p in circle else ROWS}{p}" for p in expanded.rules if p not in functions
         }
-        builder = Builder(self._source, Names(functions, self._tables, expanded.origins))
-        rules = expanded.rules.get(name, [])
-        given = tuple(functions.get(name, ()))
-        parts = tuple(_rule(rule, given, builder) for rule in rules)
-        columns = _columns(rules)
-        if given:
-            builder.probes[_ALL] = _all(name, columns, given)
-        self._probes = builder.probes
-        read = [each for each in _read(name, expanded, functions) if each in self._tables]
-        copies, of_copies = _sources(
-            {*read, *(() if given else (name,))} - {*kinds}, expanded, self._source
+        builder = Builder(
+            self._source, CallablePredicates(functions, self._tables, expanded.origins)
         )
-        self._known = {
-            self._tables[each]: of_copies.get(each)
-            or {column: load_kind(kind) for column, kind in kinds[each].items()}
-            for each in read
-            if each in of_copies or each in kinds
+        rules = expanded.rules.get(name, [])
+        parameters = tuple(functions.get(name, ()))
+        parts = tuple(_rule(rule, parameters, builder) for rule in rules)
+        columns = _columns(rules)
+        if parameters:
+            builder.probes[_ALL] = _all(name, columns, parameters)
+        self._probes = builder.probes
+        reads = [p for p in _called_predicates(name, expanded, functions) if p in self._tables]
+        copies, copy_kinds = _sources(
+            {*reads, *(() if parameters else (name,))} - {*kinds}, expanded, self._source
+        )
+        self._kinds = {
+            self._tables[p]: copy_kinds.get(p)
+            or {column: load_kind(kind) for column, kind in kinds[p].items()}
+            for p in reads
+            if p in copy_kinds or p in kinds
         }
-        long = (c for rule in parts for c in rule.clauses if len(c.steps) > _FEW_STEPS)
-        later = tuple((c.start_query, *(step.query for step in c.steps[:-1])) for c in long)
+        long_clauses = (c for rule in parts for c in rule.clauses if len(c.steps) > _FEW_STEPS)
+        lazy_groups = tuple(
+            (c.start_query, *(step.query for step in c.steps[:-1])) for c in long_clauses
+        )
         self.probing = Probing(
             predicate,
             within,
             name,
             expanded.bases.get(name, ""),
             columns,
-            given,
+            parameters,
             any(rule.is_distinct for rule in rules),
             parts,
             {},
-            _ALL if given else "",
-            {each: self._tables[each] for each in read},
+            _ALL if parameters else "",
+            {p: self._tables[p] for p in reads},
             copies,
-            {each: expanded.origins.get(each, (each, "")) for each in sorted(circle)},
+            {p: expanded.origins.get(p, (p, "")) for p in sorted(circle)},
             _is_founded(circle, expanded, functions),
-            later,
+            lazy_groups,
         )
 
-    def queries(self, database: Database, wanted: Collection[str] = ()) -> dict[str, str]:
-        """Return the queries `wanted`, or all but later ones, that are prepared in time."""
-        for each, table in self.probing.tables.items():
-            database.define(table, _columns(self._expanded.rules[each]), ())
-        later = {query for group in self.probing.lazy_groups for query in group}
-        probes = [*(wanted or (query for query in self._probes if query not in later))]
-        own = [rule for name in self._functions for rule in self._expanded.rules[name]]
-        flags = [each for each in self._expanded.annotations if each.name == "@DefineFlag"]
-        asked: list[Statement] = [*own, *flags, *(self._probes[query] for query in probes)]
-        renamed = [rename(each, self._tables) for each in asked]
-        compiled = compile_statements(renamed, self._source, self._known)
+    def queries(self, database: Database, names: Collection[str] = ()) -> dict[str, str]:
+        """Return the queries `names`, or all but lazy ones, that are prepared in time."""
+        for name, table in self.probing.tables.items():
+            database.define(table, _columns(self._expanded.rules[name]), ())
+        lazy = {query for group in self.probing.lazy_groups for query in group}
+        probes = [*(names or (query for query in self._probes if query not in lazy))]
+        rules = [rule for name in self._functions for rule in self._expanded.rules[name]]
+        flags = [a for a in self._expanded.annotations if a.name == "@DefineFlag"]
+        statements: list[Statement] = [*rules, *flags, *(self._probes[query] for query in probes)]
+        renamed = [rename(statement, self._tables) for statement in statements]
+        compiled = compile_statements(renamed, self._source, self._kinds)
         return {
             query: with_remarks(
                 sql,
@@ -146,81 +148,85 @@ def _columns(rules: list[Rule]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(c for rule in rules for part in head_of(rule) for c in part))
 
 
-def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
+def _rule(rule: Rule, parameters: tuple[str, ...], builder: Builder) -> RuleParts:
     head, collected = head_of(rule)
-    bound: dict[str, Expression] = {}
+    bindings: dict[str, Expression] = {}
     checks: list[Proposition] = []
-    for number, column in enumerate(given):
+    for number, column in enumerate(parameters):
         value = head[column]
-        if not variable_of(value) or value in bound.values():
-            bound[f"g{number}"] = Variable(f"why_given_{number}")
-            checks.append(Equation(bound[f"g{number}"], value))
+        if not variable_of(value) or value in bindings.values():
+            bindings[f"g{number}"] = Variable(f"why_given_{number}")
+            checks.append(Equation(bindings[f"g{number}"], value))
         else:
-            bound[f"g{number}"] = value
-    clauses = builder.clauses([*checks, *conjuncts(rule.body)], head, collected, bound)
+            bindings[f"g{number}"] = value
+    clauses = builder.clauses([*checks, *conjuncts(rule.body)], head, collected, bindings)
     return RuleParts(builder.span(rule), clauses)
 
 
-def _all(name: str, columns: tuple[str, ...], given: tuple[str, ...]) -> Rule:
+def _all(name: str, columns: tuple[str, ...], parameters: tuple[str, ...]) -> Rule:
     values = {column: Variable(f"why_{i}") for i, column in enumerate(columns)}
-    taken = {f"g{i}": values[column] for i, column in enumerate(given)}
+    inputs = {f"g{i}": values[column] for i, column in enumerate(parameters)}
     fields = {c: int(c[3:]) for c in columns if c.startswith("col") and c[3:].isdigit()}
-    named = {fields.get(column, column): value for column, value in values.items()}
-    body = [Atom(GIVEN, arguments(taken)), Atom(name, arguments(named))]
+    cells = {fields.get(column, column): value for column, value in values.items()}
+    body = [Atom(GIVEN, arguments(inputs)), Atom(name, arguments(cells))]
     return make_rule(_ALL, {f"c{i}": value for i, value in enumerate(values.values())}, body)
 
 
-def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]:
-    found: set[str] = set()
-    waiting = [name]
-    while waiting:
-        for other in names_used(expanded.rules.get(waiting.pop(), ())):
-            if other not in found:
-                found.add(other)
-                waiting += [other] if other in functions else []
-    return found
+def _called_predicates(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]:
+    names: set[str] = set()
+    queue = [name]
+    while queue:
+        for callee in names_used(expanded.rules.get(queue.pop(), ())):
+            if callee not in names:
+                names.add(callee)
+                queue += [callee] if callee in functions else []
+    return names
 
 
 def _functions(expanded: Expanded, with_rows: Container[str]) -> dict[str, tuple[str, ...]]:
-    found: dict[str, tuple[str, ...]] = {}
-    named = {*expanded.rules} - {*expanded.origins}
+    functions: dict[str, tuple[str, ...]] = {}
+    originals = {*expanded.rules} - {*expanded.origins}
     grew = True
     while grew:
         grew = False
         for name, rules in expanded.rules.items():
-            if name in found or name in with_rows:
+            if name in functions or name in with_rows:
                 continue
-            needed = _needs(rules, found)
-            if not needed and name in named:
-                needed = tuple(c for c in head_of(rules[0])[0] if c != VALUE)
-            if needed:
-                found[name] = needed
+            parameters = _required_columns(rules, functions)
+            if not parameters and name in originals:
+                parameters = tuple(c for c in head_of(rules[0])[0] if c != VALUE)
+            if parameters:
+                functions[name] = parameters
                 grew = True
-    return found
+    return functions
 
 
-def _needs(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
-    needed: list[str] = []
+def _required_columns(
+    rules: list[Rule], functions: Mapping[str, tuple[str, ...]]
+) -> tuple[str, ...]:
+    required: list[str] = []
     columns = [column for column in head_of(rules[0])[0] if column != VALUE]
     for column in columns:
-        if all(not _open(rule, needed, functions) for rule in rules):
+        if all(not _unbound_columns(rule, required, functions) for rule in rules):
             break
-        if any(column in _open(rule, needed, functions) for rule in rules):
-            needed.append(column)
-    return tuple(needed)
+        if any(column in _unbound_columns(rule, required, functions) for rule in rules):
+            required.append(column)
+    return tuple(required)
 
 
-def _open(rule: Rule, given: Sequence[str], functions: Mapping[str, tuple[str, ...]]) -> set[str]:
+def _unbound_columns(
+    rule: Rule, parameters: Sequence[str], functions: Mapping[str, tuple[str, ...]]
+) -> set[str]:
     """Return the columns with unknown values; all of them if the body can't be queried."""
     head, body = head_of(rule)[0], conjuncts(rule.body)
-    whole = [*body, *head.values()]
-    known = variables(head[column] for column in given if column in head)
-    inner = walk(whole, is_aggregate)
-    calls = [Atom(each.name, each.arguments) for each in inner if isinstance(each, Call)]
-    ordered, left = in_order([*body, *calls], Scope(functions, variables(whole)), known)
-    after = ordered[-1][1] if ordered else known
-    lacking = {column for column, value in head.items() if not variables(value) <= after}
-    return lacking or ({*head} - {*given} if left else set())
+    trees = [*body, *head.values()]
+    bound = variables(head[column] for column in parameters if column in head)
+    inner = walk(trees, is_aggregate)
+    calls = [Atom(node.name, node.arguments) for node in inner if isinstance(node, Call)]
+    ordered, unordered = order_parts([*body, *calls], Scope(functions, variables(trees)), bound)
+    bound_after = ordered[-1][1] if ordered else bound
+    unbound = {column for column, value in head.items() if not variables(value) <= bound_after}
+    return unbound or ({*head} - {*parameters} if unordered else set())
 
 
 def _is_founded(
@@ -234,19 +240,19 @@ def _is_founded(
         for rule in expanded.rules[name]:
             if name in functions:
                 return False
-            if any(used in circle for each in outer_aggregates(rule) for used in names_used(each)):
+            if any(name in circle for a in outer_aggregates(rule) for name in names_used(a)):
                 return False
-            if any(each.operator not in DECIDED_BY_ONE for each in head_of(rule)[1].values()):
+            if any(a.operator not in DECIDED_BY_ONE for a in head_of(rule)[1].values()):
                 return False
     return True
 
 
 def _sources(
-    wanted: Collection[str], expanded: Expanded, source: Prepared
+    names: Collection[str], expanded: Expanded, source: Prepared
 ) -> tuple[dict[str, str], Tables]:
-    copies = sorted(name for name in wanted if name in expanded.rules and name not in INPUTS)
+    copies = sorted(name for name in names if name in expanded.rules and name not in INPUTS)
     if not copies:
         return {}, {}
-    rules = [rule for own in expanded.rules.values() for rule in own]
+    rules = [rule for group in expanded.rules.values() for rule in group]
     compiled = compile_statements([*expanded.annotations, *rules], source)
     return compiled.statements(copies), compiled.kinds

@@ -12,10 +12,10 @@ from typing import TypeVar
 
 from logical_robots_tui.explain.bodies import (
     AUXILIARY,
-    Names,
+    CallablePredicates,
     Scope,
-    in_order,
     make_rule,
+    order_parts,
     outer_aggregates,
     part_kind,
     span_of,
@@ -87,30 +87,30 @@ _MOST_COLUMNS = 90  # SQLite's limit is 100
 class Builder:
     """Decomposes bodies; `probes` collects the rules to compile, by name."""
 
-    def __init__(self, source: Prepared, known: Names) -> None:
+    def __init__(self, source: Prepared, predicates: CallablePredicates) -> None:
         self.probes: dict[str, Rule] = {}
-        self.known = known
+        self.predicates = predicates
         self._source = source
 
     def clauses(
         self,
         body: Sequence[Proposition],
         head: Mapping[str, Expression],
-        collected: Mapping[str, Aggregation],
-        given: Mapping[str, Expression],
+        aggregations: Mapping[str, Aggregation],
+        parameters: Mapping[str, Expression],
         depth: int = 0,
     ) -> tuple[Clause, ...]:
-        """Return a body's clauses; `collected` holds the aggregations, `head` the other columns."""
+        """Return a body's clauses; `head` holds the columns that are not aggregated."""
         return tuple(
-            _ClauseBuilder(self, parts, head, collected, given, depth).clause(chosen)
-            for parts, chosen in alternatives(body, _MOST_CLAUSES)
+            _ClauseBuilder(self, parts, head, aggregations, parameters, depth).clause(choice)
+            for parts, choice in alternatives(body, _MOST_CLAUSES)
         )
 
     def span(self, tree: Tree) -> SourceSpan:
         return span_of(tree, self._source)
 
-    def meant(self, part: Proposition, equation: Span, value: Span) -> SourceSpan | None:
-        """Return all from the value of an equation that begins a part to the end of that part."""
+    def correction(self, part: Proposition, equation: Span, value: Span) -> SourceSpan | None:
+        """Return the span from the value of an equation that begins a part to the part's end."""
         if part.span is None or part.span.start != equation.start:
             return None
         start, stop = with_whole_brackets(self._source.skeleton, value.start, part.span.stop)
@@ -124,74 +124,77 @@ class _ClauseBuilder:
         builder: Builder,
         parts: Sequence[Proposition],
         head: Mapping[str, Expression],
-        collected: Mapping[str, Aggregation],
-        given: Mapping[str, Expression],
+        aggregations: Mapping[str, Aggregation],
+        parameters: Mapping[str, Expression],
         depth: int,
     ) -> None:
         self._builder, self._depth = builder, depth
-        self._names = builder.known
+        self._names = builder.predicates
         self._calls: dict[str, Call] = {}  # by the variable of their value
         self._equations: dict[Span, Span] = {}  # with the places of their values
         self._columns: dict[Expression, str] = {}
-        self._used: set[str] = set()
+        self._used_columns: set[str] = set()
         self._body: list[Proposition] = []
         for part in parts:
             self._body.append(self._without_calls(part))
         self._head = {column: self._without_calls(value) for column, value in head.items()}
-        self._collected = {
+        self._aggregations = {
             column: (str(aggregation.operator), self._without_calls(aggregation.argument))
-            for column, aggregation in collected.items()
+            for column, aggregation in aggregations.items()
         }
-        collected_values = (argument for _, argument in self._collected.values())
-        everything: list[Node] = [*self._body, *self._head.values(), *collected_values]
-        mentioned = variables(everything)
-        self._begin: list[Proposition] = []
-        self._given = given
-        known: frozenset[str] = frozenset()
-        if given:
-            self._begin = [Atom(GIVEN, arguments(given))]
-            known = variables(given.values())
-        self._scope = Scope(self._names.functions, mentioned | known)
-        self._known = known
-        self._all = everything
+        aggregated_values = (argument for _, argument in self._aggregations.values())
+        nodes: list[Node] = [*self._body, *self._head.values(), *aggregated_values]
+        names = variables(nodes)
+        self._start: list[Proposition] = []
+        self._parameters = parameters
+        bound: frozenset[str] = frozenset()
+        if parameters:
+            self._start = [Atom(GIVEN, arguments(parameters))]
+            bound = variables(parameters.values())
+        self._scope = Scope(self._names.functions, names | bound)
+        self._bound = bound
+        self._nodes = nodes
 
-    def clause(self, taken: Sequence[Proposition]) -> Clause:
-        ordered, left = in_order(self._body, self._scope, self._known)
-        if left:
-            together = left[0] if len(left) == 1 else Conjunction(tuple(left))
-            ordered.append((together, self._scope.variables))
-        before = [self._known, *(after for _, after in ordered)]
+    def clause(self, choice: Sequence[Proposition]) -> Clause:
+        ordered, unordered = order_parts(self._body, self._scope, self._bound)
+        if unordered:
+            remainder = unordered[0] if len(unordered) == 1 else Conjunction(tuple(unordered))
+            ordered.append((remainder, self._scope.variables))
+        bounds = [self._bound, *(new_bound for _, new_bound in ordered)]
         steps = []
-        wanted: list[set[str]] = []  # for each step, the columns to show of it and those before
-        for (part, after), known in zip(ordered, before, strict=False):
-            self._used = set()
-            steps.append(self._step(part, known, after))
-            wanted.append(self._used.union(*wanted[-1:]))
-        everywhere = {self._column(Variable(name)) for name in sorted(self._scope.variables)}
+        selections: list[set[str]] = []  # for each step, the columns of it and those before it
+        for (part, new_bound), bound in zip(ordered, bounds, strict=False):
+            self._used_columns = set()
+            steps.append(self._step(part, bound, new_bound))
+            selections.append(self._used_columns.union(*selections[-1:]))
+        variable_columns = {self._column(Variable(name)) for name in sorted(self._scope.variables)}
         head = {column: self._column(value) for column, value in self._head.items()}
         terms = {column: self._term(value) for column, value in self._head.items()}
-        collected = tuple(self._collection(column, *of) for column, of in self._collected.items())
-        always = everywhere | {*head.values()}
-        wanted.append({*self._columns.values()})
-        start = self._query(self._begin, self._known, always | wanted[0])
-        body = list(self._begin)
-        finished = []
-        for step, (part, after), next_wanted in zip(steps, ordered, wanted[1:], strict=True):
+        aggregates = tuple(
+            self._aggregate_input(column, *aggregation)
+            for column, aggregation in self._aggregations.items()
+        )
+        fixed = variable_columns | {*head.values()}
+        selections.append({*self._columns.values()})
+        start = self._query(self._start, self._bound, fixed | selections[0])
+        body = list(self._start)
+        complete_steps = []
+        for step, (part, new_bound), selection in zip(steps, ordered, selections[1:], strict=True):
             body = [*body, part]
-            query = self._query(body, after, always | next_wanted)
-            finished.append(replace(step, query=query))
+            query = self._query(body, new_bound, fixed | selection)
+            complete_steps.append(replace(step, query=query))
         return Clause(
-            tuple(map(self._builder.span, taken)),
+            tuple(map(self._builder.span, choice)),
             start,
-            tuple(finished),
+            tuple(complete_steps),
             {column: place for column, place in head.items() if place},
             terms,
-            collected,
-            {self._column(variable): name for name, variable in self._given.items()},
+            aggregates,
+            {self._column(variable): name for name, variable in self._parameters.items()},
         )
 
     def _without_calls(self, node: N) -> N:
-        """Return a part without the calls and equations in it, which become parts before it."""
+        """Return a part without its calls and equations, which become parts before it."""
 
         def change(inner: Node) -> Node:
             if is_aggregate(inner):
@@ -206,30 +209,35 @@ class _ClauseBuilder:
             return Variable(name, span=inner.span)
 
         node, equations = without_equations(node)
-        for each in equations:
-            _, value = operands(each.arguments)
-            if each.span is not None and value.span is not None:
-                self._equations[each.span] = value.span
-            self._body.append(change(each))  # type: ignore[arg-type]  # a kind for its kind
+        for equation in equations:
+            _, value = operands(equation.arguments)
+            if equation.span is not None and value.span is not None:
+                self._equations[equation.span] = value.span
+            self._body.append(change(equation))  # type: ignore[arg-type]  # a kind for its kind
         return change(node)  # type: ignore[return-value]  # a kind for its kind
 
-    def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
-        new = sorted(name for name in after - known if not name.startswith(AUXILIARY))
-        gives = {name: self._column(Variable(name)) for name in new}
+    def _step(self, part: Proposition, bound: frozenset[str], new_bound: frozenset[str]) -> Step:
+        new_names = sorted(name for name in new_bound - bound if not name.startswith(AUXILIARY))
+        bindings = {name: self._column(Variable(name)) for name in new_names}
         kind = part_kind(part, self._names)
         span = self._builder.span(part)
         if isinstance(part, Atom) and kind == "call":
-            called, reads = self._call(part), self._reads(part)
+            call, reads = self._call(part), self._reads(part)
             function = self._calls.get(variable_of(next(_values_in(part, VALUE), None)))
             if function is not None:
-                return Step("function", self._builder.span(function), "", gives, call=called)
-            return Step(kind, span, "", gives, call=called, reads=reads)
+                return Step("function", self._builder.span(function), "", bindings, call=call)
+            return Step(kind, span, "", bindings, call=call, reads=reads)
         if kind == "denial":
-            (denied,) = outer_aggregates(part)
-            return Step(kind, span, "", gives, denial=self._inner(denied))
-        shown = self._shown(part, is_test=after == known)
+            (aggregate,) = outer_aggregates(part)
+            return Step(kind, span, "", bindings, denial=self._inner(aggregate))
+        expressions = self._expressions(part, is_test=new_bound == bound)
         return Step(
-            kind, span, "", gives, tuple(map(self._term, shown)), misread=self._misread(part)
+            kind,
+            span,
+            "",
+            bindings,
+            tuple(map(self._term, expressions)),
+            misread=self._misread(part),
         )
 
     def _misread(self, part: Proposition) -> Misread | None:
@@ -246,12 +254,12 @@ class _ClauseBuilder:
             return Misread(
                 infix.operator,
                 sides,
-                self._builder.meant(part, equation, self._equations[equation]),
+                self._builder.correction(part, equation, self._equations[equation]),
             )
         return None
 
     @staticmethod
-    def _shown(part: Proposition, *, is_test: bool) -> Sequence[Expression]:
+    def _expressions(part: Proposition, *, is_test: bool) -> Sequence[Expression]:
         if isinstance(part, Membership):
             return [part.collection, part.element] if is_test else [part.collection]
         if (pair := equation_sides(part)) is not None:
@@ -259,31 +267,31 @@ class _ClauseBuilder:
         return operands(part.arguments) if isinstance(part, Atom) else ()
 
     def _call(self, atom: Atom) -> PredicateCall:
-        given = {
-            each.column: each.expression
-            for each in atom.arguments
-            if each.expression and each.field != REST
+        expressions = {
+            argument.column: argument.expression
+            for argument in atom.arguments
+            if argument.expression and argument.field != REST
         }
-        columns = {name: self._column(value) for name, value in given.items()}
+        columns = {name: self._column(value) for name, value in expressions.items()}
         columns = {name: column for name, column in columns.items() if column}
         if atom.name in INPUTS:
             return PredicateCall(str(atom.name), "", columns)
-        terms = {name: self._term(value) for name, value in given.items() if name != VALUE}
+        terms = {name: self._term(value) for name, value in expressions.items() if name != VALUE}
         terms = {c: term for c, term in terms.items() if term.kind not in ("literal", "variable")}
         return replace(self._names.call(atom.name, columns), terms=terms)
 
     def _reads(self, atom: Atom) -> tuple[Term, ...]:
-        found: dict[Expression, Expression] = {}
+        reads: dict[Expression, Expression] = {}
         columns = INPUTS.get(atom.name, ())
         for column in (*columns, REST) if columns else ():
             for value in _values_in(atom, column):
                 root = variable_of(value)
-                mine = [each for each in _chains(self._all) if _chain_root(each) == root]
-                for chain in mine:
-                    found.setdefault(chain, chain)
-                if column == "memory" and root and not mine:
-                    found[value] = value
-        return tuple(map(self._term, found.values()))
+                chains = [chain for chain in _chains(self._nodes) if _chain_root(chain) == root]
+                for chain in chains:
+                    reads.setdefault(chain, chain)
+                if column == "memory" and root and not chains:
+                    reads[value] = value
+        return tuple(map(self._term, reads.values()))
 
     def _term(self, node: Expression) -> Term:
         kind = _kind_of(node)
@@ -291,54 +299,56 @@ class _ClauseBuilder:
         if kind == "literal":
             return Term("literal", span, self._column(node))
         if variable_of(node) in self._calls:
-            return self._called_term(variable_of(node), self._column(node))
+            return self._call_term(variable_of(node), self._column(node))
         if isinstance(node, Aggregate):
             body = self._inner(node) if self._depth < _DEEPEST else None
             return Term("aggregate", span, self._column(node), body=body)
         parts = tuple(map(self._term, _parts_of(node)))
         return Term(kind, span, self._column(node), parts, _names_of(node))
 
-    def _called_term(self, name: str, column: str) -> Term:
+    def _call_term(self, name: str, column: str) -> Term:
         """Return the term of a call whose value is a variable."""
         atom = next(
             part
             for part in self._body
             if isinstance(part, Atom) and name in map(variable_of, _values_in(part, VALUE))
         )
-        called = self._call(atom)
-        parts = tuple(each for each in called.terms.values() if each.kind != "field")
-        return Term("call", self._builder.span(self._calls[name]), column, parts, call=called)
+        call = self._call(atom)
+        parts = tuple(term for term in call.terms.values() if term.kind != "field")
+        return Term("call", self._builder.span(self._calls[name]), column, parts, call=call)
 
     def _inner(self, aggregate: Aggregate) -> Body | None:
         body = conjuncts(aggregate.body)
         if not body or self._depth >= _DEEPEST:
             return None
-        mentioned = variables([aggregate.argument, *body], inside=True) & self._scope.variables
-        outer = {f"g{i}": Variable(name) for i, name in enumerate(sorted(mentioned))}
+        names = variables([aggregate.argument, *body], inside=True) & self._scope.variables
+        outer = {f"g{i}": Variable(name) for i, name in enumerate(sorted(names))}
         aggregation = Aggregation(aggregate.operator, aggregate.argument)
-        collected = {} if aggregate.is_denial else {VALUE: aggregation}
-        clauses = self._builder.clauses(body, {}, collected, outer, self._depth + 1)
-        given = {name: self._column(variable) for name, variable in outer.items()}
-        return Body(self._builder.span(aggregate), given, clauses)
+        aggregations = {} if aggregate.is_denial else {VALUE: aggregation}
+        clauses = self._builder.clauses(body, {}, aggregations, outer, self._depth + 1)
+        outer_columns = {name: self._column(variable) for name, variable in outer.items()}
+        return Body(self._builder.span(aggregate), outer_columns, clauses)
 
-    def _collection(self, column: str, operator: str, argument: Expression) -> AggregateInput:
+    def _aggregate_input(self, column: str, operator: str, argument: Expression) -> AggregateInput:
         if isinstance(argument, Call) and argument.name == "->":
             left, right = operands(argument.arguments)
-            value, by = self._column(left), self._column(right)
-            return AggregateInput(column, operator, value, by, self._term(left))
+            value, key = self._column(left), self._column(right)
+            return AggregateInput(column, operator, value, key, self._term(left))
         return AggregateInput(column, operator, self._column(argument), "", self._term(argument))
 
     def _column(self, node: Expression) -> str:
         if node not in self._columns and len(self._columns) >= _MOST_COLUMNS:
             return ""
         column = self._columns.setdefault(node, f"c{len(self._columns)}")
-        self._used.add(column)
+        self._used_columns.add(column)
         return column
 
-    def _query(self, body: Sequence[Proposition], known: frozenset[str], wanted: set[str]) -> str:
+    def _query(
+        self, body: Sequence[Proposition], bound: frozenset[str], selection: set[str]
+    ) -> str:
         columns: dict[str, Expression] = {"one": Number("1")}
-        there = ((column, node) for node, column in self._columns.items() if column in wanted)
-        columns |= {c: node for c, node in there if self._scope.mentioned(node) <= known}
+        pairs = ((column, node) for node, column in self._columns.items() if column in selection)
+        columns |= {c: node for c, node in pairs if self._scope.variables_in(node) <= bound}
         probes = self._builder.probes
         name = f"{PROBE}{len(probes)}"
         probes[name] = make_rule(name, columns, body)
@@ -364,7 +374,7 @@ def _kind_of(node: Node) -> TermKind:
             return "if"
         case FieldAccess():
             return "field"
-        case Record() if all(isinstance(each.field, str) for each in node.arguments):
+        case Record() if all(isinstance(argument.field, str) for argument in node.arguments):
             return "record"
         case Call(name="Coalesce"):
             return "coalesce"
@@ -378,7 +388,7 @@ def _kind_of(node: Node) -> TermKind:
 def _parts_of(node: Expression) -> list[Expression]:
     match _kind_of(node), node:
         case "if", Choice():
-            pairs = [part for each in node.branches for part in (each.condition, each.value)]
+            pairs = [part for branch in node.branches for part in (branch.condition, branch.value)]
             return [*pairs, node.otherwise]
         case (("coalesce" | "truth"), Call()):
             return [*operands(node.arguments)]
@@ -392,7 +402,7 @@ def _parts_of(node: Expression) -> list[Expression]:
             return [*operands(node.arguments)]
         case "value", _:
             inner = filter(_needs_explanation, walk(children(node), _needs_explanation))
-            last = {each: each for each in inner if isinstance(each, Expression)}
+            last = {part: part for part in inner if isinstance(part, Expression)}
             return [*last.values()]
     return []
 
@@ -400,7 +410,7 @@ def _parts_of(node: Expression) -> list[Expression]:
 def _names_of(node: Expression) -> tuple[str, ...]:
     """Return the field names of a record, or the path that is read from one."""
     if isinstance(node, Record) and _kind_of(node) == "record":
-        return tuple(str(each.field) for each in node.arguments)
+        return tuple(str(argument.field) for argument in node.arguments)
     names: list[str] = []
     while isinstance(node, FieldAccess):
         names.append(str(node.field))
@@ -410,8 +420,8 @@ def _names_of(node: Expression) -> tuple[str, ...]:
 
 def _chains(tree: Tree) -> Iterator[FieldAccess]:
     """Yield the field accesses in a tree: ``sensor.radar``, ``memory.plan.at``."""
-    found = walk(tree, _chain_root)
-    return (node for node in found if isinstance(node, FieldAccess) and _chain_root(node))
+    nodes = walk(tree, _chain_root)
+    return (node for node in nodes if isinstance(node, FieldAccess) and _chain_root(node))
 
 
 def _chain_root(node: Node) -> str:

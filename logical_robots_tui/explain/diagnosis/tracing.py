@@ -9,7 +9,7 @@ from typing import Any
 
 from logical_robots_tui.explain.bodies import (
     Scope,
-    in_order,
+    order_parts,
     parameters,
     part_kind,
     without_equations,
@@ -315,7 +315,7 @@ class Tracer(Watching):
 
     def _trace_parts(self, parts: Sequence[Proposition], env: Environment) -> Environment | None:
         lifted = [(*equations, part) for part, equations in map(without_equations, parts)]
-        ordered, unordered = in_order(chain.from_iterable(lifted), env.scope, env.bound)
+        ordered, unordered = order_parts(chain.from_iterable(lifted), env.scope, env.bound)
         for part, bound in ordered:
             env = self._part(part, env, bound)
         return None if unordered else env
@@ -368,7 +368,7 @@ class Tracer(Watching):
             return
         values = operands(part.arguments) if isinstance(part, Atom) else equation_sides(part) or ()
         for value in values:
-            if env.scope.mentioned(value) <= env.bound:
+            if env.scope.variables_in(value) <= env.bound:
                 self._value(value, env)
 
     def _next(self, env: Environment, site: int, part: Proposition) -> Environment:
