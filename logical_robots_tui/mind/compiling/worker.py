@@ -186,7 +186,7 @@ def _compile_question(task: CompileQuestion) -> CompiledQuery:
             hint = "Check it, and the predicates that it uses."
             raise ProgramError((Diagnostic(1, 1, message, hint),))
     # For a table with the columns that there are already.
-    tuned = tune(question.sql, MemoryColumns.closed(task.columns), for_all=True)
+    tuned = tune(question.sql, MemoryColumns.from_columns(task.columns), for_all=True)
     preparable = {} if tuned is None else keep_preparable({"": tuned})
     return replace(question, tuned=preparable.get(""))
 

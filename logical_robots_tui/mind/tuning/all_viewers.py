@@ -18,7 +18,7 @@ from logical_robots_tui.mind.tuning.planning import materialized_queries
 _VIEWER = "t_0_viewer"
 _EVERYBODY = "t_0_everybody"
 
-_UNUSUAL = ("having", "order", "limit", "offset", "windows")
+_UNSUPPORTED_PARTS = ("having", "order", "limit", "offset", "windows")
 
 
 def for_all_viewers(tree: exp.Query, *, alike: bool = False) -> exp.Query | None:
@@ -32,7 +32,7 @@ def for_all_viewers(tree: exp.Query, *, alike: bool = False) -> exp.Query | None
         return None
     tree = tree.copy()
     try:
-        return tree if _Lifting(tree, alike=alike).lift(tree) else None
+        return tree if _Lifter(tree, alike=alike).lift(tree) else None
     except _UnsuitableError:
         return None
 
@@ -41,90 +41,92 @@ class _UnsuitableError(Exception):
     """This query can't be asked for all viewers at once."""
 
 
-class _Lifting:
+class _Lifter:
     """Adds the viewer as a column to a query, its common table expressions first."""
 
     def __init__(self, tree: exp.Query, *, alike: bool) -> None:
         self._bounds = ("?1",) if alike else ("?1", "?3")
-        # Named queries that depend on the viewer, as they were.
+        # Named queries that depend on the viewer, before the change.
         self._dependent: dict[str, exp.Expr] = {}
         self._mentions = Counter(table.name for table in tree.find_all(exp.Table))
-        self._often = materialized_queries(tree)
+        self._materialized = materialized_queries(tree)
 
-    def lift(self, query: exp.Expr, *, must: bool = False) -> bool:
+    def lift(self, query: exp.Expr, *, is_required: bool = False) -> bool:
         """Add the viewer as last column, in place, if needed or `must`."""
         if isinstance(query, exp.Subquery):
-            return self.lift(query.this, must=must)
+            return self.lift(query.this, is_required=is_required)
         if isinstance(query, exp.Union):
-            return self._lift_union(query, must=must)
+            return self._lift_union(query, is_required=is_required)
         if not isinstance(query, exp.Select):
             raise _UnsuitableError
-        named = query.args.get("with_")
+        with_clause = query.args.get("with_")
         query.set("with_", None)
-        for one in named.expressions if named else ():
-            before = one.this.copy()
-            if self.lift(one.this):
-                self._dependent[one.alias] = before
+        for cte in with_clause.expressions if with_clause else ():
+            original = cte.this.copy()
+            if self.lift(cte.this):
+                self._dependent[cte.alias] = original
         lift = self._lift_all_columns if query.is_star else self._lift_select
-        lifted = lift(query, must=must)
-        if named is not None:
-            used = {table.name for table in query.find_all(exp.Table)}
-            for one in reversed(named.expressions):
-                if one.alias in used:
-                    used |= {table.name for table in one.this.find_all(exp.Table)}
-            named.set("expressions", [one for one in named.expressions if one.alias in used])
-            query.set("with_", named if named.expressions else None)
-        return lifted
+        is_lifted = lift(query, is_required=is_required)
+        if with_clause is not None:
+            tables_read = {table.name for table in query.find_all(exp.Table)}
+            for cte in reversed(with_clause.expressions):
+                if cte.alias in tables_read:
+                    tables_read |= {table.name for table in cte.this.find_all(exp.Table)}
+            with_clause.set(
+                "expressions", [cte for cte in with_clause.expressions if cte.alias in tables_read]
+            )
+            query.set("with_", with_clause if with_clause.expressions else None)
+        return is_lifted
 
-    def _lift_union(self, union: exp.Union, *, must: bool) -> bool:
-        if any(union.args.get(part) for part in ("with_", *_UNUSUAL)):
+    def _lift_union(self, union: exp.Union, *, is_required: bool) -> bool:
+        if any(union.args.get(part) for part in ("with_", *_UNSUPPORTED_PARTS)):
             raise _UnsuitableError
         arms = (union.this, union.expression)
-        lifted = [self.lift(arm, must=must) for arm in arms]
-        if any(lifted):
-            for arm, done in zip(arms, lifted, strict=True):
-                if not done:
-                    self.lift(arm, must=True)
-        return any(lifted)
+        are_lifted = [self.lift(arm, is_required=is_required) for arm in arms]
+        if any(are_lifted):
+            for arm, is_lifted in zip(arms, are_lifted, strict=True):
+                if not is_lifted:
+                    self.lift(arm, is_required=True)
+        return any(are_lifted)
 
-    def _lift_all_columns(self, select: exp.Select, *, must: bool) -> bool:
+    def _lift_all_columns(self, select: exp.Select, *, is_required: bool) -> bool:
         sources = list(sql.sources(select).values())
-        others = ("where", "group", "joins", "distinct", *_UNUSUAL)
-        if len(sources) != 1 or any(select.args.get(part) for part in others):
+        unsupported_parts = ("where", "group", "joins", "distinct", *_UNSUPPORTED_PARTS)
+        if len(sources) != 1 or any(select.args.get(part) for part in unsupported_parts):
             raise _UnsuitableError
         if isinstance(sources[0], exp.Subquery):
-            return self.lift(sources[0].this, must=must)
+            return self.lift(sources[0].this, is_required=is_required)
         is_lifted = self._is_lifted(sources[0])
-        if must and not is_lifted:
+        if is_required and not is_lifted:
             raise _UnsuitableError
         return is_lifted
 
-    def _lift_select(self, select: exp.Select, *, must: bool) -> bool:
+    def _lift_select(self, select: exp.Select, *, is_required: bool) -> bool:
         if not select.args.get("group") and any(map(sql.own_aggregates, select.expressions)):
-            bound = any(map(self._is_bound, select.find_all(exp.Between)))
-            if not must and not bound and not self._depends(select):
+            is_bounded = any(map(self._is_bound, select.find_all(exp.Between)))
+            if not is_required and not is_bounded and not self._depends(select):
                 return False
-            _give_row_to_each(select)
-            if len(select.expressions) > 1:  # what they read is better computed once
+            _as_scalar_subqueries(select)
+            if len(select.expressions) > 1:  # their sources are better computed once
                 self._mentions.update(table.name for table in select.find_all(exp.Table))
         sources = sql.sources(select)
         viewers = {
             name: viewer for name, t in sources.items() if (viewer := self._viewer_of(name, t))
         }
         if not viewers:
-            if not must and not self._depends(select):
+            if not is_required and not self._depends(select):
                 return False
-            _read_everybody(select)
+            _read_all_robots(select)
             viewers = {_EVERYBODY: exp.column("id", _EVERYBODY)}
-        if any(select.args.get(part) for part in _UNUSUAL):
+        if any(select.args.get(part) for part in _UNSUPPORTED_PARTS):
             raise _UnsuitableError
         group = select.args.get("group")
         sensors = (name for name in viewers if sql.table_name(sources.get(name)) == "sensor")
         leader = next(sensors, next(iter(viewers)))
         viewer = viewers.pop(leader)
         self._bind(select, leader, viewer)
-        for other in viewers.values():
-            sql.restrict(select, exp.EQ(this=other, expression=viewer.copy()))
+        for column in viewers.values():
+            sql.restrict(select, exp.EQ(this=column, expression=viewer.copy()))
         if group is not None:
             group.append("expressions", viewer.copy())
         select.append("expressions", exp.alias_(viewer.copy(), _VIEWER))
@@ -160,9 +162,9 @@ class _Lifting:
                 _narrow(bounds, viewer)
         for inner in list(select.find_all(exp.Select)):
             if inner is not select and not _is_read_by(inner, select):
-                self._write_out(inner, viewer)
+                self._inline(inner, viewer)
 
-    def _write_out(self, select: exp.Select, viewer: exp.Column) -> None:
+    def _inline(self, select: exp.Select, viewer: exp.Column) -> None:
         """Inline the common table expressions of a select that depend on the viewer."""
         sources = sql.sources(select)
         if viewer.table in sources:
@@ -170,9 +172,9 @@ class _Lifting:
         for name, table in sources.items():
             if not self._is_lifted(table):
                 continue
-            if self._mentions[table.name] > 1 or table.name in self._often:
-                theirs = exp.column(_VIEWER, name)
-                sql.restrict(select, exp.EQ(this=theirs, expression=viewer.copy()))
+            if self._mentions[table.name] > 1 or table.name in self._materialized:
+                inner_viewer = exp.column(_VIEWER, name)
+                sql.restrict(select, exp.EQ(this=inner_viewer, expression=viewer.copy()))
                 continue
             body = self._dependent[table.name].copy()
             alias = exp.TableAlias(this=exp.to_identifier(name))
@@ -181,20 +183,22 @@ class _Lifting:
                 if self._is_bound(bounds):
                     _narrow(bounds, viewer)
             for inner in list(body.find_all(exp.Select)):
-                self._write_out(inner, viewer)
+                self._inline(inner, viewer)
 
 
-def _give_row_to_each(select: exp.Select) -> None:
+def _as_scalar_subqueries(select: exp.Select) -> None:
     """Turn an aggregate over all rows into a value: grouped, a viewer without rows lacks one."""
     if select.args.get("distinct") or not all(item.alias for item in select.expressions):
         raise _UnsuitableError
     values = []
     for item in select.expressions:
-        alone = exp.Select(expressions=[item.copy()])
+        subquery = exp.Select(expressions=[item.copy()])
         for part in ("from_", "joins", "where"):
-            if (found := select.args.get(part)) is not None:
-                alone.set(part, [one.copy() for one in found] if part == "joins" else found.copy())
-        values.append(exp.Alias(this=exp.Subquery(this=alone), alias=item.args["alias"].copy()))
+            if (clause := select.args.get(part)) is not None:
+                subquery.set(
+                    part, [join.copy() for join in clause] if part == "joins" else clause.copy()
+                )
+        values.append(exp.Alias(this=exp.Subquery(this=subquery), alias=item.args["alias"].copy()))
     select.set("expressions", values)
     for part in ("from_", "joins", "where"):
         select.set(part, None)
@@ -206,16 +210,16 @@ def _narrow(bounds: exp.Between, viewer: exp.Column) -> None:
         if bound.name in ("?1", "?2"):
             bounds.set(side, viewer.copy())
         else:
-            further = exp.Mul(this=viewer.copy(), expression=exp.Var(this="?5"))
-            bounds.set(side, exp.Add(this=further, expression=bound.copy()))
+            offset = exp.Mul(this=viewer.copy(), expression=exp.Var(this="?5"))
+            bounds.set(side, exp.Add(this=offset, expression=bound.copy()))
 
 
-def _read_everybody(select: exp.Select) -> None:
+def _read_all_robots(select: exp.Select) -> None:
     items = [exp.alias_(exp.to_table("Sensor"), _EVERYBODY, table=True)]
     items += sql.sources(select).values()
-    first, *rest = items
+    first, *joined_items = items
     select.set("from_", exp.From(this=first))
-    select.set("joins", [exp.Join(this=item, kind="CROSS") for item in rest])
+    select.set("joins", [exp.Join(this=item, kind="CROSS") for item in joined_items])
     low, high = exp.Var(this="?1"), exp.Var(this="?2")
     sql.restrict(select, exp.Between(this=exp.column("id", _EVERYBODY), low=low, high=high))
 

@@ -34,14 +34,14 @@ def merge_self_joins(tree: exp.Expr) -> None:
     A robot has one row in each, so it is the same row.
     """
     for select in list(tree.find_all(exp.Select)):
-        here = sql.sources(select)
+        sources = sql.sources(select)
         for names in _same_robots(select):
-            kept: dict[str, str] = {}
-            for name in [name for name in here if name in names]:
-                table = sql.table_name(here[name])
-                if table in _BOUNDS and kept.setdefault(table, name) != name:
+            first_names: dict[str, str] = {}
+            for name in [name for name in sources if name in names]:
+                table = sql.table_name(sources[name])
+                if table in _BOUNDS and first_names.setdefault(table, name) != name:
                     for column in list(sql.columns_of(select, name)):
-                        column.set("table", exp.to_identifier(kept[table]))
+                        column.set("table", exp.to_identifier(first_names[table]))
                     sql.drop_source(select, name)
         for condition in sql.conjuncts(select):
             # robot_name of an input is never null.
@@ -51,9 +51,9 @@ def merge_self_joins(tree: exp.Expr) -> None:
 
 def rays_as_rows(tree: exp.Expr) -> None:
     for select in list(tree.find_all(exp.Select)):
-        here = sql.sources(select)
+        sources = sql.sources(select)
         followers = {}
-        for name, table in here.items():
+        for name, table in sources.items():
             sensor = _radar_of(table)
             if sensor is None:
                 continue
@@ -64,15 +64,15 @@ def rays_as_rows(tree: exp.Expr) -> None:
                 field = sql.extract_path(column.parent)
                 if column.parent and field[:2] == "$." and field[2:] in RAY_FIELDS:
                     column.parent.replace(exp.column(field[2:], name))
-            rays = exp.to_table(_of_one_kind(select, name) or "Ray")
+            rays = exp.to_table(_table_of_kind(select, name) or "Ray")
             table.replace(exp.alias_(rays, name, table=True))
-            first = f"sensor * {layouts.RAYS}"
-            mine = f"ray BETWEEN {first} AND {first} + {layouts.RAYS - 1}"
+            first_ray = f"sensor * {layouts.RAYS}"
+            ray_range = f"ray BETWEEN {first_ray} AND {first_ray} + {layouts.RAYS - 1}"
             numbers = {"ray": exp.column("id", name), "sensor": exp.column("id", sensor)}
-            sql.restrict(select, sql.expression(mine, **numbers))
-            if sensor in here:
+            sql.restrict(select, sql.expression(ray_range, **numbers))
+            if sensor in sources:
                 followers[name] = sensor
-        # Left to itself, SQLite would rather look through the rays of all robots first.
+        # SQLite would otherwise scan the rays of all robots first.
         if followers:
             sql.read_after(select, followers)
 
@@ -83,15 +83,15 @@ def sensor_fields_as_columns(tree: exp.Expr) -> None:
             continue
         node: exp.Expr = column
         path = "$"
-        while (outer := node.parent) is not None and sql.extract_path(outer).startswith("$."):
-            node, path = outer, path + sql.extract_path(outer)[1:]
+        while (call := node.parent) is not None and sql.extract_path(call).startswith("$."):
+            node, path = call, path + sql.extract_path(call)[1:]
             if path in SENSOR_FIELDS:
                 node.replace(exp.column(SENSOR_FIELDS[path], column.table))
                 break
 
 
 def bind_viewers(tree: exp.Expr) -> None:
-    """Let every mention of an input see only the rows between the bounds of a viewer."""
+    """Restrict every mention of an input to the rows between the bounds of a viewer."""
     for table in list(tree.find_all(exp.Table)):
         bounds = _BOUNDS.get(sql.table_name(table))
         select = table.find_ancestor(exp.Select)
@@ -102,29 +102,29 @@ def bind_viewers(tree: exp.Expr) -> None:
             )
 
 
-def read_by(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
-    read: dict[str, set[str]] = {}
+def columns_read(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
+    columns_by_table: dict[str, set[str]] = {}
     for tree in trees:
         for table in tree.find_all(exp.Table):
             name = sql.TABLES.get(sql.table_name(table))
             if name is not None:
-                read.setdefault(name, set())
+                columns_by_table.setdefault(name, set())
         for column in tree.find_all(exp.Column):
-            found = sql.source(column)
-            name = sql.TABLES.get(sql.table_name(found[1])) if found is not None else None
+            source = sql.source(column)
+            name = sql.TABLES.get(sql.table_name(source[1])) if source is not None else None
             if name is not None and column.name.lower() != "id":
-                read[name].add(column.name.lower())
-    return {name: tuple(sorted(columns)) for name, columns in read.items()}
+                columns_by_table[name].add(column.name.lower())
+    return {name: tuple(sorted(columns)) for name, columns in columns_by_table.items()}
 
 
 def _same_robots(select: exp.Select) -> list[set[str]]:
-    together: list[set[str]] = []
+    groups: list[set[str]] = []
     for condition in sql.conjuncts(select):
         if pair := _same_robot(condition):
-            touched = [names for names in together if names & pair]
-            together = [names for names in together if not names & pair]
-            together.append(pair.union(*touched))
-    return together
+            overlapping_groups = [names for names in groups if names & pair]
+            groups = [names for names in groups if not names & pair]
+            groups.append(pair.union(*overlapping_groups))
+    return groups
 
 
 def _same_robot(condition: exp.Expr) -> set[str]:
@@ -147,7 +147,7 @@ def _radar_of(table: exp.Expr) -> str | None:
     return column.table if is_sensor and _is_table(column, "sensor") else None
 
 
-def _of_one_kind(select: exp.Select, ray: str) -> str:
+def _table_of_kind(select: exp.Select, ray: str) -> str:
     """Return the table of the one kind of rays selected, or ""; drops the redundant condition."""
     for test in sql.conjuncts(select):
         if not isinstance(test, exp.EQ):
@@ -155,16 +155,16 @@ def _of_one_kind(select: exp.Select, ray: str) -> str:
         for column, kind in ((test.this, test.expression), (test.expression, test.this)):
             if not isinstance(column, exp.Column) or (column.table, column.name) != (ray, "object"):
                 continue
-            for table, ends_at in layouts.KINDS.items():
-                if isinstance(kind, exp.Literal) and kind.is_string and kind.this == ends_at:
+            for table, object_kind in layouts.KINDS.items():
+                if isinstance(kind, exp.Literal) and kind.is_string and kind.this == object_kind:
                     sql.drop_condition(select, test)
                     return table
     return ""
 
 
 def _is_table(column: exp.Column, name: str) -> bool:
-    found = sql.source(column)
-    return found is not None and sql.table_name(found[1]) == name
+    source = sql.source(column)
+    return source is not None and sql.table_name(source[1]) == name
 
 
 def is_input(table: exp.Expr) -> bool:
@@ -175,17 +175,17 @@ _TABLES = frozenset({"ray", *(table.lower() for table in layouts.KINDS)})
 
 
 def fetch_whole_rays(tree: exp.Expr) -> None:
-    """Ask for whole rays once for each group, where they stand beside an aggregate.
+    """Fetch whole rays once for each group, where they stand beside an aggregate.
 
-    A ray that is wanted as a whole, as in ``ArgMin{ray -> ray.distance}``, is one of 31. Beside MIN
+    A ray that is read as a whole, as in ``ArgMin{ray -> ray.distance}``, is one of 31. Beside MIN
     a column of a group comes from the row that has the least value, so SQLite can ask for that ray
     alone.
     """
     for column in list(tree.find_all(exp.Column)):
-        found = sql.source(column) if column.name.lower() == "value" else None
-        if found is None or sql.table_name(found[1]) not in _TABLES:
+        source = sql.source(column) if column.name.lower() == "value" else None
+        if source is None or sql.table_name(source[1]) not in _TABLES:
             continue
-        if _is_beside_aggregate(column, found[0]):
+        if _is_beside_aggregate(column, source[0]):
             number = exp.column("id", column.table)
             column.replace(exp.Anonymous(this=layouts.WHOLE_RAY, expressions=[number]))
 
@@ -212,33 +212,39 @@ class MemoryColumns:
     items: dict[str, str] = field(default_factory=dict)
 
     @classmethod
-    def closed(cls, read: Mapping[str, Sequence[str]]) -> MemoryColumns:
-        """Return the columns that are read already, with no room for more."""
-        pairs = (name.split("=") for name in read.get("Memory", ()) if "=" in name)
-        fields = {known: column for column, known in pairs}
-        pairs = (name.split("=") for name in read.get("Item", ()))
-        items = {known.rpartition(".")[2]: column for column, known in pairs}
+    def from_columns(cls, names_by_table: Mapping[str, Sequence[str]]) -> MemoryColumns:
+        """Return the columns that are read already; they take no further fields."""
+        pairs = (name.split("=") for name in names_by_table.get("Memory", ()) if "=" in name)
+        fields = {content: column for column, content in pairs}
+        pairs = (name.split("=") for name in names_by_table.get("Item", ()))
+        items = {content.rpartition(".")[2]: column for column, content in pairs}
         # No field has a number for its name.
         fields |= {
-            str(at): c for at, c in enumerate(layouts.MEMORY_FIELDS) if c not in fields.values()
+            str(number): c
+            for number, c in enumerate(layouts.MEMORY_FIELDS)
+            if c not in fields.values()
         }
-        items |= {str(at): c for at, c in enumerate(layouts.ITEM_FIELDS) if c not in items.values()}
+        items |= {
+            str(number): c
+            for number, c in enumerate(layouts.ITEM_FIELDS)
+            if c not in items.values()
+        }
         return cls(fields, items)
 
 
-def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) -> None:
+def memory_fields_as_columns(tree: exp.Expr, field_columns: MutableMapping[str, str]) -> None:
     for column in list(tree.find_all(exp.Column)):
         is_memory = column.name.lower() == "memory" and _is_table(column, "memory")
-        guarded = guarded_field(column) if is_memory else None
-        if guarded is None:
+        extraction = guarded_field(column) if is_memory else None
+        if extraction is None:
             continue
-        case, field = guarded
-        if field not in known:
-            if len(known) == len(layouts.MEMORY_FIELDS):
+        case, field = extraction
+        if field not in field_columns:
+            if len(field_columns) == len(layouts.MEMORY_FIELDS):
                 continue
-            known[field] = layouts.MEMORY_FIELDS[len(known)]
-        taken = exp.column(known[field], column.table)
-        case.replace(sql.remark(taken, case, is_result=True))
+            field_columns[field] = layouts.MEMORY_FIELDS[len(field_columns)]
+        replacement = exp.column(field_columns[field], column.table)
+        case.replace(sql.restore_mark(replacement, case, is_result=True))
 
 
 def name_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
@@ -276,11 +282,11 @@ def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
 
 
 def items_as_rows(
-    tree: exp.Expr, fields: Mapping[str, str], known: MutableMapping[str, str]
+    tree: exp.Expr, fields: Mapping[str, str], item_columns: MutableMapping[str, str]
 ) -> tuple[str, ...]:
     """Read records in lists of memories from ``Item``; return its columns, as in `insertions`."""
     by_column = {column: name for name, column in fields.items()}
-    read: set[str] = set()
+    column_names: set[str] = set()
     for table in list(tree.find_all(exp.Table)):
         select, items = table.find_ancestor(exp.Select), _list_of(table)
         if select is None or items is None:
@@ -290,24 +296,27 @@ def items_as_rows(
             continue
         uses = list(sql.columns_of(select, alias))
         keys = {sql.extract_path(use.parent).removeprefix("$.") for use in uses}
-        new = sorted(key for key in keys if key not in known)
-        if not all(map(str.isidentifier, keys)) or len(known) + len(new) > len(layouts.ITEM_FIELDS):
+        new_keys = sorted(key for key in keys if key not in item_columns)
+        if not all(map(str.isidentifier, keys)) or len(item_columns) + len(new_keys) > len(
+            layouts.ITEM_FIELDS
+        ):
             continue
         if not keys or any(use.name != "value" for use in uses):
             continue
-        known.update(zip(new, layouts.ITEM_FIELDS[len(known) :], strict=False))
+        item_columns.update(zip(new_keys, layouts.ITEM_FIELDS[len(item_columns) :], strict=False))
         for use in uses:
             call = use.parent
             assert call is not None
-            column = known[sql.extract_path(call).removeprefix("$.")]
-            taken = exp.column(column, alias)
-            call.replace(sql.remark(taken, call, is_result=True))
-        place = layouts.MEMORY_FIELDS.index(items.name)
-        read |= {
-            layouts.item_column_name(known[key], place, by_column[items.name], key) for key in keys
+            column = item_columns[sql.extract_path(call).removeprefix("$.")]
+            replacement = exp.column(column, alias)
+            call.replace(sql.restore_mark(replacement, call, is_result=True))
+        list_number = layouts.MEMORY_FIELDS.index(items.name)
+        column_names |= {
+            layouts.item_column_name(item_columns[key], list_number, by_column[items.name], key)
+            for key in keys
         }
-        _read_items(select, table, items.table, place)
-    return tuple(sorted(read))
+        _read_items(select, table, items.table, list_number)
+    return tuple(sorted(column_names))
 
 
 def _list_of(table: exp.Table) -> exp.Column | None:
@@ -318,13 +327,13 @@ def _list_of(table: exp.Table) -> exp.Column | None:
     return column if _is_table(column, "memory") else None
 
 
-def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -> None:
+def _read_items(select: exp.Select, table: exp.Table, memory: str, list_number: int) -> None:
     alias = table.alias_or_name
     join = table.parent
     if isinstance(join, exp.Join):
         join.set("kind", "CROSS")
     table.replace(exp.alias_(exp.to_table("Item"), alias, table=True))
-    first = f"(memory * {len(layouts.MEMORY_FIELDS)} + {place}) * {layouts.ITEMS}"
-    its = f"item BETWEEN {first} AND {first} + {layouts.ITEMS - 1}"
+    first_item = f"(memory * {len(layouts.MEMORY_FIELDS)} + {list_number}) * {layouts.ITEMS}"
+    item_range = f"item BETWEEN {first_item} AND {first_item} + {layouts.ITEMS - 1}"
     numbers = {"item": exp.column("id", alias), "memory": exp.column("id", memory)}
-    sql.restrict(select, sql.expression(its, **numbers))
+    sql.restrict(select, sql.expression(item_range, **numbers))

@@ -40,9 +40,9 @@ def share(tree: exp.Query) -> None:
     number = 0
     for select in list(_outer_selects(tree)):
         current = select
-        while (added := _share(tree, current, f"{_NAME}_{number}")) is not None:
+        while (shared_select := _share(tree, current, f"{_NAME}_{number}")) is not None:
             number += 1
-            current = added
+            current = shared_select
 
 
 def stream(tree: exp.Query) -> None:
@@ -68,59 +68,59 @@ def is_shared(name: str) -> bool:
 
 
 def _outer_selects(tree: exp.Query) -> Iterator[exp.Select]:
-    waiting: list[exp.Expr] = [tree]
-    while waiting:
-        node = waiting.pop()
+    pending: list[exp.Expr] = [tree]
+    while pending:
+        node = pending.pop()
         if isinstance(node, exp.Select):
             yield node
             items = [s for s in sql.sources(node).values() if isinstance(s, exp.Subquery)]
-            waiting += [item.this for item in items]
+            pending += [item.this for item in items]
         elif isinstance(node, exp.Union):
-            waiting += [node.this, node.expression]
+            pending += [node.this, node.expression]
         elif isinstance(node, exp.Subquery):
-            waiting.append(node.this)
-        waiting += [query.this for query in sql.named_queries(node)]
+            pending.append(node.this)
+        pending += [query.this for query in sql.named_queries(node)]
 
 
 @dataclass(slots=True)
-class _Seen:
+class _ExpressionFacts:
     """An expression in an examined select.
 
     Attributes:
         key: Equal for expressions that compute the same.
-        open: How many selects around it, inside the examined one, its columns belong to.
-        inside: How many selects stand between it and the examined one.
+        free_depth: How many selects around it, inside the examined one, its columns belong to.
+        depth: How many selects stand between it and the examined one.
     """
 
     key: int
     weight: int
-    open: int
-    fixed: bool
-    inside: int
+    free_depth: int
+    is_constant: bool
+    depth: int
 
 
 @dataclass
 class _Examination:
-    """All expressions of one select; `strange` marks a column of unknown source."""
+    """All expressions of one select; `has_unknown_source` if a column's source is unknown."""
 
     select: exp.Select
-    seen: dict[int, _Seen] = field(default_factory=dict)
+    facts: dict[int, _ExpressionFacts] = field(default_factory=dict)
     counts: Counter[int] = field(default_factory=Counter)
-    strange: bool = False
+    has_unknown_source: bool = False
     _keys: dict[Any, int] = field(default_factory=dict)
 
-    def key(self, what: Any) -> int:
-        return self._keys.setdefault(what, len(self._keys))
+    def key(self, content: Any) -> int:
+        return self._keys.setdefault(content, len(self._keys))
 
-    def visit(self, node: exp.Expr, around: list[exp.Select]) -> _Seen:
-        """Examine an expression and its parts; `around` are the inner selects, outermost first."""
+    def visit(self, node: exp.Expr, enclosing: list[exp.Select]) -> _ExpressionFacts:
+        """Examine an expression and its parts, given the selects around it, outermost first."""
         if isinstance(node, exp.Column):
-            found = self._column(node, around)
+            facts = self._column(node, enclosing)
         else:
             is_select = isinstance(node, exp.Select)
             if isinstance(node, exp.Select):
-                around = [*around, node]
-            parts, inner = [], []
+                enclosing = [*enclosing, node]
+            parts, parts_facts = [], []
             for name, value in node.args.items():
                 if value is None or value is False or value == []:
                     continue
@@ -130,85 +130,88 @@ class _Examination:
                     if isinstance(item, exp.Expr):
                         if isinstance(item, exp.TableAlias):
                             continue
-                        seen = self.visit(item, around)
-                        inner.append(seen)
-                        keys.append(seen.key)
+                        part_facts = self.visit(item, enclosing)
+                        parts_facts.append(part_facts)
+                        keys.append(part_facts.key)
                     else:
                         text = item.lower() if isinstance(node, exp.Anonymous) else item
                         keys.append(self.key((name, str(text))))
                 parts.append((name, tuple(keys)))
-            opened = max((seen.open for seen in inner), default=0)
-            found = _Seen(
+            free_depth = max((part_facts.free_depth for part_facts in parts_facts), default=0)
+            facts = _ExpressionFacts(
                 self.key((type(node).__name__, tuple(parts))),
-                sum(seen.weight for seen in inner) + (_SUBQUERY_WEIGHT if is_select else 1),
-                max(0, opened - 1) if is_select else opened,
-                all(seen.fixed for seen in inner) and not is_select,
-                len(around) - is_select,
+                sum(part_facts.weight for part_facts in parts_facts)
+                + (_SUBQUERY_WEIGHT if is_select else 1),
+                max(0, free_depth - 1) if is_select else free_depth,
+                all(part_facts.is_constant for part_facts in parts_facts) and not is_select,
+                len(enclosing) - is_select,
             )
-        self.seen[id(node)] = found
-        self.counts[found.key] += 1
-        return found
+        self.facts[id(node)] = facts
+        self.counts[facts.key] += 1
+        return facts
 
-    def _column(self, column: exp.Column, around: list[exp.Select]) -> _Seen:
+    def _column(self, column: exp.Column, enclosing: list[exp.Select]) -> _ExpressionFacts:
         name = column.table
-        for hops, select in enumerate(reversed(around), 1):
-            here = list(sql.sources(select))
-            if name in here or (not name and len(here) == 1):
-                place = here.index(name) if name else 0
-                key = self.key(("inner", hops, place, column.name.lower()))
-                return _Seen(key, 1, hops, False, len(around))
+        for hops, select in enumerate(reversed(enclosing), 1):
+            source_names = list(sql.sources(select))
+            if name in source_names or (not name and len(source_names) == 1):
+                index = source_names.index(name) if name else 0
+                key = self.key(("inner", hops, index, column.name.lower()))
+                return _ExpressionFacts(key, 1, hops, False, len(enclosing))
         if not name or name not in sql.sources(self.select):
-            self.strange = True
+            self.has_unknown_source = True
         key = self.key(("outer", name, column.name.lower()))
-        return _Seen(key, 1, 0, False, len(around))
+        return _ExpressionFacts(key, 1, 0, False, len(enclosing))
 
 
 def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
-    unusual = ("group", "having", "distinct", "order", "limit", "offset", "windows")
-    if not select.args.get("from_") or any(select.args.get(part) for part in unusual):
+    unsupported_parts = ("group", "having", "distinct", "order", "limit", "offset", "windows")
+    if not select.args.get("from_") or any(select.args.get(part) for part in unsupported_parts):
         return None
     if any(sql.own_aggregates(e) for e in select.expressions):
         return None
     examination = _Examination(select)
     for expression in select.expressions:
         examination.visit(expression, [])
-    chosen = _choose(examination)
-    if not chosen or examination.strange:
+    candidates = _choose(examination)
+    if not candidates or examination.has_unknown_source:
         return None
-    return _move(tree, select, name, chosen, examination)
+    return _move(tree, select, name, candidates, examination)
 
 
 def _choose(examination: _Examination) -> list[exp.Expr]:
-    found: list[exp.Expr] = []
+    candidates: list[exp.Expr] = []
 
-    def look(node: exp.Expr) -> None:
-        seen = examination.seen.get(id(node))
-        if seen is None:
+    def collect(node: exp.Expr) -> None:
+        facts = examination.facts.get(id(node))
+        if facts is None:
             return
-        repeated = examination.counts[seen.key] > 1 and seen.weight > _LIGHT
-        needless = seen.inside > 0 and seen.weight > _LIGHT
-        wanted = (repeated or needless) and not seen.open and not seen.fixed
-        if wanted and _is_value(node):
-            found.append(node)
+        is_repeated = examination.counts[facts.key] > 1 and facts.weight > _LIGHT
+        is_invariant = facts.depth > 0 and facts.weight > _LIGHT
+        is_worthwhile = (
+            (is_repeated or is_invariant) and not facts.free_depth and not facts.is_constant
+        )
+        if is_worthwhile and _is_value(node):
+            candidates.append(node)
             return
         for child in node.iter_expressions():
-            look(child)
+            collect(child)
 
     for expression in examination.select.expressions:
-        look(expression)
+        collect(expression)
     gains = {}
-    for node in found:
-        seen = examination.seen[id(node)]
-        times = _TIMES if seen.inside else examination.counts[seen.key] - 1
-        gains[seen.key] = seen.weight * times
-    return found if sum(gains.values()) >= _WORTH_SHARING else []
+    for node in candidates:
+        facts = examination.facts[id(node)]
+        repetitions = _TIMES if facts.depth else examination.counts[facts.key] - 1
+        gains[facts.key] = facts.weight * repetitions
+    return candidates if sum(gains.values()) >= _WORTH_SHARING else []
 
 
 def _move(
     tree: exp.Query,
     select: exp.Select,
     name: str,
-    chosen: list[exp.Expr],
+    candidates: list[exp.Expr],
     examination: _Examination,
 ) -> exp.Select:
     columns: dict[Any, tuple[str, exp.Expr]] = {}
@@ -219,20 +222,29 @@ def _move(
         return exp.column(columns[key][0], name)
 
     is_result = select is tree
-    for node in chosen:
-        seen = reference(examination.seen[id(node)].key, node.copy)
-        node.replace(seen if sql.is_plain(node) else sql.remark(seen, node, is_result=is_result))
+    for node in candidates:
+        replacement = reference(examination.facts[id(node)].key, node.copy)
+        node.replace(
+            replacement
+            if sql.is_plain(node)
+            else sql.restore_mark(replacement, node, is_result=is_result)
+        )
     for expression in select.expressions:
         for column in list(expression.find_all(exp.Column)):
-            found = sql.source(column)
-            if found is not None and found[0] is select:
-                seen = reference((column.table, column.name.lower()), column.copy)
-                stored = sql.is_stored(found[1])
-                column.replace(seen if stored else sql.remark(seen, column, is_result=is_result))
-    first = exp.Select(
-        # Not `exp.alias_`: a subquery that is given the alias itself would be another one.
+            source = sql.source(column)
+            if source is not None and source[0] is select:
+                replacement = reference((column.table, column.name.lower()), column.copy)
+                is_stored = sql.is_stored(source[1])
+                column.replace(
+                    replacement
+                    if is_stored
+                    else sql.restore_mark(replacement, column, is_result=is_result)
+                )
+    shared_select = exp.Select(
+        # Not `exp.alias_`, which would give the alias to a subquery itself.
         expressions=[
-            exp.Alias(this=made, alias=exp.to_identifier(alias)) for alias, made in columns.values()
+            exp.Alias(this=value, alias=exp.to_identifier(alias))
+            for alias, value in columns.values()
         ],
         from_=select.args["from_"],
         joins=select.args.get("joins"),
@@ -241,21 +253,21 @@ def _move(
     select.set("from_", exp.From(this=exp.to_table(name)))
     select.set("joins", None)
     select.set("where", None)
-    _name_query(tree, select, name, first)
-    return first
+    _name_query(tree, select, name, shared_select)
+    return shared_select
 
 
-def _name_query(tree: exp.Query, select: exp.Select, name: str, first: exp.Select) -> None:
+def _name_query(tree: exp.Query, select: exp.Select, name: str, shared_select: exp.Select) -> None:
     """Insert a common table expression where this select, but no earlier query, may use it."""
     alias = exp.TableAlias(this=exp.to_identifier(name))
-    query = exp.CTE(this=first, alias=alias, materialized=True)
-    named, user = sql.named_queries(tree), select.find_ancestor(exp.CTE)
-    place = next((i for i, item in enumerate(named) if item is user), len(named))
-    named.insert(place, query)
-    if (both := tree.args.get("with_")) is None:
-        tree.set("with_", exp.With(expressions=named))
+    query = exp.CTE(this=shared_select, alias=alias, materialized=True)
+    queries, user = sql.named_queries(tree), select.find_ancestor(exp.CTE)
+    index = next((i for i, item in enumerate(queries) if item is user), len(queries))
+    queries.insert(index, query)
+    if (with_clause := tree.args.get("with_")) is None:
+        tree.set("with_", exp.With(expressions=queries))
     else:
-        both.set("expressions", named)
+        with_clause.set("expressions", queries)
 
 
 def _is_value(node: exp.Expr) -> bool:

@@ -25,7 +25,7 @@ class Rewriting:
 
     Attributes:
         tree: The query of one viewer.
-        known: The columns of memory fields, shared by all queries of a program; mutable.
+        memory_columns: The columns of memory fields, shared by all queries of a program; mutable.
         is_for_all: Whether to make a query for all viewers at once, too.
         result: As `records_as_columns` gives it.
         items: As `items_as_rows` gives it.
@@ -35,7 +35,7 @@ class Rewriting:
     """
 
     tree: exp.Query
-    known: MemoryColumns
+    memory_columns: MemoryColumns
     is_for_all: bool = False
     result: tuple[tuple[str, tuple[str, ...]], ...] = ()
     items: tuple[str, ...] = ()
@@ -64,34 +64,36 @@ class Pass:
 
 
 def _on_tree(change: Callable[[exp.Query], None]) -> Callable[[Rewriting], None]:
-    return lambda work: change(work.tree)
+    return lambda rewriting: change(rewriting.tree)
 
 
-def _on_each(change: Callable[[exp.Query], None]) -> Callable[[Rewriting], None]:
-    def apply(work: Rewriting) -> None:
-        for query in filter(None, work.queries):
+def _on_queries(change: Callable[[exp.Query], None]) -> Callable[[Rewriting], None]:
+    def apply(rewriting: Rewriting) -> None:
+        for query in filter(None, rewriting.queries):
             change(query)
 
     return apply
 
 
-def _item_rows(work: Rewriting) -> None:
-    work.items = columns.items_as_rows(work.tree, work.known.fields, work.known.items)
+def _item_rows(rewriting: Rewriting) -> None:
+    rewriting.items = columns.items_as_rows(
+        rewriting.tree, rewriting.memory_columns.fields, rewriting.memory_columns.items
+    )
 
 
-def _result_columns(work: Rewriting) -> None:
-    work.result = records.records_as_columns(work.tree)
+def _result_columns(rewriting: Rewriting) -> None:
+    rewriting.result = records.records_as_columns(rewriting.tree)
 
 
-def _all_viewers(work: Rewriting) -> None:
-    if work.is_for_all:
-        work.together = for_all_viewers(work.tree)
-        work.alike = for_all_viewers(work.tree, alike=True)
+def _all_viewers(rewriting: Rewriting) -> None:
+    if rewriting.is_for_all:
+        rewriting.together = for_all_viewers(rewriting.tree)
+        rewriting.alike = for_all_viewers(rewriting.tree, alike=True)
 
 
-def _list_indexes(work: Rewriting) -> None:
-    work.crowd = tuple(None if query is None else query.copy() for query in work.queries)
-    for query in filter(None, work.queries):
+def _list_indexes(rewriting: Rewriting) -> None:
+    rewriting.crowd = tuple(None if query is None else query.copy() for query in rewriting.queries)
+    for query in filter(None, rewriting.queries):
         planning.limit_indexes(query)
 
 
@@ -103,7 +105,9 @@ PASSES = (
     Pass("arg-min-pairs", _on_tree(records.pairs_as_columns)),
     Pass(
         "memory-columns",
-        lambda work: columns.memory_fields_as_columns(work.tree, work.known.fields),
+        lambda rewriting: columns.memory_fields_as_columns(
+            rewriting.tree, rewriting.memory_columns.fields
+        ),
     ),
     Pass("item-rows", _item_rows),
     Pass("untangled-aggregates", _on_tree(records.untie_aggregates)),
@@ -114,25 +118,25 @@ PASSES = (
     Pass("division", _on_tree(records.native_division)),
     Pass("numbers", _on_tree(sql.native_numbers)),
     Pass("all-viewers", _all_viewers),
-    # The query of one viewer is asked once where all see everything.
+    # One viewer's query runs once where all see everything.
     Pass("materialized-by-robot", _on_tree(partial(planning.materialize, by_robots=True))),
-    Pass("choice", _on_each(records.native_choice)),
-    Pass("late-rays", _on_each(columns.fetch_whole_rays)),
-    Pass("lookups", _on_each(planning.index_lookups)),
-    Pass("range-scans", _on_each(planning.scan_ranges)),
+    Pass("choice", _on_queries(records.native_choice)),
+    Pass("late-rays", _on_queries(columns.fetch_whole_rays)),
+    Pass("lookups", _on_queries(planning.index_lookups)),
+    Pass("range-scans", _on_queries(planning.scan_ranges)),
     Pass("list-indexes", _list_indexes),
 )
-"""Columns come before what reads them, and repeated expressions are looked for in their final form.
+"""Columns come before what reads them, and repeated expressions are compared in their final form.
 Indexes are decided on last."""
 
-_LONGEST = 100_000  # characters of a statement
+_MAX_LENGTH = 100_000  # characters of a statement
 MOST_TUNED = 400_000
 """Characters of all statements of a program that are tuned."""
 
-_TAKEN = frozenset({"id", "rowid", "oid", "_rowid_"})
+_RESERVED_COLUMNS = frozenset({"id", "rowid", "oid", "_rowid_"})
 """Columns that exist for tuned queries only."""
 
-_OURS = frozenset(sql.TABLES).difference(name.lower() for name in INPUTS)
+_TUNED_TABLES = frozenset(sql.TABLES).difference(name.lower() for name in INPUTS)
 """Tables that exist for tuned queries only."""
 
 
@@ -149,28 +153,28 @@ def tune_all(
     """
     tuned = {}
     trees = {} if trees is None else trees
-    known = MemoryColumns()
-    left = MOST_TUNED
+    memory_columns = MemoryColumns()
+    characters_left = MOST_TUNED
     for name, statement in statements.items():
-        left -= len(statement)
-        if left < 0:
+        characters_left -= len(statement)
+        if characters_left < 0:
             break
-        if len(statement) <= _LONGEST:
-            found = tune(
+        if len(statement) <= _MAX_LENGTH:
+            query = tune(
                 statement,
-                known,
+                memory_columns,
                 tree=trees.pop(statement, None),
                 for_all=name in for_all,
                 without=without,
             )
-            if found is not None:
-                tuned[name] = found
+            if query is not None:
+                tuned[name] = query
     return tuned
 
 
 def tune(
     statement: str,
-    known: MemoryColumns | None = None,
+    memory_columns: MemoryColumns | None = None,
     *,
     tree: exp.Query | None = None,
     for_all: bool = False,
@@ -180,7 +184,7 @@ def tune(
 
     Args:
         statement: A query as it was generated.
-        known: The columns of memory fields, shared by all queries of a program.
+        memory_columns: The columns of memory fields, shared by all queries of a program.
         tree: Its tree, if there is one already; it is changed.
         for_all: Whether to make, if possible, one for all viewers at once as well.
         without: Names of passes to leave out.
@@ -189,40 +193,50 @@ def tune(
         return None  # rows that pass from step to step as a list can't be told apart by viewer
     try:
         tree = tree or sql.parse(statement)
-        if not _can_be_moved(tree):
+        if not _is_movable(tree):
             return None
-        work = Rewriting(tree, known or MemoryColumns(), is_for_all=for_all)
-        for each in PASSES:
-            if each.required or each.name not in without:
-                each.apply(work)
-        return _result_of(work)
+        rewriting = Rewriting(tree, memory_columns or MemoryColumns(), is_for_all=for_all)
+        for tuning_pass in PASSES:
+            if tuning_pass.required or tuning_pass.name not in without:
+                tuning_pass.apply(rewriting)
+        return _result_of(rewriting)
     except (SqlglotError, ValueError, RecursionError):
         return None
 
 
-def _result_of(work: Rewriting) -> Tuned:
-    one = columns.read_by([work.tree])
-    bounds = 4 if "Memory" in one else 2 if "Sensor" in one else 0
-    read = columns.read_by(filter(None, work.queries))
-    if work.together or work.alike:
-        read["Sensor"] = read["Sensor"] or ("robot_name",)
-    if "Memory" in read:
-        read["Memory"] = columns.name_fields(read["Memory"], work.known.fields)
-    if work.items:
-        read["Item"] = work.items
-    for query in filter(None, (*work.queries, *work.crowd)):
+def _result_of(rewriting: Rewriting) -> Tuned:
+    viewer_columns = columns.columns_read([rewriting.tree])
+    bounds = 4 if "Memory" in viewer_columns else 2 if "Sensor" in viewer_columns else 0
+    read_columns = columns.columns_read(filter(None, rewriting.queries))
+    if rewriting.together or rewriting.alike:
+        read_columns["Sensor"] = read_columns["Sensor"] or ("robot_name",)
+    if "Memory" in read_columns:
+        read_columns["Memory"] = columns.name_fields(
+            read_columns["Memory"], rewriting.memory_columns.fields
+        )
+    if rewriting.items:
+        read_columns["Item"] = rewriting.items
+    for query in filter(None, (*rewriting.queries, *rewriting.crowd)):
         common_subexpressions.stream(query)
-    few, crowd = (
+    variants, crowd_variants = (
         tuple("" if query is None else sql.render(query) for query in queries)
-        for queries in (work.queries, work.crowd)
+        for queries in (rewriting.queries, rewriting.crowd)
     )
-    others = crowd if crowd != few else ()
-    return Tuned(few[0], bounds, read, work.result, few[1], few[2], others)
+    crowd_only = crowd_variants if crowd_variants != variants else ()
+    return Tuned(
+        variants[0],
+        bounds,
+        read_columns,
+        rewriting.result,
+        variants[1],
+        variants[2],
+        crowd_only,
+    )
 
 
-def _can_be_moved(tree: exp.Expr) -> bool:
+def _is_movable(tree: exp.Expr) -> bool:
     """Return whether a query keeps its meaning when it reads other tables."""
-    if any(column.name.lower() in _TAKEN for column in tree.find_all(exp.Column)):
+    if any(column.name.lower() in _RESERVED_COLUMNS for column in tree.find_all(exp.Column)):
         return False
     if tree.find(exp.Placeholder, exp.Parameter):
         return False
@@ -235,4 +249,4 @@ def _can_be_moved(tree: exp.Expr) -> bool:
     if any(sql.call_name(call) == "unique_number" for call in tree.find_all(exp.Anonymous)):
         return False  # each of its calls is another number
     tables = tree.find_all(exp.Table)
-    return not any(table.name.lower() in _OURS or table.args.get("db") for table in tables)
+    return not any(table.name.lower() in _TUNED_TABLES or table.args.get("db") for table in tables)

@@ -22,21 +22,21 @@ _KINDS = frozenset(table.lower() for table in KINDS)
 
 
 def materialize(tree: exp.Query, *, by_robots: bool = False) -> None:
-    """Let SQLite keep the rows of named queries that are asked for row by row of others.
+    """Let SQLite keep the rows of named queries that run for each row of others.
 
     Args:
         tree: A query; changed in place.
-        by_robots: Whether also of those that are asked for once for each robot that is seen.
+        by_robots: Whether also of those that run once for each visible robot.
     """
-    named = _names(tree)
+    queries = _names(tree)
     for table in tree.find_all(exp.Table):
-        query = named.get(table.name)
-        if query is not None and _is_asked_often(table, named, by_robots=by_robots):
+        query = queries.get(table.name)
+        if query is not None and _runs_often(table, queries, by_robots=by_robots):
             query.set("materialized", True)
 
 
 def materialized_queries(tree: exp.Query) -> frozenset[str]:
-    """Return names of the named queries that `materialize` has found."""
+    """Return the names of the queries that `materialize` marked."""
     return frozenset(
         name
         for name, query in _names(tree).items()
@@ -50,16 +50,16 @@ def index_lookups(tree: exp.Query) -> None:
     SQLite estimates the cost of evaluating a subquery once. So an index seems to pay only if rows
     are looked up for those of another source: a table of a single 0.
     """
-    named, often = _names(tree), materialized_queries(tree)
+    queries, materialized = _names(tree), materialized_queries(tree)
     for table in list(tree.find_all(exp.Table)):
-        select = table.find_ancestor(exp.Select) if table.name in often else None
+        select = table.find_ancestor(exp.Select) if table.name in materialized else None
         if select is None or len(sql.sources(select)) > 1:
             continue
         tests = [test for test in sql.conjuncts(select) if isinstance(test, exp.EQ)]
         sides = [side for test in tests for side in (test.this, test.expression)]
         if not any(_read_by(side, select) is not None for side in sides):
             continue
-        if _is_asked_often(table, named):
+        if _runs_often(table, queries):
             zero = exp.Table(this=sql.expression("JSON_EACH(JSON_ARRAY(0))"))
             select.append("joins", exp.Join(this=exp.alias_(zero, _ZERO, table=True)))
 
@@ -68,8 +68,8 @@ def _names(tree: exp.Query) -> Mapping[str, exp.CTE]:
     return {query.alias: query for query in sql.named_queries(tree)}
 
 
-def _is_asked_often(
-    table: exp.Table, named: Mapping[str, exp.CTE], *, by_robots: bool = False
+def _runs_often(
+    table: exp.Table, queries: Mapping[str, exp.CTE], *, by_robots: bool = False
 ) -> bool:
     node: exp.Expr = table
     is_source = True
@@ -77,20 +77,20 @@ def _is_asked_often(
         if isinstance(parent, exp.From | exp.Join):
             is_source = True
         elif isinstance(parent, exp.Select):
-            if not is_source and (by_robots or not _has_few_rows(parent, named)):
+            if not is_source and (by_robots or not _has_few_rows(parent, queries)):
                 return True
             is_source = False
         node = parent
     return False
 
 
-def _has_few_rows(select: exp.Select, named: Mapping[str, exp.CTE]) -> bool:
+def _has_few_rows(select: exp.Select, queries: Mapping[str, exp.CTE]) -> bool:
     """Return whether a select has at most one row per robot, memory, or ray of a kind."""
     kinds = 0
     for source in sql.sources(select).values():
-        query = named.get(source.name) if isinstance(source, exp.Table) else None
+        query = queries.get(source.name) if isinstance(source, exp.Table) else None
         if query is not None and common_subexpressions.is_shared(query.alias):
-            if not _has_few_rows(query.this, named):
+            if not _has_few_rows(query.this, queries):
                 return False
         elif sql.table_name(source) in _KINDS:
             kinds += 1
@@ -99,7 +99,7 @@ def _has_few_rows(select: exp.Select, named: Mapping[str, exp.CTE]) -> bool:
     return kinds < 2
 
 
-_NUMBERED = frozenset({"item", "ray", *(table.lower() for table in KINDS)})
+_NUMBERED_TABLES = frozenset({"item", "ray", *(table.lower() for table in KINDS)})
 _INPUTS = frozenset({"memory", "sensor"})
 
 
@@ -112,9 +112,9 @@ def scan_ranges(tree: exp.Query) -> None:
     slower still.
     """
     for select in list(tree.find_all(exp.Select)):
-        for equal in sql.conjuncts(select):
-            if isinstance(equal, exp.EQ) and _finds_numbered(equal, select):
-                _without_index(equal)
+        for equation in sql.conjuncts(select):
+            if isinstance(equation, exp.EQ) and _finds_numbered(equation, select):
+                _without_index(equation)
 
 
 def limit_indexes(tree: exp.Query) -> None:
@@ -123,44 +123,49 @@ def limit_indexes(tree: exp.Query) -> None:
     for name, query in _names(tree).items():
         if _reads_lists(query.this, queries):
             queries.add(name)
-    others, is_any_left = [], False
+    unhelpful_equations, needs_index = [], False
     for select in tree.find_all(exp.Select):
         looks_up = _ZERO in sql.sources(select)
-        for equal in sql.conjuncts(select):
-            if isinstance(equal, exp.EQ):
-                sources = _sources_of_one_select(equal)
+        for equation in sql.conjuncts(select):
+            if isinstance(equation, exp.EQ):
+                sources = _sources_of_one_select(equation)
                 # The table of all lists itself would be indexed again.
                 joins_lists = any(
                     sql.table_name(source) != "item" and _reads_lists(source, queries)
                     for source in sources
                 )
                 if looks_up or joins_lists:
-                    is_any_left = True
-                elif not sources or "id" not in (equal.this.name, equal.expression.name):
-                    others.append(equal)
-    for equal in others if is_any_left else ():
-        _without_index(equal)
+                    needs_index = True
+                elif not sources or "id" not in (equation.this.name, equation.expression.name):
+                    unhelpful_equations.append(equation)
+    for equation in unhelpful_equations if needs_index else ():
+        _without_index(equation)
 
 
-def _without_index(equal: exp.EQ) -> None:
-    equal.replace(sql.expression("(NOT a <> b)", a=equal.this, b=equal.expression))
+def _without_index(equation: exp.EQ) -> None:
+    equation.replace(sql.expression("(NOT a <> b)", a=equation.this, b=equation.expression))
 
 
-def _finds_numbered(equal: exp.EQ, select: exp.Select) -> bool:
+def _finds_numbered(equation: exp.EQ, select: exp.Select) -> bool:
     """Return whether a condition could only serve to find rays, records or inputs by content."""
-    for side, other in ((equal.this, equal.expression), (equal.expression, equal.this)):
-        found, table = _read_by(side, select), _read_by(other, select)
-        if found in _NUMBERED and side.name != "id":
-            return table is None or (table in _INPUTS and other.name != "robot_name")
-        if found in _INPUTS and side.name not in ("id", "robot_name"):
-            return other.find(exp.Column) is None
+    for side, other_side in (
+        (equation.this, equation.expression),
+        (equation.expression, equation.this),
+    ):
+        table_name, other_table = _read_by(side, select), _read_by(other_side, select)
+        if table_name in _NUMBERED_TABLES and side.name != "id":
+            return other_table is None or (
+                other_table in _INPUTS and other_side.name != "robot_name"
+            )
+        if table_name in _INPUTS and side.name not in ("id", "robot_name"):
+            return other_side.find(exp.Column) is None
     return False
 
 
 def _read_by(node: exp.Expr, select: exp.Select) -> str | None:
     """Return the select's table that owns a column, "" for a query, None for neither."""
-    found = sql.source(node) if isinstance(node, exp.Column) else None
-    return sql.table_name(found[1]) if found is not None and found[0] is select else None
+    source = sql.source(node) if isinstance(node, exp.Column) else None
+    return sql.table_name(source[1]) if source is not None and source[0] is select else None
 
 
 def _reads_lists(query: exp.Expr, queries: AbstractSet[str]) -> bool:
@@ -170,11 +175,11 @@ def _reads_lists(query: exp.Expr, queries: AbstractSet[str]) -> bool:
     )
 
 
-def _sources_of_one_select(equal: exp.EQ) -> tuple[exp.Expr, ...]:
-    one, other = (
+def _sources_of_one_select(equation: exp.EQ) -> tuple[exp.Expr, ...]:
+    left, right = (
         sql.source(side) if isinstance(side, exp.Column) else None
-        for side in (equal.this, equal.expression)
+        for side in (equation.this, equation.expression)
     )
-    if one is None or other is None or one[0] is not other[0] or one[1] is other[1]:
+    if left is None or right is None or left[0] is not right[0] or left[1] is right[1]:
         return ()
-    return one[1], other[1]
+    return left[1], right[1]

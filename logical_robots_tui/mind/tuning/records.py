@@ -19,7 +19,7 @@ _ZERO = "JSON_EACH(JSON_ARRAY(0))"
 
 
 def untie_aggregates(tree: exp.Expr) -> None:
-    """Remove what ties an aggregated expression to its select, where one of its columns does.
+    """Untie an aggregated expression from its select where one of its columns ties it, too.
 
     An aggregate belongs to the select that its columns come from. The compiler writes
     ``IIF(x.value = 0, expression, NULL)`` over a table of a single 0 to make sure of that.
@@ -32,11 +32,13 @@ def untie_aggregates(tree: exp.Expr) -> None:
         }
         for name in zeros:
             columns = [c for c in select.find_all(exp.Column) if c.table == name]
-            tied = [_tied(column) for column in columns]
-            loose = [node for node in tied if node is not None and _is_of(node, select, zeros)]
-            for node in loose:
+            ties = [_tie_of(column) for column in columns]
+            own_ties = [
+                node for node in ties if node is not None and _belongs_to(node, select, zeros)
+            ]
+            for node in own_ties:
                 node.replace(node.expressions[1])
-            if len(loose) == len(columns) and len(sql.sources(select)) > 1:
+            if len(own_ties) == len(columns) and len(sql.sources(select)) > 1:
                 sql.drop_source(select, name)
 
 
@@ -50,25 +52,27 @@ def native_arg_min(tree: exp.Expr) -> None:
         if select.args.get("having") or select.args.get("order"):
             continue
         calls = [call for item in select.expressions for call in _own_calls(item)]
-        best = [call for call in calls if sql.call_name(call) in _NATIVE]
+        arg_calls = [call for call in calls if sql.call_name(call) in _NATIVE]
         extremes = {
             (_NATIVE.get(sql.call_name(call), call.name.upper()), call.expressions[-1])
             for call in calls
             if sql.call_name(call) in {*_NATIVE, "min", "max"} and call.expressions
         }
-        if len(extremes) != 1 or any(len(call.expressions) != 2 for call in best):
+        if len(extremes) != 1 or any(len(call.expressions) != 2 for call in arg_calls):
             continue
         ((native, value),) = extremes
-        parts = [value, *(call.expressions[0] for call in best)]
+        parts = [value, *(call.expressions[0] for call in arg_calls)]
         calls = [call for part in parts for call in part.find_all(exp.Anonymous)]
         if any(part.find(exp.Select) for part in parts) or any(
             sql.call_name(call) in sql.AGGREGATES for call in calls
         ):
             continue
-        for call in best:
-            none, bad = f"{native}(value) IS NULL", "argument IS NULL"
-            chosen = f"CASE WHEN {none} THEN NULL WHEN {bad} THEN JSON('') ELSE argument END"
-            call.replace(sql.expression(chosen, value=value, argument=call.expressions[0]))
+        for call in arg_calls:
+            no_value, no_argument = f"{native}(value) IS NULL", "argument IS NULL"
+            choice = (
+                f"CASE WHEN {no_value} THEN NULL WHEN {no_argument} THEN JSON('') ELSE argument END"
+            )
+            call.replace(sql.expression(choice, value=value, argument=call.expressions[0]))
 
 
 def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
@@ -80,7 +84,7 @@ def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
         yield from _own_calls(child)
 
 
-def _tied(column: exp.Column) -> exp.Expr | None:
+def _tie_of(column: exp.Column) -> exp.Expr | None:
     test = column.parent
     call = test.parent if isinstance(test, exp.EQ) and test.this is column else None
     if sql.call_name(call) != "iif" or not isinstance(call, exp.Anonymous):
@@ -90,12 +94,12 @@ def _tied(column: exp.Column) -> exp.Expr | None:
     return call if isinstance(call.expressions[2], exp.Null) else None
 
 
-def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
-    columns = list(tied.expressions[1].find_all(exp.Column))
+def _belongs_to(tie: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
+    columns = list(tie.expressions[1].find_all(exp.Column))
     if any(column.find_ancestor(exp.Select) is not select for column in columns):
         return False
-    own = sql.sources(select).keys() - zeros
-    return not columns or any(column.table in own for column in columns)
+    source_names = sql.sources(select).keys() - zeros
+    return not columns or any(column.table in source_names for column in columns)
 
 
 _NUMBERS = frozenset({"abs", "avg", "count", "sqrt", "sum", "total"})
@@ -104,17 +108,17 @@ _CHOICES = {"greatest": "MAX", "least": "MIN"}
 
 def native_division(tree: exp.Expr) -> None:
     """Divide natively, checking for zero if necessary; SQLite computes a repeated sum once."""
-    for call in reversed(list(tree.find_all(exp.Anonymous))):  # what stands in another, first
+    for call in reversed(list(tree.find_all(exp.Anonymous))):  # inner calls first
         if sql.call_name(call) != "divide" or not all(map(_is_number, call.expressions)):
             continue
-        above, below = call.expressions
-        parts = {"above": above, "below": below, "otherwise": call}
-        quotient = "CAST(above AS REAL) / below"
-        if isinstance(below, exp.Literal) and float(below.this):
+        numerator, denominator = call.expressions
+        parts = {"numerator": numerator, "denominator": denominator, "otherwise": call}
+        quotient = "CAST(numerator AS REAL) / denominator"
+        if isinstance(denominator, exp.Literal) and float(denominator.this):
             call.replace(sql.expression(f"({quotient})", **parts))
-        elif _is_light(above) and _is_light(below):
-            checked = f"CASE WHEN below <> 0 THEN {quotient} ELSE otherwise END"
-            call.replace(sql.expression(checked, **parts))
+        elif _is_light(numerator) and _is_light(denominator):
+            conditional = f"CASE WHEN denominator <> 0 THEN {quotient} ELSE otherwise END"
+            call.replace(sql.expression(conditional, **parts))
 
 
 def native_choice(tree: exp.Expr) -> None:
@@ -152,8 +156,8 @@ def _is_light(node: exp.Expr) -> bool:
     )
 
 
-_MOST_COLUMNS = 60
-_WIDEST_CHOICE = 3  # records that a CASE chooses from, before writing it out for each field is dear
+_MAX_COLUMNS = 60
+_WIDEST_CHOICE = 3  # records of a CASE, from which on a copy for each field costs too much
 
 
 def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ...]:
@@ -167,7 +171,7 @@ def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ..
     columns: list[exp.Expr] = []
     for item in tree.expressions:
         fields = _fields(item.this) if isinstance(item, exp.Alias) else None
-        if fields is None or len(columns) + len(fields) > _MOST_COLUMNS:
+        if fields is None or len(columns) + len(fields) > _MAX_COLUMNS:
             result.append((item.alias, ()))
             columns.append(item)
         else:
@@ -187,7 +191,7 @@ def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
     if isinstance(value, exp.Paren):
         return _fields(value.this)
     if isinstance(value, exp.Case):
-        return _chosen_fields(value)
+        return _fields_of_case(value)
     if sql.call_name(value) != "json_object":
         return None
     names, values = value.expressions[::2], value.expressions[1::2]
@@ -197,7 +201,7 @@ def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
     return fields if len(fields) == len(names) and fields else None
 
 
-def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
+def _fields_of_case(case: exp.Case) -> dict[str, exp.Expr] | None:
     branches = case.args["ifs"]
     if case.this or not case.args.get("default") or len(branches) >= _WIDEST_CHOICE:
         return None
@@ -213,11 +217,11 @@ def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
     return fields
 
 
-def _choice(branches: Sequence[exp.If], given: Sequence[exp.Expr]) -> exp.Expr | None:
-    truths = [truth for truth in map(sql.truth_in, given) if truth is not None]
-    if truths and len(truths) < len(given):
+def _choice(branches: Sequence[exp.If], values: Sequence[exp.Expr]) -> exp.Expr | None:
+    truths = [truth for truth in map(sql.truth_in, values) if truth is not None]
+    if truths and len(truths) < len(values):
         return None
-    *arms, default = map(sql.unwrap, given)
+    *arms, default = map(sql.unwrap, values)
     ifs = [
         exp.If(this=branch.this.copy(), true=arm)
         for branch, arm in zip(branches, arms, strict=True)
@@ -236,7 +240,7 @@ def pairs_as_columns(tree: exp.Expr) -> None:
             if calls:
                 value = _split(arms, name, [pair for pair in pairs if pair])
                 for call in calls:
-                    _ask(call, name, value)
+                    _use_columns(call, name, value)
 
 
 def _arms(query: exp.Expr) -> Sequence[exp.Select]:
@@ -245,27 +249,27 @@ def _arms(query: exp.Expr) -> Sequence[exp.Select]:
         if len(sources) != 1 or not isinstance(sources[0], exp.Subquery):
             return ()
         query = sources[0].this
-    found: list[exp.Select] = []
-    waiting: list[exp.Expr] = [query]
-    while waiting:
-        node = waiting.pop()
+    arms: list[exp.Select] = []
+    pending: list[exp.Expr] = [query]
+    while pending:
+        node = pending.pop()
         if isinstance(node, exp.Union) and node.args.get("distinct") is False:
-            waiting += [node.expression, node.this]
+            pending += [node.expression, node.this]
         elif isinstance(node, exp.Select) and not node.args.get("distinct"):
-            found.append(node)
+            arms.append(node)
         else:
             return ()
-    names = {tuple(item.alias for item in arm.expressions) for arm in found}
-    return found if len(names) == 1 else ()
+    names = {tuple(item.alias for item in arm.expressions) for arm in arms}
+    return arms if len(names) == 1 else ()
 
 
 def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
-    made = next(item.this for item in arm.expressions if item.alias == name)
-    if sql.call_name(made) != "json_object" or len(made.expressions) != 4:
+    pair = next(item.this for item in arm.expressions if item.alias == name)
+    if sql.call_name(pair) != "json_object" or len(pair.expressions) != 4:
         return None
-    first, argument, second, value = made.expressions
-    written_out = [part.this for part in (first, second) if isinstance(part, exp.Literal)]
-    if written_out != ["arg", "value"] or sql.truth_in(argument) or sql.truth_in(value):
+    first, argument, second, value = pair.expressions
+    keys = [part.this for part in (first, second) if isinstance(part, exp.Literal)]
+    if keys != ["arg", "value"] or sql.truth_in(argument) or sql.truth_in(value):
         return None
     return sql.unwrap(argument), sql.unwrap(value)
 
@@ -278,21 +282,22 @@ def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
             return []
     calls: dict[int, exp.Anonymous] = {}
     for column in tree.find_all(exp.Column):
-        found = sql.source(column) if column.name == name else None
+        source = sql.source(column) if column.name == name else None
         if column.name != name or (
-            found is not None and not (isinstance(found[1], exp.Table) and found[1].name == query)
+            source is not None
+            and not (isinstance(source[1], exp.Table) and source[1].name == query)
         ):
             continue
         call = column.find_ancestor(exp.Anonymous)
         while call is not None and sql.call_name(call) not in ("arg_min", "arg_max"):
             call = call.find_ancestor(exp.Anonymous)
-        if call is None or not _takes_apart(call, column):
+        if call is None or not _reads_both_parts(call, column):
             return []
         calls[id(call)] = call
     return list(calls.values())
 
 
-def _takes_apart(call: exp.Anonymous, column: exp.Column) -> bool:
+def _reads_both_parts(call: exp.Anonymous, column: exp.Column) -> bool:
     if len(call.expressions) != 2:
         return False
     for argument, part in zip(call.expressions, ("arg", "value"), strict=True):
@@ -306,32 +311,34 @@ def _takes_apart(call: exp.Anonymous, column: exp.Column) -> bool:
 def _split(
     arms: Sequence[exp.Select], name: str, pairs: Sequence[tuple[exp.Expr, exp.Expr]]
 ) -> exp.Identifier:
-    places = range(len(arms[0].expressions))
-    same = [
-        arms[0].expressions[place].args["alias"]
-        for place in places
+    indexes = range(len(arms[0].expressions))
+    shared_aliases = [
+        arms[0].expressions[index].args["alias"]
+        for index in indexes
         if all(
-            arm.expressions[place].this == value
+            arm.expressions[index].this == value
             for arm, (_, value) in zip(arms, pairs, strict=True)
         )
     ]
-    values = same[0] if same else exp.to_identifier(f"t_0_{name}_value")
+    values = shared_aliases[0] if shared_aliases else exp.to_identifier(f"t_0_{name}_value")
     for arm, (argument, value) in zip(arms, pairs, strict=True):
-        kept = [item for item in arm.expressions if item.alias != name]
-        kept.append(exp.alias_(argument, f"t_0_{name}_arg"))
-        if not same:
-            kept.append(exp.alias_(value, values.copy()))
-        arm.set("expressions", kept)
+        items = [item for item in arm.expressions if item.alias != name]
+        items.append(exp.alias_(argument, f"t_0_{name}_arg"))
+        if not shared_aliases:
+            items.append(exp.alias_(value, values.copy()))
+        arm.set("expressions", items)
     return values
 
 
-def _ask(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
+def _use_columns(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
     """Let ArgMin use columns; an infinite best fails, so that the plain query answers."""
     table = next(call.find_all(exp.Column)).table
-    best = f"{call.name}(argument, value)"
-    endless = f"{call.name[4:]}(value) IN (9e999, -9e999) OR {best} IN (9e999, -9e999)"
+    call_sql = f"{call.name}(argument, value)"
+    is_infinite = f"{call.name[4:]}(value) IN (9e999, -9e999) OR {call_sql} IN (9e999, -9e999)"
     parts = {
         "argument": exp.column(f"t_0_{name}_arg", table),
         "value": exp.column(value.copy(), table),
     }
-    call.replace(sql.expression(f"CASE WHEN {endless} THEN JSON('') ELSE {best} END", **parts))
+    call.replace(
+        sql.expression(f"CASE WHEN {is_infinite} THEN JSON('') ELSE {call_sql} END", **parts)
+    )

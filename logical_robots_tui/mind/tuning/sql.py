@@ -74,21 +74,21 @@ def _template(text: str) -> exp.Expr:
 
 def expression(text: str, **parts: exp.Expr) -> exp.Expr:
     """Return the tree of an expression, with copies of parts for the columns of their names."""
-    found = _template(text).copy()
-    for column in list(found.find_all(exp.Column)):
+    tree = _template(text).copy()
+    for column in list(tree.find_all(exp.Column)):
         if column.name in parts:
             column.replace(parts[column.name].copy())
-    return found
+    return tree
 
 
 def drop_parentheses(tree: exp.Query) -> None:
-    for wrapped in reversed(list(tree.find_all(exp.Paren, exp.Subquery))):
-        if isinstance(wrapped, exp.Paren):
-            needless = isinstance(wrapped.this, _NEED_NO_PARENTHESES)
+    for node in reversed(list(tree.find_all(exp.Paren, exp.Subquery))):
+        if isinstance(node, exp.Paren):
+            is_redundant = isinstance(node.this, _NEED_NO_PARENTHESES)
         else:
-            needless = isinstance(wrapped.this, exp.Subquery) and not wrapped.alias
-        if needless:
-            wrapped.replace(wrapped.this)
+            is_redundant = isinstance(node.this, exp.Subquery) and not node.alias
+        if is_redundant:
+            node.replace(node.this)
 
 
 def render(tree: exp.Expr, *, pretty: bool = False) -> str:
@@ -98,12 +98,12 @@ def render(tree: exp.Expr, *, pretty: bool = False) -> str:
 
 
 def sources(select: exp.Select) -> dict[str, exp.Expr]:
-    found: dict[str, exp.Expr] = {}
-    first = select.args.get("from_")
-    for item in ([first] if first else []) + (select.args.get("joins") or []):
+    tables: dict[str, exp.Expr] = {}
+    from_clause = select.args.get("from_")
+    for item in ([from_clause] if from_clause else []) + (select.args.get("joins") or []):
         table = item.this
-        found[table.alias_or_name] = table
-    return found
+        tables[table.alias_or_name] = table
+    return tables
 
 
 def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
@@ -111,17 +111,17 @@ def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
     node: exp.Expr | None = column.parent
     while node is not None and not isinstance(node, exp.CTE):
         if isinstance(node, exp.Select):
-            found = sources(node).get(name)
-            if found is not None:
-                return node, found
+            table = sources(node).get(name)
+            if table is not None:
+                return node, table
         node = node.parent
     return None
 
 
 def named_queries(tree: exp.Expr) -> list[exp.CTE]:
     """Return the common table expressions of a query."""
-    named = tree.args.get("with_")
-    return list(named.expressions) if named else []
+    with_clause = tree.args.get("with_")
+    return list(with_clause.expressions) if with_clause else []
 
 
 def arms(case: exp.Case) -> list[exp.Expr]:
@@ -133,8 +133,8 @@ def arms(case: exp.Case) -> list[exp.Expr]:
 
 def columns_of(select: exp.Select, name: str) -> Iterator[exp.Column]:
     for column in select.find_all(exp.Column):
-        found = source(column) if column.table == name else None
-        if found is not None and found[0] is select:
+        column_source = source(column) if column.table == name else None
+        if column_source is not None and column_source[0] is select:
             yield column
 
 
@@ -168,17 +168,17 @@ def table_name(source: exp.Expr | None) -> str:
 
 def conjuncts(select: exp.Select) -> list[exp.Expr]:
     where = select.args.get("where")
-    found: list[exp.Expr] = []
-    waiting = [where.this] if where else []
-    while waiting:
-        node = waiting.pop()
+    conditions: list[exp.Expr] = []
+    pending = [where.this] if where else []
+    while pending:
+        node = pending.pop()
         if isinstance(node, exp.And):
-            waiting += [node.expression, node.this]
+            pending += [node.expression, node.this]
         elif isinstance(node, exp.Paren):
-            waiting.append(node.this)
+            pending.append(node.this)
         else:
-            found.append(node)
-    return found
+            conditions.append(node)
+    return conditions
 
 
 def is_condition(node: exp.Expr) -> bool:
@@ -224,29 +224,29 @@ def read_after(select: exp.Select, followers: Mapping[str, str]) -> None:
     ordered = [
         n for lead in leaders for n in (lead, *(f for f in items if followers.get(f) == lead))
     ]
-    first, *rest = [*ordered, *(name for name in items if name not in ordered)]
+    first, *following = [*ordered, *(name for name in items if name not in ordered)]
     select.set("from_", exp.From(this=items[first]))
-    joins = [exp.Join(this=items[n], kind="CROSS" if n in followers else None) for n in rest]
+    joins = [exp.Join(this=items[n], kind="CROSS" if n in followers else None) for n in following]
     select.set("joins", joins)
 
 
 _CHEAP = frozenset({"abs", "atan2", "cos", "sin", "sqrt"})
-_WRITTEN = frozenset({"real_as_json", "value_as_json"})
+_JSON_WRITERS = frozenset({"real_as_json", "value_as_json"})
 _MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
 _COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
-_UNPLAIN = frozenset({"memory", "sensor", "value", *MEMORY_FIELDS, *ITEM_FIELDS})
+_MAYBE_JSON = frozenset({"memory", "sensor", "value", *MEMORY_FIELDS, *ITEM_FIELDS})
 _PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
 
 
 def unwrap(value: exp.Expr) -> exp.Expr:
-    """Return what was written as JSON, as it was before; a truth is a number then."""
+    """Return the value that was written as JSON; a truth becomes a number."""
     truth = truth_in(value)
     if truth is not None:
         return truth
     if call_name(value) != "json" or len(value.expressions) != 1:
         return value
     inner: exp.Expr = value.expressions[0]
-    return inner.expressions[0] if call_name(inner) in _WRITTEN else inner
+    return inner.expressions[0] if call_name(inner) in _JSON_WRITERS else inner
 
 
 def truth_in(value: exp.Expr) -> exp.Expr | None:
@@ -299,13 +299,13 @@ def is_plain(node: exp.Expr) -> bool:
     if isinstance(node, exp.Paren | exp.Alias):
         return is_plain(node.this)
     if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
-        only = node.this.expressions
-        return len(only) == 1 and is_plain(only[0])
+        items = node.this.expressions
+        return len(items) == 1 and is_plain(items[0])
     if isinstance(node, exp.Case):
         return all(map(is_plain, arms(node)))
     if isinstance(node, exp.Column):
-        found = source(node)
-        return found is not None and _is_plain_column(node, found[1])
+        column_source = source(node)
+        return column_source is not None and _is_plain_column(node, column_source[1])
     if isinstance(node, exp.Anonymous):
         name = call_name(node)
         if name in _PASSES_ON:
@@ -316,13 +316,13 @@ def is_plain(node: exp.Expr) -> bool:
 
 def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
     if isinstance(table, exp.Subquery) and isinstance(table.this, exp.Select):
-        for made in table.this.expressions:
-            if made.alias_or_name.lower() == column.name.lower():
-                return is_plain(made)
-    return is_stored(table) and column.name.lower() not in _UNPLAIN
+        for item in table.this.expressions:
+            if item.alias_or_name.lower() == column.name.lower():
+                return is_plain(item)
+    return is_stored(table) and column.name.lower() not in _MAYBE_JSON
 
 
-def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
+def _reaches_json(node: exp.Expr, is_result: bool) -> bool:
     while True:
         parent = node.parent
         if isinstance(parent, exp.Anonymous):
@@ -347,13 +347,13 @@ def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
         node = parent
 
 
-def remark(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
+def restore_mark(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
     """Return a value marked again as a record or list, where that matters."""
-    return mark(value, value) if _is_noticed(place, is_result) else value
+    return mark(value, value) if _reaches_json(place, is_result) else value
 
 
 def mark(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
-    """Return a value as JSON if it is the text of a record or list, else another expression."""
+    """Return a value as JSON if it is the text of a record or list, else `otherwise`."""
     return expression(_MARKED, x=value, otherwise=otherwise)
 
 
