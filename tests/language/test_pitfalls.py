@@ -1,13 +1,17 @@
-"""`x = a < b` is `(x = a) < b`: such places are marked wherever they stand, and no others."""
+"""`x = a < b` is `(x = a) < b`: such places are marked, and the package is put in plain words."""
 
+import ast
+import re
 from itertools import product
 from pathlib import Path
 
 import pytest
+from logica import parser_py
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.error_messages import _PLAIN
 from logical_robots_tui.language.pitfalls import pitfalls
 from logical_robots_tui.language.source_text import prepare
 
@@ -152,3 +156,21 @@ def test_a_predicate_on_its_own_negation_is_marked(text: str, negated: str, colu
     assert (one.line, one.column, one.severity) == (1, column, "warning")
     assert one.message == f"{made} depends on its own negation, ~{negated}"
     assert f"Negate only predicates that don't depend on {made}." in one.hint
+
+
+PACKAGE = Path(parser_py.__path__[0]).parent
+SAID = {
+    re.sub(r">>|<<|\{(warning|end)\}", "", node.value)
+    for path in PACKAGE.rglob("*.py")
+    for node in ast.walk(ast.parse(path.read_bytes()))
+    if isinstance(node, ast.Constant) and isinstance(node.value, str)
+}
+
+
+def test_each_message_is_one_of_the_package_and_has_a_hint() -> None:
+    for pattern, _, hint in _PLAIN:
+        for part in pattern.split("|^") if "(" not in pattern else [pattern]:
+            literal = re.split(r"\s*[\\(\[|$.]", part.removeprefix("^"))[0].strip()
+            literal = re.sub(r"( :| in)* \S+$", "", literal)  # what comes last may be filled in
+            assert any(literal in said for said in SAID), literal
+        assert re.fullmatch(r"[A-Z].*[.;?]", hint), hint

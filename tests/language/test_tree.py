@@ -1,7 +1,8 @@
-"""The tree says what a program says: there and back, with each node at its place."""
+"""The tree says what a program says, whatever its blanks are: each node is at its place."""
 
 import dataclasses
 import re
+import unicodedata
 from functools import cache
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.language import package_patches, tree
 from logical_robots_tui.language.adapter import Parsed, _Reader, _Writer, parse
 from logical_robots_tui.language.source_text import Prepared, prepare
+from logical_robots_tui.language.tree import Statement
 from tests.mind.differential.corpus import CASES
 from tests.mind.test_no_false_alarm import SUBTLE
 
@@ -120,3 +122,31 @@ def test_a_walk_visits_outer_nodes_before_inner_ones_and_each_once(depth: int) -
     assert len(lists) == depth
     assert [tree.children(one).__next__() for one in lists[:-1]] == lists[1:]
     assert isinstance(nodes[-1], tree.Number)
+
+
+TEXT = "A(x) :- # a comment\n  x = (if 1 is null then 2 else 3), x in [2];\nB() = Sum{x :- A(x)};\n"
+SPACES = [
+    character
+    for character in map(chr, range(128, 0x10000))
+    if unicodedata.category(character) in ("Zs", "Zl", "Zp")
+]
+
+
+def read(text: str) -> list[Statement]:
+    parsed = parse(prepare(text))
+    assert parsed.problems == []
+    return parsed.statements
+
+
+def test_spaces_of_every_width_are_spaces() -> None:
+    assert {"\u00a0", "\u2009", "\u3000", "\u2028"} < set(SPACES)
+    for space in SPACES:
+        assert read(TEXT.replace(" ", space)) == read(TEXT)
+
+
+@pytest.mark.parametrize("end", ["\r", "\r\n"])
+def test_every_end_of_a_line_ends_it(end: str) -> None:
+    text = f"{TEXT}C(x) :- x = ;"
+    (problem,) = parse(prepare(text.replace("\n", end))).problems
+    assert (problem.line, problem.column) == (4, 12)
+    assert len(read(TEXT.replace("\n", end))) == 2

@@ -1,9 +1,18 @@
-"""Nothing of the language is used before a lesson has told of it."""
+"""The course: it tells what the game tells, in order, with questions and rules for steering."""
 
 import re
+from functools import cache
+from pathlib import Path
 
+import pytest
+
+from docs.learn import FOLDER, PICTURES, files
+from logical_robots_tui.game.level_questions import Examiner, difference
+from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.reference import REFERENCE
-from tests.levels.playing import LEVELS, load_level, program_text, solution_of
+from logical_robots_tui.language.source_text import prepare
+from logical_robots_tui.language.tree import Rule
+from tests.levels.playing import LEVELS, load_level, program_text, slow, solution_of
 
 NAMES = {entry.name for entry in REFERENCE if re.fullmatch("[A-Z][A-Za-z0-9]*", entry.name)}
 MARKS = {
@@ -57,3 +66,91 @@ def test_nothing_is_used_before_its_lesson() -> None:
         }
         early = {part: used_in(code) - told for part, code in parts.items()}
         assert not any(early.values()), (level.name, early)
+
+
+def test_the_course_is_up_to_date() -> None:
+    for path, text in files().items():
+        assert path.read_text("utf-8") == text, "`make learn` writes it anew"
+
+
+def test_the_course_comes_without_solutions() -> None:
+    page = (FOLDER / "learn.md").read_text("utf-8")
+    solutions = (FOLDER / "solutions.md").read_text("utf-8")
+    for name in LEVELS:
+        text = program_text(solution_of(name)).strip()
+        assert text in solutions
+        assert text not in page
+
+
+def test_there_is_no_picture_of_a_level_that_is_gone() -> None:
+    assert {p for p in files() if p.suffix == ".svg"} == set((FOLDER / PICTURES).iterdir())
+
+
+def test_code_in_hints_is_shown_as_it_is_typed() -> None:
+    page = files()[FOLDER / "learn.md"]
+    code = re.findall(r"`[^`\n]+`", page)
+    assert code
+    assert not [piece for piece in code if re.search("&(lt|gt|amp);", piece)]
+
+
+QUICK = "04"  # levels before this one have small programs
+LONGEST = 180  # characters, three lines of a dialog
+NOTHING = (None, False, 0, "")
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", [pytest.param(name, marks=slow(name > QUICK)) for name in LEVELS])
+async def test_a_query_answers_a_question_and_no_constant_does(name: str) -> None:
+    level = load_level(name)
+    assert 2 <= len({question.ask for question in level.questions}) <= 3
+    examiner = Examiner(level)
+    try:
+        for question in level.questions:
+            assert len(question.ask) <= LONGEST
+            assert (await examiner.check(question, question.answer)).is_right
+            first, *others = [
+                await examiner.rows(question, question.answer, tick) for tick in question.ticks
+            ]
+            for right in (first, *others):
+                assert any(value not in NOTHING for row in right.rows for value in row), question
+            assert any(difference(first, other) for other in others), question
+            predicates = await examiner.predicates(question)
+            for predicate in (each.name for each in predicates if each.has_rows):
+                there = await examiner.rows(question, predicate, question.ticks[0])
+                assert difference(there, first), f"{predicate} answers {question.ask}"
+    finally:
+        await examiner.close()
+
+
+TAUGHT_BEFORE = {"Stop"}
+"""What level 4 teaches and a starter may leave to the player."""
+
+
+@cache
+def rules_of(name: str) -> dict[str, list[Rule]]:
+    """The rules of a program by the predicate that they define, but for Robot."""
+    rules: dict[str, list[Rule]] = {}
+    for each in parse(prepare(program_text(name))).statements:
+        if isinstance(each, Rule) and each.name != "Robot":
+            rules.setdefault(each.name, []).append(each)
+    return rules
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", LEVELS[4:])
+def test_steering_is_given_and_the_same_in_every_level(name: str) -> None:
+    library = rules_of("steering")
+    assert library.keys() >= {"Freedom", "Steer", "FollowWall"}
+    starter, solution = rules_of(load_level(name).starter), rules_of(solution_of(name))
+    for program in (starter, solution):
+        common = program.keys() & library.keys()
+        assert {each: program[each] for each in common} == {each: library[each] for each in common}
+    assert solution.keys() & library.keys() <= starter.keys() | TAUGHT_BEFORE
+
+
+def test_the_documentation_lists_each_rule_with_its_arguments() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "dialect.md").read_text("utf-8")
+    section = page.partition("\n## Steering\n")[2].partition("\n## ")[0]
+    heads = re.findall(r"^(\w+\(.*?\)) =", program_text("steering"), re.MULTILINE)
+    assert len(heads) == len(rules_of("steering"))
+    assert re.findall(r"^\| `(.*?)` \|", section, re.MULTILINE) == heads

@@ -1,4 +1,4 @@
-"""The page about levels is true: its example is a level, and it names every key."""
+"""The page about levels and its examples: true, complete, and the examples run."""
 
 import re
 from pathlib import Path
