@@ -1,14 +1,17 @@
-"""Each part loads only what it may know, seen from a fresh interpreter."""
+"""Each part loads only what it may know, and no two files import each other."""
 
 import ast
 import json
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 import logical_robots_tui
+from tests.import_graph import modules_imported
+from tests.installed import CHECKOUT
 from tests.waiting import PATIENCE
 
 SCREEN = {"textual", "rich"}
@@ -116,3 +119,23 @@ def test_public_names_are_listed_and_unknown_ones_refused() -> None:
     assert set(logical_robots_tui.__all__) <= set(dir(logical_robots_tui))
     with pytest.raises(AttributeError, match="no attribute 'Wrld'"):
         logical_robots_tui.Wrld  # noqa: B018 - reading the name is what is tested
+
+
+def test_a_circle_is_found_wherever_the_imports_stand(tmp_path: Path) -> None:
+    texts = {
+        "__init__": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n  from p.a import f",
+        "a": "import p.b",
+        "b": "def g():\n  from p import c",
+        "c": "if 0:\n  from p.a import f",
+        "d": "import p.a, os",
+    }
+    (tmp_path / "p").mkdir()
+    for name, text in texts.items():
+        (tmp_path / "p" / f"{name}.py").write_text(text, encoding="utf-8")
+    with pytest.raises(CycleError) as error:
+        TopologicalSorter(modules_imported(tmp_path, ["p"])).prepare()
+    assert set(error.value.args[1]) == {"p.a", "p.b", "p.c"}
+
+
+def test_no_circle_of_files() -> None:
+    TopologicalSorter(modules_imported(CHECKOUT, ["logical_robots_tui"])).prepare()

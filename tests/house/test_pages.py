@@ -1,4 +1,4 @@
-"""What the game has is named where a reader looks for it, on pages that are written by hand.
+"""What the game has and promises is named and pictured where a reader looks for it.
 
 Other tables are made from the code: of fields, settings and typed commands by ``docs.reference``,
 of keys in ``test_readme``; `tests/lab/test_specification.py` compares the keys of an experiment.
@@ -10,12 +10,17 @@ from typing import get_args
 
 import pytest
 
+from docs.screenshot import DOCS, PICTURES
+from logical_robots_tui.cli.play import LIMITS
 from logical_robots_tui.lab.folder import BUILT_IN
 from logical_robots_tui.lab.running import Outcome, Reduction
+from logical_robots_tui.mind import Limits
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.inspector.register import PAGES
 from tests.house.examples import commands
 from tests.installed import CHECKOUT
+from tests.mind.hostile.programs import PROGRAMS
+from tests.world.hostile import FILES
 
 EXPERIMENT, ENDS = "What an experiment can say", "How a run ends"
 COMMAND_PAGES = {"level": "level-editor.md", "lab": "lab.md", "lab play": "grading.md"}
@@ -64,3 +69,45 @@ def test_the_inspector_has_the_pages_that_its_page_lists() -> None:
     rows = re.findall(r"^\| \[?(.*?)(?:\]\(.*?\))? \|", section("inspector.md", "Pages"), re.M)
     listed = rows[rows.index("page") : rows.index("key")]
     assert listed[1:] == [page.title or "a predicate" for page in PAGES], "docs/inspector.md"
+
+
+LARGEST = 300_000
+
+
+def steady(picture: str) -> str:
+    """The first frame of a picture without the rules for its motion; what others show varies."""
+    first, _, _ = picture.partition('<g class="f1">')
+    return re.sub(r"<style>.*</style>", "", first, flags=re.DOTALL)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_picture_shows_the_game_as_it_is(name: str) -> None:
+    assert steady(PICTURES[name]()) == steady((DOCS / f"{name}.svg").read_text("utf-8"))
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_picture_is_small(name: str) -> None:
+    assert len((DOCS / f"{name}.svg").read_bytes()) < LARGEST
+
+
+PAGE = (CHECKOUT / "docs" / "security.md").read_text("utf-8")
+
+
+def test_each_promise_names_a_test_that_is_there() -> None:
+    named = re.findall(r"`(tests/[\w/]+\.py)`", PAGE)
+    assert len(named) > 12
+    assert [path for path in named if not (CHECKOUT / path).is_file()] == []
+
+
+def test_the_numbers_of_hostile_programs_and_files_are_true() -> None:
+    assert f"{len(PROGRAMS)} programs" in PAGE
+    assert f"{len(FILES)} files" in PAGE
+
+
+def test_the_table_of_limits_tells_them_all() -> None:
+    for name in Limits.__dataclass_fields__:
+        assert f"`{name}`" in PAGE, name
+    for number in ("think_steps", "query_steps", "memory_weight", "think_weight"):
+        assert f"{getattr(Limits(), number):,}" in PAGE, number
+    assert LIMITS["RLIMIT_AS"] >= 2 * Limits().mind_bytes

@@ -1,10 +1,12 @@
-"""The widget, in an app."""
+"""The widget, in an app, and pictures of the screen."""
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from textual.app import App, ComposeResult
@@ -15,7 +17,7 @@ from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Camera, Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.world import Beacon, Robot
-from tests.tui.conftest import Size
+from tests.tui.conftest import STILL, Size, opened
 from tests.tui.labyrinth.drawing.scenes import room, run, start, with_robot
 from tests.virtual_time import later, virtual_loop
 
@@ -157,3 +159,21 @@ async def test_without_colour_nothing_fails(monkeypatch: pytest.MonkeyPatch) -> 
         view.drawing = Drawing.ASCII
         await pilot.pause()
         assert "Ann" in text(view)
+
+
+async def test_a_screenshot_is_a_picture_and_a_text_or_says_why_not(data_dir: Path) -> None:
+    folder = data_dir / "screens"
+    async with opened(data_dir, text=STILL, size=(100, 30), ready=True) as game:
+        folder.write_text("in the way")
+        await game.app.run_action("screen.command('screenshot')")
+        await game.sees("The picture could not be saved: File exists.")
+        folder.unlink()
+        await game.press("ctrl+p", sees="Find a command")
+        await game.press(*"screens", "enter", until=lambda: len(list(folder.glob("*"))) == 2)
+        (text,) = folder.glob("*.txt")
+        assert "LOGICAL ROBOTS" in text.read_text("utf-8")
+        assert "Find a command" not in text.read_text("utf-8")
+        (picture,) = folder.glob("*.svg")
+        svg = ElementTree.fromstring(picture.read_text("utf-8"))
+        assert svg.tag.endswith("}svg")
+        assert svg.attrib["{http://www.w3.org/XML/1998/namespace}space"] == "preserve"

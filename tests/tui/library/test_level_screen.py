@@ -1,6 +1,7 @@
-"""The level screen: a card for each level, and what was achieved there."""
+"""The level screen: a card for each level, what was achieved there, the labyrinth of the day."""
 
 from dataclasses import replace
+from datetime import date
 from functools import partial
 from pathlib import Path
 
@@ -11,8 +12,10 @@ from rich.cells import cell_len
 from textual.geometry import Size
 from textual.widgets import Input
 
+from logical_robots_tui.game.victory import result_line
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
+from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.library.cards import (
     DAILY,
     LINES_AROUND,
@@ -181,3 +184,29 @@ def test_a_card_tells_without_colour_that_it_is_chosen_or_why_it_can_not_be_used
     broken = text_of(LevelCard("99-broken", complaint="This is not valid TOML."))
     assert "99 broken" in broken
     assert "This is not valid TOML." in broken
+
+
+async def test_today_s_labyrinth_is_opened_in_the_chosen_size_or_not(data_dir: Path) -> None:
+    async with opened(data_dir, ready=True) as game:
+        before = game.session.level
+        today = f"daily-{date.today().isoformat()}-small"
+        game.main.recorder.progress.set_fact(f"won {today}", "900")
+        for key in ("escape", "s"):
+            assert game.session.level is before
+            game.main.run_worker(game.main.library.open_daily())
+            await game.until(lambda: isinstance(game.app.screen, QuestionDialog))
+            await game.press(key, until=lambda: game.app.screen is game.main)
+        await game.until(lambda: game.session.level.name == today)
+        await game.sees("Everybody has this labyrinth today.")
+
+
+@pytest.mark.parametrize(
+    ("measures", "line"),
+    [
+        (Measures(1258, 2, 971.4), "1,258 ticks · 2 symbols · 971 units driven"),
+        (Measures(31, 1, 15.5, 19, 20), "31 ticks · 1 symbol · 16 units driven · 19 of 20 starts"),
+    ],
+)
+def test_a_result_is_one_line(measures: Measures, line: str) -> None:
+    whole = f"Logical Robots · First steps · {line}"
+    assert result_line(load_level("01-first-steps"), measures) == whole

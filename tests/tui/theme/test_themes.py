@@ -112,7 +112,7 @@ async def test_greys_alone_are_legible_too(data_dir: Path, monkeypatch: pytest.M
 async def test_all_characters_are_one_cell_wide(data_dir: Path) -> None:
     async with opened(data_dir, ready=True) as game:
         await game.press("n", "a", "Y", "f")
-        for keys in ("w", ("question_mark",), ("escape", "l")):  # the map: `test_glyphs.py`
+        for keys in ("w", ("question_mark",), ("escape", "l")):  # the map: `test_cells.py`
             await game.press(*keys)
             await game.settled()
             assert not {char for char in game.screen() if char != "\n" and cell_len(char) != 1}

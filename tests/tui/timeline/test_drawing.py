@@ -1,10 +1,12 @@
-"""The line of the timeline: where things stand in it."""
+"""The line of the timeline, and in what two futures differ, as it is drawn."""
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.game import MARK_KINDS, MarkKind
+from logical_robots_tui.game import MARK_KINDS, Difference, Divergence, MarkKind
+from logical_robots_tui.game.debugging.proof_difference import Comparison
 from logical_robots_tui.tui.timeline.breakpoints import tick_of
+from logical_robots_tui.tui.timeline.divergence import describe_comparison, describe_divergence
 from logical_robots_tui.tui.timeline.widget import (
     DIVERGENCE,
     SIGNS,
@@ -13,6 +15,7 @@ from logical_robots_tui.tui.timeline.widget import (
     TimelineSpan,
     track,
 )
+from logical_robots_tui.values import Desire
 
 
 def test_the_signs_can_be_told_apart_without_colours_and_are_one_column_wide() -> None:
@@ -57,3 +60,45 @@ def test_a_tick_is_typed_as_a_number_or_as_so_many_ticks_from_here() -> None:
     ticks = {"120": 120, " 1,200 ": 1200, "+50": 150, "-50": 50, "- 5": 95}
     ticks_and_nonsense = ticks | dict.fromkeys(("", "ten", "1.5", "٣", "-"))
     assert {text: tick_of(text, 100) for text in ticks_and_nonsense} == ticks_and_nonsense
+
+
+def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
+    differences = (
+        Difference("Ada", "desire", Desire(0.5, 1.0), None),
+        Difference("Ada", "position", (1.0, 2.0, 0.0), (1.0 + 2**-30, 2.0, 0.0)),
+        Difference("Bo", "memory", {"n": 1}, "none"),
+        Difference("Bo", "notices", (), ("Robot has no row for Bo.",)),
+    )
+    assert "an area" in describe_divergence(Divergence(3, ())).plain, "only an area differs"
+    assert describe_divergence(Divergence(7, differences)).plain.splitlines() == [
+        "Ada",
+        "  desire",
+        "    here   left 0.5, right 1",
+        "    there  none",
+        "  position",
+        "    here   1, 2, looking to 0°",
+        "    there  1.0000000009313226, 2, looking to 0°",
+        "",
+        "Bo",
+        "  memory",
+        "    here   {n: 1}",
+        '    there  "none"',
+        "  notices",
+        "    here   none",
+        "    there  Robot has no row for Bo.",
+    ]
+
+
+def test_lines_of_proofs_are_told_by_their_branch() -> None:
+    lines = (" Robot()", "-  d < 20 does not hold", "+  d < 30 = true", "@", " [x]")
+    assert describe_comparison(Comparison("Ada", lines)).plain.splitlines() == [
+        "The proofs of what Ada decides differ:",
+        "         Robot()",
+        "  here     d < 20 does not hold",
+        "  there    d < 30 = true",
+        "  …      ",
+        "         [x]",
+    ]
+    assert "are equal" in describe_comparison(Comparison("Ada", ())).plain
+    many = describe_comparison(Comparison("Ada", ("+x",) * 1_300)).plain
+    assert many.endswith("and 1,100 more lines")
