@@ -7,6 +7,8 @@ import sysconfig
 from dataclasses import dataclass
 from pathlib import Path
 
+from tests.processes import run_command
+
 __all__ = ["CHECKOUT", "Installed", "build", "clean_environment", "install", "install_from_lock"]
 
 CHECKOUT = Path(__file__).parents[1]
@@ -24,15 +26,8 @@ class Installed:
         return self.root / "bin" / "logical-robots"
 
     def run(self, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [str(self.root / "bin" / name), *arguments],
-            cwd=self.elsewhere,
-            env=clean_environment(),
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
+        words = [self.root / "bin" / name, *arguments]
+        return run_command(words, cwd=self.elsewhere, env=clean_environment(), timeout=120)
 
 
 def clean_environment() -> dict[str, str]:
@@ -86,5 +81,5 @@ def _pip(root: Path, *arguments: str | Path) -> None:
 
 
 def _run(*command: str | Path) -> None:
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    done = run_command(command, timeout=600)
     assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"

@@ -21,8 +21,8 @@ from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.wording import join_names
 from tests.cli.running import Command, Told
+from tests.processes import run_command
 from tests.terminal import Terminal
-from tests.waiting import PATIENCE
 
 COMMANDS = (
     *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "help"),
@@ -163,13 +163,8 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
 
 
 def in_shell(words: str, typed: str = "") -> Told:
-    done = subprocess.run(
-        ["sh", "-c", f"{sys.executable} -m logical_robots_tui {words}"],
-        input=typed,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    command = ["sh", "-c", f"{sys.executable} -m logical_robots_tui {words}"]
+    done = run_command(command, input=typed)
     return Told(done.returncode, done.stdout, done.stderr)
 
 

@@ -2,15 +2,14 @@
 
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from tests.cli.running import Command
+from tests.processes import run_command
 from tests.terminal import Terminal
-from tests.waiting import PATIENCE
 
 PATH = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 SHELLS = {"bash": ["bash", "--norc", "--noprofile", "-i"], "zsh": ["zsh", "-f", "-i"]}
@@ -41,14 +40,8 @@ def test_a_shell_completes_commands_levels_programs_and_options(script: Path) ->
 def test_fish_completes_the_same(script: Path) -> None:
     asked = ("logical-robots run 01-f", "logical-robots run 01-first-steps first-steps-s")
     lines = "; ".join(f"complete -C '{line}'" for line in asked)
-    told = subprocess.run(
-        ["fish", "--no-config", "-c", f"source {script}; {lines}"],
-        env={**os.environ, "PATH": PATH},
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=PATIENCE,
-    ).stdout
+    command = ["fish", "--no-config", "-c", f"source {script}; {lines}"]
+    told = run_command(command, env={**os.environ, "PATH": PATH}).stdout
     assert "01-first-steps" in told
     assert "first-steps-starter" in told
 

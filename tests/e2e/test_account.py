@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.test_class import recipe, run, words_of
+from tests.e2e.test_class import recipe, words_of
+from tests.processes import run_command
 from tests.sshd import SSHD, Server
 
 
@@ -28,7 +29,7 @@ def test_sshd_prints_nothing_at_a_login_to_a_home_that_cannot_be_changed(tmp_pat
     config = f"Match User robots\nAuthorizedKeysFile /srv/keys\nForceCommand {command}\n"
     inside = ("unshare", "-m", "sh", "-c", makes, "sh")
     with Server(tmp_path, config, inside=inside) as server:
-        done = run(server.client("-l", "robots"), stdin=subprocess.DEVNULL)
+        done = run_command(server.client("-l", "robots"), stdin=subprocess.DEVNULL)
     assert (done.returncode, done.stdout, done.stderr) == (0, "/var/empty\n", "")
 
 
@@ -59,7 +60,7 @@ def test_systemd_bounds_the_processes_of_a_scope() -> None:
     if shutil.which(scope[0]) is None:
         pytest.skip("there is no systemd-run")
     asks = "cat /sys/fs/cgroup$(cut -d: -f3 /proc/self/cgroup)/pids.max"
-    done = run([*scope, "--", "sh", "-c", asks])
+    done = run_command([*scope, "--", "sh", "-c", asks])
     if done.returncode:
         pytest.skip(f"no systemd runs for this user: {done.stderr.strip()}")
     assert done.stdout == "64\n"

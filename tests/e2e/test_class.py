@@ -12,15 +12,15 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from tests.crowd import Crowd
 from tests.installed import CHECKOUT, Installed
+from tests.processes import run_command
 from tests.sshd import SSHD, Server, is_listening
 from tests.terminal import Terminal
-from tests.waiting import PATIENCE, until
+from tests.waiting import until
 
 pytestmark = pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
@@ -46,16 +46,14 @@ class School:
     def ssh(
         self, *options: str, words: tuple[str, ...] = (), typed: str = ""
     ) -> subprocess.CompletedProcess[str]:
-        return run([*self.server.client(*options, player=NAMES[0]), *words], input=typed)
+        return run_command([*self.server.client(*options, player=NAMES[0]), *words], input=typed)
 
     def scp(self, how: str, there: str, here: Path) -> subprocess.CompletedProcess[str]:
         *options, host = self.server.client(player=NAMES[0])[3:]
         options[0] = "-P"
-        return run(["scp", how, *options, "-F", "none", f"{host}:{there}", str(here)], input="")
-
-
-def run(command: list[str], **more: Any) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, **more)
+        return run_command(
+            ["scp", how, *options, "-F", "none", f"{host}:{there}", str(here)], input=""
+        )
 
 
 @contextmanager
@@ -100,7 +98,7 @@ def test_the_command_of_the_recipe_plays_in_lines_of_text(tmp_path: Path) -> Non
     arguments = line.replace("/srv/robots", str(tmp_path)).split()
     environment = {**os.environ, "LOGICAL_ROBOTS_PLAYER": NAMES[0], "SSH_ORIGINAL_COMMAND": "plain"}
     command = [sys.executable, "-m", "logical_robots_tui", *arguments]
-    done = run(command, input="hint\nsave mine\n", env=environment)
+    done = run_command(command, input="hint\nsave mine\n", env=environment)
     assert (done.returncode, done.stderr) == (0, "")
     assert all(words in done.stdout for words in ("First steps", "Hint 1: ", "Saved as mine in"))
     assert (tmp_path / "players" / NAMES[0] / "programs" / "mine.l").exists()
@@ -213,7 +211,7 @@ def has_walls() -> str:
     bwrap = shutil.which("bwrap")
     if bwrap is None or shutil.which("prlimit") is None:
         return "bubblewrap is not installed"
-    done = run([bwrap, "--unshare-all", "--ro-bind", "/", "/", "--proc", "/proc", "true"])
+    done = run_command([bwrap, "--unshare-all", "--ro-bind", "/", "/", "--proc", "/proc", "true"])
     return f"the kernel forbids namespaces: {done.stderr.strip()}" if done.returncode else ""
 
 
@@ -224,7 +222,7 @@ def wall(tmp_path: Path, installed: Installed) -> Path:
         pytest.skip(why)
     script, bpf = tmp_path / "robots-session", tmp_path / "robots-session.bpf"
     makes = recipe("robots-filter").replace("/usr/local/lib/robots-session.bpf", str(bpf))
-    subprocess.run(["sh", "-c", makes], check=True, timeout=PATIENCE)
+    run_command(["sh", "-c", makes], check=True)
     text = recipe("robots-session").replace("/srv/robots", str(tmp_path / "srv"))
     text = text.replace("/usr/local/lib/robots-session.bpf", str(bpf))
     # These tests, and the Python that they run in, are not where the recipe puts the game.
@@ -303,7 +301,7 @@ def test_a_session_runs_in_systemd_s_scope(has_systemd: bool, wall: Path, tmp_pa
     stand_in.chmod(0o755)
     path = f"{stand_in.parent}:{os.environ['PATH']}"
     environment = {**os.environ, "PATH": path, "LOGICAL_ROBOTS_PLAYER": NAMES[0]}
-    done = run([str(wall), "echo", "inside"], env=environment)
+    done = run_command([str(wall), "echo", "inside"], env=environment)
     assert (done.returncode, done.stdout) == (0, "inside\n")
     calls = notes.read_text().splitlines()
     assert len(calls) == (2 if has_systemd else 1)

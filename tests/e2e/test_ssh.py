@@ -13,8 +13,9 @@ from typing import Any
 import pytest
 
 from tests.e2e.conftest import TYPED
-from tests.e2e.tmux import PROMPT, Tmux, runs
+from tests.e2e.tmux import PROMPT, Tmux
 from tests.installed import Installed
+from tests.processes import is_running
 from tests.sshd import SSHD, Line, Server
 from tests.terminal import Terminal
 from tests.waiting import until
@@ -42,7 +43,7 @@ class Host:
 
     @property
     def is_playing(self) -> bool:
-        return runs(int((self.folder / "pid").read_text()))
+        return is_running(int((self.folder / "pid").read_text()))
 
 
 @pytest.fixture(scope="module")

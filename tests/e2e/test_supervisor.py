@@ -16,8 +16,9 @@ import pytest
 from logical_robots_tui import supervisor
 from logical_robots_tui.player.drafts import Drafts
 from tests.memory_use import memory_use
+from tests.processes import run_command
 from tests.terminal import Terminal
-from tests.waiting import PATIENCE, until
+from tests.waiting import until
 
 GETS_STUCK = """if True:
     import ctypes, itertools, os, sys, threading
@@ -336,13 +337,6 @@ def test_a_call_without_end_is_ended_and_blamed_on_the_program(words: str, tmp_p
     program = tmp_path / "shouts.l"
     program.write_text(SHOUTS, "utf-8")
     line = words.replace("LEVEL", "01-first-steps").replace("PROGRAM", str(program))
-    done = subprocess.run(
-        [sys.executable, "-c", COMPUTES_IN_C, *line.split()],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
+    done = run_command([sys.executable, "-c", COMPUTES_IN_C, *line.split()], cwd=tmp_path)
     assert done.returncode == supervisor.STUCK
     assert done.stderr.startswith(f"logical-robots: {line}: The program computed for 15 s")

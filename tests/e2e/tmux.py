@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Self
 
 from tests.installed import clean_environment
+from tests.processes import is_running
 from tests.waiting import PATIENCE, until
 
-__all__ = ["PROMPT", "Tmux", "place_of", "runs"]
+__all__ = ["PROMPT", "Tmux", "place_of"]
 
 PROMPT = "at-the-shell$ "
 
@@ -83,7 +84,7 @@ class Tmux:
 
     @property
     def is_running(self) -> bool:
-        return runs(self.pid)
+        return is_running(self.pid)
 
     def hang_up(self) -> None:
         os.kill(self.pid, signal.SIGHUP)
@@ -165,11 +166,3 @@ def place_of(text: str, screen: str) -> tuple[int, int]:
     """The column and the line, from 1, of the first place where a text stands."""
     y, line = next((y, line) for y, line in enumerate(screen.splitlines(), 1) if text in line)
     return line.index(text) + 1, y
-
-
-def runs(pid: int) -> bool:
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return state != "Z"  # Z: it is over, only nobody has asked yet how it ended

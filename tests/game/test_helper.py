@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.processes.helper import Helper, is_helper
+from tests.processes import is_running
 from tests.waiting import PATIENCE, until
 
 MODULE = "tests.game.odd_helper"
@@ -53,14 +54,7 @@ def test_a_helper_ends_with_a_game_that_is_killed_whatever_it_does(what: str) ->
         assert parent.stdout is not None
         pid = int(parent.stdout.readline())
         parent.kill()
-    until(lambda: not is_alive(pid))
-
-
-def is_alive(pid: int) -> bool:
-    try:
-        return " Z " not in Path(f"/proc/{pid}/stat").read_text()
-    except OSError:
-        return False
+    until(lambda: not is_running(pid))
 
 
 @pytest.mark.slow

@@ -1,7 +1,6 @@
 """What a game holds is bounded, as the process holds it, whatever the program remembers."""
 
 import os
-import subprocess
 import sys
 from copy import deepcopy
 from typing import Any
@@ -14,6 +13,7 @@ from logical_robots_tui.mind.limits import MAX_CHARACTER_WEIGHT as HEAVIEST
 from logical_robots_tui.mind.limits import weight_of, weight_of_row, weight_of_text
 from logical_robots_tui.values import Value
 from tests.mind.rows import ROBOT, row
+from tests.processes import run_command
 from tests.waiting import PATIENCE
 
 MOST = 600 * 1024  # KiB that the whole process may hold, with room for the screen
@@ -87,14 +87,6 @@ DENSE = (
 )
 
 
-def run(
-    script: str, *arguments: object, timeout: float, env: dict[str, str] | None = None
-) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", script, *map(str, arguments)]
-    options: Any = {"capture_output": True, "text": True, "check": False}
-    return subprocess.run(command, env=env, timeout=timeout, **options)
-
-
 def played(
     level: str, text: str, ticks: int, addresses: int = ADDRESSES, patience: float = 10 * PATIENCE
 ) -> tuple[int, set[str]]:
@@ -102,7 +94,8 @@ def played(
 
     The game ends after so many ticks, or a few after its history began to drop the oldest ones.
     """
-    done = run(PLAYS, level, text, ticks, addresses, timeout=patience)
+    command = [sys.executable, "-c", PLAYS, level, text, ticks, addresses]
+    done = run_command(command, timeout=patience)
     assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
     most, *kinds = done.stdout.split()
     return int(most), set(kinds)
@@ -150,7 +143,7 @@ def test_without_room_to_sense_a_game_ends_with_an_exception_no_crash(
     level: str, room: int
 ) -> None:
     arena = {"MALLOC_ARENA_MAX": "1"}  # no room is left in other ones
-    done = run(STARVES, level, room, env=os.environ | arena, timeout=PATIENCE)
+    done = run_command([sys.executable, "-c", STARVES, level, room], env=os.environ | arena)
     assert (done.returncode, done.stdout) == (0, "no memory\n"), done.stderr[-2000:]
 
 

@@ -8,7 +8,6 @@ import io
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -19,8 +18,8 @@ from logical_robots_tui import Program
 from logical_robots_tui.cli.main import PROGRAM, main
 from tests.house.examples import PAGES, blocks, commands, in_help, in_page
 from tests.installed import CHECKOUT
+from tests.processes import run_command
 from tests.terminal import Terminal
-from tests.waiting import PATIENCE
 
 QUICKER = {
     "diagnose 01-first-steps first-steps": ["--ticks", "100"],
@@ -215,13 +214,7 @@ def _needs_a_shell(line: str) -> bool:
 def _run_in_shell(line: str) -> tuple[int, str]:
     call = f'{PROGRAM}() {{ {shlex.quote(sys.executable)} -m logical_robots_tui "$@"; }}'
     jq = "" if shutil.which("jq") else "jq() { cat; }"
-    done = subprocess.run(
-        ["bash", "-o", "pipefail", "-c", f"{call}\n{jq}\n{line}"],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    done = run_command(["bash", "-o", "pipefail", "-c", f"{call}\n{jq}\n{line}"])
     return done.returncode, done.stdout + done.stderr
 
 

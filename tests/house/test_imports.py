@@ -2,7 +2,6 @@
 
 import ast
 import json
-import subprocess
 import sys
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 import logical_robots_tui
 from tests.import_graph import modules_imported
 from tests.installed import CHECKOUT
-from tests.waiting import PATIENCE
+from tests.processes import run_command
 
 SCREEN = {"textual", "rich"}
 PARTS = (
@@ -64,10 +63,7 @@ PUBLIC_NAMES = [name for name in logical_robots_tui.__all__ if name != "__versio
 def modules_after(statement: str) -> set[str]:
     """Names of all modules that a fresh interpreter has loaded after a statement."""
     script = f"{statement}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))"
-    done = subprocess.run(
-        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=PATIENCE
-    )
-    return set(json.loads(done.stdout))
+    return set(json.loads(run_command([sys.executable, "-c", script], check=True).stdout))
 
 
 @pytest.mark.sampled

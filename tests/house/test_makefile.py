@@ -9,20 +9,14 @@ from pathlib import Path
 import pytest
 
 from tests.installed import CHECKOUT, clean_environment
+from tests.processes import run_command
 
 
 def make(
     *arguments: str, folder: Path = CHECKOUT, timeout: float = 60
 ) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        ["make", *arguments],
-        cwd=folder,
-        env={k: v for k, v in clean_environment().items() if not k.startswith("MAKE")},
-        capture_output=True,
-        text=True,
-        timeout=timeout,
-        check=False,
-    )
+    env = {k: v for k, v in clean_environment().items() if not k.startswith("MAKE")}
+    return run_command(["make", *arguments], cwd=folder, env=env, timeout=timeout)
 
 
 def pretend(folder: Path, *, answers: str) -> str:

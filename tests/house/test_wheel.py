@@ -6,7 +6,6 @@
 import email
 import json
 import re
-import subprocess
 import sys
 import tarfile
 import tomllib
@@ -21,6 +20,7 @@ from packaging.requirements import Requirement
 import logical_robots_tui
 from tests.house.examples import blocks
 from tests.installed import CHECKOUT, Installed, clean_environment, install_from_lock
+from tests.processes import run_command
 from tests.pythons import pythons
 from tests.terminal import Terminal
 
@@ -156,15 +156,8 @@ def test_the_recipe_for_a_class_installs_the_game_from_a_checkout(tmp_path: Path
     ):
         assert theirs in recipe
         recipe = recipe.replace(theirs, ours)
-    followed = subprocess.run(
-        ["sh", "-e", "-c", recipe],
-        cwd=CHECKOUT,
-        env=clean_environment(),
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
+    shell = ["sh", "-e", "-c", recipe]
+    followed = run_command(shell, cwd=CHECKOUT, env=clean_environment(), timeout=600)
     assert followed.returncode == 0, followed.stdout + followed.stderr
     done = Installed(tmp_path, tmp_path).run("logical-robots", "run", *WON_BY)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,6 +1,5 @@
 """The laboratory from Python: from a file or a mapping to tables, as the commands do it."""
 
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from tests.lab.laboratory import (
     write_experiment,
     write_files,
 )
-from tests.waiting import PATIENCE
+from tests.processes import run_command
 
 
 def experiment(**changes: Any) -> dict[str, Any]:
@@ -45,9 +44,7 @@ def test_a_file_gives_the_folder_of_the_command(tmp_path: Path, command: Command
     script = tmp_path / "script.py"
     call = "print(sweep('experiment.toml', 'out', workers=1).done, 'runs')\n"
     script.write_text(f"from logical_robots_tui.lab import sweep\n{call}")
-    done = subprocess.run(
-        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
-    )
+    done = run_command([sys.executable, script], cwd=tmp_path)
     assert done.stdout == "4 runs\n", done.stderr
     assert exported(tmp_path / "out") == exported(tmp_path / "mine")
 

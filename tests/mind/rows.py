@@ -1,7 +1,6 @@
 """What tests of minds share: sensor rows to think about, a mark of cases, a fresh Python."""
 
 import math
-import subprocess
 import sys
 from collections.abc import Collection, Sequence
 from contextlib import closing
@@ -13,7 +12,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Decision, Limits, Mind, Program
-from tests.waiting import PATIENCE
+from tests.processes import run_command
 
 slow = partial(pytest.param, marks=pytest.mark.slow)
 """A case like another one, which the quick choice leaves out."""
@@ -128,8 +127,6 @@ def all_remembered(
 
 def python(script: str, *arguments: str) -> str:
     """What a script prints in a Python of its own, which ends well and complains of nothing."""
-    done = subprocess.run(
-        [sys.executable, "-c", script, *arguments], capture_output=True, text=True, timeout=PATIENCE
-    )
+    done = run_command([sys.executable, "-c", script, *arguments])
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout

@@ -18,6 +18,7 @@ from logical_robots_tui.mind.compilation import CompileProgram
 from logical_robots_tui.mind.compiling import compiler, worker
 from logical_robots_tui.processes import helper
 from tests.mind.rows import ROBOT, python, slow
+from tests.processes import is_running, run_command
 from tests.waiting import PATIENCE, until
 
 HEAVY = (
@@ -125,7 +126,7 @@ def test_there_is_one_compile_process_however_many_compile() -> None:
 
 def children(parent: int) -> list[int]:
     command = ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)]
-    listed = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE).stdout
+    listed = run_command(command).stdout
     return [int(line.split()[0]) for line in listed.splitlines() if "compile_process" in line]
 
 
@@ -175,7 +176,7 @@ def test_the_compile_process_ends_with_a_parent_that_is_killed_while_it_compiles
     (child,) = children(parent.pid)
     os.kill(parent.pid, signal.SIGKILL)
     parent.wait(PATIENCE)
-    until(lambda: not Path(f"/proc/{child}").exists() or "Z (" in state(child))
+    until(lambda: not is_running(child))
 
 
 def busy(pid: int) -> bool:
@@ -185,13 +186,6 @@ def busy(pid: int) -> bool:
     except OSError:
         return False
     return any(line.split()[:4] == ["Max", "open", "files", "0"] for line in limits.splitlines())
-
-
-def state(pid: int) -> str:
-    try:
-        return Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
-    except OSError:
-        return "Z ("
 
 
 def test_a_mistake_of_ours_while_compiling_is_told_plainly_and_logged(

@@ -1,7 +1,6 @@
 """What is known of a field is written once, and arrives wherever it is needed."""
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.mind.compilation import _digest_of_parts
 from logical_robots_tui.schema import DESIRE, SENSOR, FieldType, ListOf, Type
 from logical_robots_tui.values import Desire
-from tests.waiting import PATIENCE
+from tests.processes import run_command
 
 CLASSES = {Type.TRUTH: bool, Type.WHOLE: int, Type.REAL: (int, float), Type.TEXT: str}
 
@@ -93,13 +92,9 @@ def test_a_field_that_is_added_to_the_schema_arrives_everywhere(tmp_path: Path) 
     assert text.count(last) == 1
     added = 'Field("y", Type.REAL, "how far down the robot is", "0 or more", "map units"),\n'
     schema.write_text(text.replace(last, f"{added}        {last}"), "utf-8")
-    done = subprocess.run(
+    done = run_command(
         [sys.executable, "-c", USES, _digest_of_parts(()).hex(), simulation_digest().hex()],
         cwd=tmp_path,
         env={"PYTHONPATH": str(tmp_path), "LOGICAL_ROBOTS_CACHE_DIR": ""},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr

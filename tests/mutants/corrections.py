@@ -10,7 +10,6 @@ import argparse
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -19,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.changed import PACKAGE, PROCESSOR_SECONDS, ROOT, Nearness, git, measured_costs, nearest
+from tests.processes import run_command
 
 LIST = Path(__file__).with_name("corrections.txt")
 LONGEST = 3_600  # seconds of one run of tests
@@ -109,14 +109,11 @@ class Copy:
 
     def _first_failure(self, arguments: Sequence[str]) -> str:
         command = [sys.executable, "-m", "pytest", "-q", "--tb=no", "--maxfail=1"]
-        done = subprocess.run(
-            [*command, "-n", str(self._workers), "--dist", "worksteal", *arguments],
+        done = run_command(
+            [*command, "-n", self._workers, "--dist", "worksteal", *arguments],
             cwd=self._folder,
             env={**os.environ, "PYTHONPATH": str(self._folder)},
-            capture_output=True,
-            text=True,
             timeout=LONGEST,
-            check=False,
         )
         if done.returncode == 0:
             return ""

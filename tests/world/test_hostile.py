@@ -1,7 +1,6 @@
 """Reading a file takes little memory, and ends with a level or a reason."""
 
 import json
-import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +10,7 @@ import pytest
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
 from logical_robots_tui.world import LevelError, load_level
-from tests.waiting import PATIENCE
+from tests.processes import run_command
 from tests.world.hostile import FILES
 
 BYTES = 300 * 1024  # KiB that the process may grow by
@@ -44,13 +43,8 @@ def read(names: Sequence[str], folder: Path) -> list[tuple[str, float, int]]:
         path = folder / f"{number}{ending}"
         path.write_text(content(), encoding="utf-8", newline="")
         paths.append(str(path))
-    done = subprocess.run(
-        [sys.executable, "-c", "import json\n" + READS, str(1024**3), *paths],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
+    script = "import json\n" + READS
+    done = run_command([sys.executable, "-c", script, 1024**3, *paths])
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]
 

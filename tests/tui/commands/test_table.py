@@ -1,6 +1,5 @@
 """Commands: declared once, reachable by key, bar, palette and help."""
 
-import subprocess
 import sys
 from collections import Counter
 from functools import partial
@@ -24,8 +23,8 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.theme.themes import INK
+from tests.processes import run_command
 from tests.tui.conftest import Size, at_both_sizes, opened
-from tests.waiting import PATIENCE
 
 SCREEN = [entry for entry in COMMANDS if entry.scope == "screen"]
 WRITING = [entry for entry in COMMANDS if entry.scope == "text"]
@@ -61,9 +60,7 @@ def test_a_command_has_a_title_one_sentence_of_help_and_does_something() -> None
 
 def test_the_table_is_read_without_loading_the_screen_or_the_game() -> None:
     script = "import sys, logical_robots_tui.tui.commands.table; print(*sys.modules)"
-    done = subprocess.run(
-        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=PATIENCE
-    )
+    done = run_command([sys.executable, "-c", script], check=True)
     loaded = set(done.stdout.split())
     assert "logical_robots_tui.tui.commands.rows" in loaded
     heavy = ("game", "mind", "world", "editing", "tui.app", "tui.inspector", "tui.level_editor")
