@@ -61,13 +61,10 @@ async def test_a_run_taken_back_between_ticks_ends_with_victory_again(game: Game
     assert (game.frame.tick, beyond) == (won_at, 1)
 
 
-async def test_each_tick_is_restored_exactly_and_restarting_begins_anew(game: Game) -> None:
-    frames = [game.frame]
-    game.listen(frames.append)
-    await game.run_until(tick=30)
-    assert [game.frame_at(tick) for tick in range(31)] == frames
-    for expected in [*reversed(frames[:-1]), frames[0]]:
-        assert game.back() == expected
+async def test_before_the_start_there_is_nothing_and_restarting_begins_anew(game: Game) -> None:
+    start = game.frame
+    await game.run_until(tick=2)
+    assert [game.back() for _ in range(3)][1:] == [start, start]
     await game.run_until(tick=9)
     start = game.restart()
     assert (start.tick, start.memories) == (0, BLANK)

@@ -42,19 +42,14 @@ TEXTS = {page.relative_to(CHECKOUT).as_posix(): in_page(page) for page in PAGES}
 EXAMPLES = {text: lines for text, lines in (HELPS | TEXTS).items() if lines}
 
 
-def _write_level(folder: Path, name: str) -> None:
-    """The level of the page on making levels, as somebody's own."""
-    (level,) = (b.text for b in blocks(DOCS / "level-editor.md") if b.language == "toml")
+def _write_level(folder: Path, name: str = "gate.toml", page: str = "levels.md") -> None:
+    """The first level of a page, as somebody's own."""
+    level = next(block.text for block in blocks(DOCS / page) if block.language == "toml")
     (folder / name).write_text(level, "utf-8")
 
 
-def _write_gate(folder: Path) -> None:
-    level = next(b.text for b in blocks(DOCS / "levels.md") if b.language == "toml")
-    (folder / "gate.toml").write_text(level, "utf-8")
-
-
 def _write_both_formats(folder: Path) -> None:
-    _write_level(folder, "mine.toml")
+    _write_level(folder, "mine.toml", "level-editor.md")
     assert main(["level", "convert", str(folder / "mine.toml"), str(folder / "theirs.json")]) == 0
 
 
@@ -103,7 +98,7 @@ def _record(folder: Path) -> None:
 
 
 BEFORE: dict[str, Callable[[Path], None]] = {
-    "docs/levels.md": _write_gate,
+    "docs/levels.md": _write_level,
     f"{PROGRAM} level convert": _write_both_formats,
     f"{PROGRAM} level check": _write_maze,
     "docs/lab.md": _write_files_of_lab,
@@ -161,7 +156,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "here"
     folder.mkdir()
     (folder / "docs").symlink_to(DOCS)
-    _write_level(folder, "my-level.toml")
+    _write_level(folder, "my-level.toml", "level-editor.md")
     program, *_ = (b.text for b in blocks(DOCS / "dialect.md") if b.language == "prolog")
     (folder / "my-program.l").write_text(program, "utf-8")
     monkeypatch.chdir(folder)

@@ -119,13 +119,6 @@ def test_the_settings_can_be_used(tmp_path: Path) -> None:
     assert found.keys == {"run": ("space", "f9"), "restart": (), "brush": ("n",)}
 
 
-def test_the_level_loads(tmp_path: Path) -> None:
-    (text,) = code(DOCS / "level-editor.md", "toml")
-    path = tmp_path / "level.toml"
-    path.write_text(text)
-    assert load_level(path).areas[0].victory_robots == ("Ada",)
-
-
 @pytest.mark.slow
 def test_the_notebook_runs() -> None:
     cells = json.loads((DOCS / "simulation.ipynb").read_text())["cells"]

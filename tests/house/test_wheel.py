@@ -112,12 +112,6 @@ def test_an_installed_copy_uses_its_own_code_and_levels_and_wins_one(installed: 
     assert json.loads(done.stdout)["won"] is True
 
 
-@pytest.mark.slow
-def test_an_installed_copy_tells_its_version(installed: Installed) -> None:
-    done = installed.run("python", "-m", "logical_robots_tui", "--version")
-    assert done.stdout == f"logical-robots {logical_robots_tui.__version__}\n"
-
-
 @pytest.mark.proof
 @pytest.mark.parametrize("version", PYTHONS)
 def test_the_wheel_plays_on_every_python_with_the_locked_dependencies(

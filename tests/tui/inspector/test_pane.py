@@ -16,7 +16,7 @@ from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import PAPER, SLOW, STILL, Awaited, Opened, Size, at_both_sizes, opened
+from tests.tui.conftest import PAPER, STILL, Awaited, Opened, Size, at_both_sizes, opened
 
 MORE = (
     PAPER
@@ -192,12 +192,6 @@ async def test_slow_rows_hold_up_nothing(data_dir: Path, monkeypatch: pytest.Mon
         table.focus()
         await game.press("J", until=lambda: "950 more rows side by side; J shows" in table.missing)
         await game.press("c", sees="side by side")
-
-
-@pytest.mark.slow
-async def test_a_predicate_that_is_really_slow_does_not_either(data_dir: Path) -> None:
-    async with opened(data_dir, text=PAPER + SLOW.split("Robot(")[0]) as game:
-        await run_beside(game, "Many")
 
 
 async def run_beside(game: Opened, slow: str) -> None:

@@ -76,15 +76,6 @@ async def test_a_slow_proof_can_be_stopped(data_dir: Path, monkeypatch: pytest.M
 
 
 @pytest.mark.slow
-async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path) -> None:
-    async with opened(data_dir, text=SLOW, ready=True) as game:
-        with game.impatient():
-            await game.press("w", sees=("taking the rules of Robot apart", "s  esc here stops it"))
-            await game.press("escape", sees="Stopped after ")
-        assert view(game).has_focus
-
-
-@pytest.mark.slow
 async def test_no_old_proof_stands_under_a_new_question(data_dir: Path) -> None:
     text = SLOW.split("Robot(")[0] + TWO_RULES
     async with opened(data_dir, text=text) as game:
