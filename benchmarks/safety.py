@@ -31,7 +31,7 @@ from logical_robots_tui.mind.sqlite import registry
 from tests.e2e.test_supervisor import playing, type_hello
 from tests.memory_use import memory_use
 from tests.terminal import Terminal
-from tests.tui.terminal.test_storms import ONE_FRAME
+from tests.tui.terminal.test_flood import ONE_FRAME
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """A level that is won by going straight on, and the program that does."""
 
-__all__ = ["AHEAD", "LEVEL"]
+__all__ = ["AHEAD", "LEVEL", "QUESTIONS"]
 
 LEVEL = """\
 title = "A short way"
@@ -24,6 +24,13 @@ x = 42
 y = 12.5
 radius = 6
 goal_for = ["Pip"]
+"""
+
+QUESTIONS = """\
+questions = [
+  {ask = "Who is there?", answer = "Here(robot_name:) :- Sensor(robot_name:)", ticks = [0, 2]},
+  {ask = "How far?", answer = "Way(sensor.forward_distance) :- Sensor(sensor:)", ticks = [0, 5]},
+]
 """
 
 AHEAD = """\

@@ -6,15 +6,9 @@ import pytest
 
 from logical_robots_tui.progress import FILE_NAME, Progress
 from tests.cli.running import Ask, Command, in_terminal
+from tests.short import QUESTIONS
 
-LESSON = """\
-starter = "obstacle-avoider"
-lesson = "A rule with one case."
-questions = [
-  {ask = "Who is there?", answer = "Here(robot_name:) :- Sensor(robot_name:)", ticks = [0, 2]},
-  {ask = "How far?", answer = "Way(sensor.forward_distance) :- Sensor(sensor:)", ticks = [0, 5]},
-]
-"""
+LESSON = f'starter = "obstacle-avoider"\nlesson = "A rule with one case."\n{QUESTIONS}'
 WRONG = "Sensor(robot_name:, sensor: s"
 RIGHT = "Way(sensor.forward_distance) :- Sensor(sensor:)"
 

@@ -1,9 +1,12 @@
 """The installed game, played, edited and interrupted in a real terminal."""
 
+import shutil
+
 import pytest
 
+from docs.debugging import LEVEL, PAGE, PICTURES, PROGRAM, page, play
 from logical_robots_tui import list_levels, load_level
-from tests.e2e.conftest import Player, tick_on
+from tests.e2e.conftest import Player, Seat, tick_on
 from tests.e2e.tmux import PROMPT, place_of
 from tests.game.playing import SLOW
 from tests.waiting import until
@@ -108,3 +111,21 @@ def test_a_hangup_ends_even_a_robot_that_is_deep_in_thought(player: Player) -> N
     player.tmux.press("Space", sees="thinking")
     player.tmux.hang_up()
     until(lambda: not player.tmux.is_running, lambda: "the process ends")
+
+
+@pytest.mark.slow
+def test_the_page_is_up_to_date() -> None:
+    assert PAGE.read_text("utf-8") == page(), "`make debugging` writes it anew"
+    assert {path.stem for path in LEVEL.parent.glob("*.svg")} == set(PICTURES)
+
+
+@pytest.mark.slow
+def test_the_mistake_is_found_and_mended_as_the_page_says(seat: Seat) -> None:
+    with seat(120, 40) as player:
+        shutil.copy(LEVEL, player.folder)
+        shutil.copy(PROGRAM, player.folder)
+        player.play("play", LEVEL.name, PROGRAM.name)
+        pictures = [
+            step.picture for step in play(player.tmux.type, player.tmux.wait_for) if step.picture
+        ]
+        assert pictures == list(PICTURES)

@@ -1,5 +1,7 @@
-"""What docs/dialect.md says programs may count on is so."""
+"""The page on the dialect and the help on functions: complete, true, readable."""
 
+import json
+import math
 import re
 from contextlib import nullcontext
 from pathlib import Path
@@ -8,7 +10,10 @@ from typing import Any
 import pytest
 
 from logical_robots_tui import Program, ProgramError
-from tests.mind.rows import ROBOT, all_remembered, row, slow, think
+from logical_robots_tui.language.definitions import built_in_names, definitions, prelude
+from logical_robots_tui.language.reference import REFERENCE, find_help, similar
+from logical_robots_tui.mind.compiling.dialect import runs as runs_here
+from tests.mind.rows import ROBOT, all_remembered, python, row, slow, think
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs/dialect.md").read_text("utf-8").split())
 NOTHING = "x in Range(0)"
@@ -100,3 +105,57 @@ def test_every_refused_word_that_security_names_is_refused() -> None:
         if word[0].isupper():
             with pytest.raises(ProgramError):
                 Program.compile(f'{ROBOT} m = {word}("x");')
+
+
+SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}
+
+
+def same(value: Any, expected: Any) -> bool:
+    if isinstance(expected, int | float) and isinstance(value, int | float):
+        return math.isclose(value, expected, abs_tol=1e-9)
+    return bool(value == expected)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("start", range(14))
+def test_each_example_gives_the_result_that_is_told(start: int) -> None:
+    entries = REFERENCE[start::14]  # more in one program are slower
+    values = all_remembered([entry.example for entry in entries])
+    for entry in entries:
+        assert same(values[entry.example], json.loads(entry.result)), entry.name
+
+
+def test_everything_that_compiles_is_explained_and_nothing_else() -> None:
+    runs = {SPELT.get(name, name) for name in built_in_names() if runs_here(name)}
+    library = {name for name in definitions(prelude()) if name.isidentifier()}
+    assert {entry.name for entry in REFERENCE} == runs | library | {"->", "=>", "~", "if"}
+
+
+def test_each_entry_is_one_short_line_and_mentions_its_name() -> None:
+    assert len({entry.name for entry in REFERENCE}) == len(REFERENCE)
+    for entry in REFERENCE:
+        assert entry.name in entry.signature
+        assert entry.summary
+        assert max(map(len, (entry.signature, entry.summary, entry.example))) <= 100
+
+
+def test_help_is_found_whatever_the_case_of_the_letters() -> None:
+    assert find_help("argmin") == find_help("ArgMin")
+    assert find_help("Wings") is None
+    assert similar("Squrt") == "Sqrt"
+    assert similar("Xyzzyx") == ""
+
+
+def test_the_tables_of_the_docs_are_made_from_the_data() -> None:
+    from docs.reference import PAGES
+
+    for path, text in PAGES.items():
+        assert path.read_text(encoding="utf-8") == text(), "run `make reference`"
+
+
+def test_reading_the_help_needs_no_compiler() -> None:
+    script = (
+        "import sys, logical_robots_tui.language.reference as r; "
+        "print(len(r.REFERENCE), 'logica' in sys.modules)"
+    )
+    assert python(script).split() == [str(len(REFERENCE)), "False"]

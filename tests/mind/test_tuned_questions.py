@@ -1,15 +1,21 @@
-"""Questions that are asked of all robots together mean what they mean as they were generated."""
+"""Questions asked of all robots together, or of several moments, mean what they mean alone."""
 
 from contextlib import closing
-from typing import Any
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from logical_robots_tui.explain.diagnosis.sites import check_up
 from logical_robots_tui.game import Run, load_program
-from logical_robots_tui.mind import CompiledQuery, Mind, Program, ResultTable
+from logical_robots_tui.mind import CompiledQuery, Limits, Mind, Program, ResultTable
 from logical_robots_tui.mind.sqlite.database import Database
+from logical_robots_tui.values import SensorRow, Value
 from logical_robots_tui.world import load_level
-from tests.mind.rows import ROBOT, nearly_same, row, slow
+from tests.mind.rows import ROBOT, VISIBILITIES, nearly_same, row, slow
 
 MORE = (
     "Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 12",
@@ -131,3 +137,69 @@ def test_more_rows_than_are_shown_are_cut_off_either_way() -> None:
         for in_order in (True, False):
             table = mind.ask(question, rows, {}, in_order=in_order)
             assert (len(table.rows), table.truncated) == (mind.limits.rows, True)
+
+
+Rows = list[dict[str, Value]]
+
+TEXT = Path(__file__).with_name("moments.l").read_text("utf-8")
+ROBOTS = ("Ada", "Bo", "Cy")
+SIGHTS = st.dictionaries(
+    st.integers(0, 30),
+    st.tuples(st.integers(1, 199), st.sampled_from(["robot", "beacon"]), st.sampled_from(ROBOTS)),
+    max_size=3,
+)
+MEMORIES = st.one_of(
+    st.just(""), st.none(), st.text(max_size=3), st.fixed_dictionaries({"n": st.integers(0, 4)})
+)
+MOMENTS = st.lists(
+    st.tuples(
+        st.tuples(
+            *(
+                st.builds(lambda name, sees: row(name, sees=sees), st.just(n), SIGHTS)
+                for n in ROBOTS
+            )
+        ),
+        st.fixed_dictionaries(dict.fromkeys(ROBOTS, MEMORIES)),
+    ),
+    min_size=1,
+    max_size=15,
+)
+
+
+@cache
+def probes() -> Program:
+    return check_up(Program.compile(TEXT)).program
+
+
+def sorted_views(views: list[Rows] | None) -> list[list[str]] | None:
+    return None if views is None else [sorted(map(repr, rows)) for rows in views]
+
+
+@pytest.mark.parametrize(("memory", "sensor"), VISIBILITIES)
+@settings(deadline=None)
+@given(moments=MOMENTS)
+def test_the_rows_at_several_moments_are_those_at_each(
+    memory: Literal["own", "seen", "all"],
+    sensor: Literal["own", "all"],
+    moments: list[tuple[tuple[SensorRow, ...], dict[str, Value]]],
+) -> None:
+    names = [*probes().statements]
+    single: dict[tuple[str, int], list[Rows]] = {}
+    with closing(Mind(probes(), memory, sensor)) as mind:
+        for number, (rows, memories) in enumerate(moments):
+            for name, views in mind.predicate_rows(names, rows, memories):
+                assert views is not None
+                single.setdefault((name, number), []).append(views)
+        several = {
+            (name, number): views for name, number, views in mind.predicate_rows_at(names, moments)
+        }
+    assert {key: sorted_views(views) for key, views in several.items()} == {
+        key: sorted_views(views) for key, views in single.items()
+    }
+
+
+def test_a_predicate_that_fails_is_told_of_each_moment() -> None:
+    moment = tuple(row(name) for name in ROBOTS), {name: {"n": 3} for name in ROBOTS}
+    name = next(iter(probes().statements))
+    with closing(Mind(probes(), limits=Limits(rows=0))) as mind:
+        assert [*mind.predicate_rows_at([name], [moment] * 2)] == [(name, 0, None), (name, 1, None)]

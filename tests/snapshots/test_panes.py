@@ -4,6 +4,7 @@ A pane is alone on its screen where others would take room from it, so that a ch
 no picture of another. ``pytest --update-snapshots tests/snapshots`` accepts what is shown now.
 """
 
+import pyte
 import pytest
 from textual.widget import Widget
 
@@ -11,6 +12,7 @@ from logical_robots_tui.tui.layout.command_bar import CommandBar, PaneTabs
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.timeline.widget import Timeline
 from tests.snapshots.conftest import LOOKS, Show, Shown
+from tests.snapshots.picture import cells_of, differences, picture, read_picture
 
 STEPS = 10
 
@@ -68,3 +70,36 @@ async def test_large_panes(show: Show) -> None:
 async def test_each_pane_in_other_colours(look: str, show: Show) -> None:
     async with show((80, 24), look) as shown:
         await compare_panes(shown)
+
+
+def screen(*chunks: str, lines: int = 3) -> pyte.Screen:
+    made = pyte.Screen(20, lines)
+    stream = pyte.Stream(made)
+    for chunk in chunks:
+        stream.feed(chunk)
+    return made
+
+
+def test_a_picture_can_be_read_back_and_has_no_differences_then() -> None:
+    cells = cells_of(screen("\x1b[31mhé\x1b[1;48;2;1;2;3mx=|\x1b[0m y"))
+    assert read_picture(picture(cells)) == cells
+    assert list(differences(read_picture(picture(cells)), cells)) == []
+
+
+def test_another_character_is_told_with_its_place() -> None:
+    told = list(differences(cells_of(screen("one\r\ntwo")), cells_of(screen("one\r\ntoo"))))
+    assert told[0] == "line 2, columns 2 to 2, 1 cells:"
+    assert [line.split("|")[1] for line in told[1:]] == ["w", "o"]
+
+
+def test_another_size_is_told_with_the_lines_that_are_missing() -> None:
+    told = list(differences(cells_of(screen("a\r\nb")), cells_of(screen("a", lines=1))))
+    assert told[0] == "20x1 cells instead of 20x3"
+    assert told[1] == "line 2, columns 1 to 20, 20 cells:"
+    assert told[3] == "  found  || starting with nothing"
+
+
+def test_another_colour_is_a_difference_but_not_the_ink_of_a_blank_or_how_long_it_took() -> None:
+    assert list(differences(cells_of(screen("\x1b[31mx")), cells_of(screen("\x1b[32mx"))))
+    assert cells_of(screen("\x1b[31m ")) == cells_of(screen("\x1b[32m "))
+    assert cells_of(screen("tick 3   0.4 ms")) == cells_of(screen("tick 3   12.7 ms"))

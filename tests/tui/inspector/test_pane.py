@@ -11,7 +11,10 @@ from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import ResultTable
 from logical_robots_tui.tui.inspector import pages, pane
 from logical_robots_tui.tui.inspector.line_views import LinesView
+from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
+from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
+from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.register import PAGES
@@ -222,3 +225,98 @@ async def test_pages_load_and_tell_minds(data_dir: Path, monkeypatch: pytest.Mon
         await game.ready()
         await inspect(game, "Clock", sees="in the mind of")
         await game.until(lambda: all(game.shows(name) for name in "PQR"))
+
+
+WIDE = (156, 50)
+
+
+def page_names(game: Opened) -> list[str]:
+    shown = [page for page in game.inspector.query(".heading") if page.region]
+    shown.sort(key=lambda heading: heading.region.x)
+    return [type(heading.parent).__name__ for heading in shown]
+
+
+ROBOTS, DECISION, ROWS = (page.__name__ for page in (RobotsPage, DecisionPage, PredicatePage))
+
+
+async def test_a_page_and_the_robot_stand_side_by_side_where_there_is_room(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal", text=MORE, size=WIDE, ready=True) as game:
+        await game.press("n", "3", until=lambda: page_names(game) == [ROBOTS, DECISION])
+        await inspect(game, "Names", until=lambda: page_names(game) == [ROWS, DECISION])
+        await game.sees("Decision of P · tick 1", "Names · tick 1 · 3 rows")
+        await game.press("n", sees=("Decision of P · tick 2", "Names · tick 2 · 3 rows"))
+
+        # Another robot is shown beside the same rows; all robots beside the page of the decision.
+        await game.press("1", "a", "a", sees="Decision of Q · tick 2")
+        assert game.inspector.inspected == "Names"
+        game.inspector.inspect("decision")
+        await game.until(lambda: page_names(game) == [ROBOTS, DECISION])
+
+        # Keys are about the page with the focus.
+        game.inspector.open("Names")
+        await game.until(lambda: page_names(game) == [ROWS, DECISION])
+        await game.press("tab", "tab", until=lambda: game.inspector.inspected == "decision")
+        await game.press("enter", until=lambda: game.app.screen is not game.main)
+        await game.sees("Decision of Q")
+        await game.press("escape", until=lambda: game.app.screen is game.main)
+        await game.resize(120, 40)
+        await game.until(
+            lambda: page_names(game) == [ROWS] and game.shows("Names · tick 2 · 3 rows")
+        )
+        await game.sees_no("Decision of")
+        assert game.inspector.inspected == "Names"
+        assert game.main.focused is not None
+        assert game.main.focused.id == "choice"
+
+        # The selection and the focus survive other sizes.
+        await inspect(game, "Ray", sees="Ray · tick 2 · 93 rows")
+        await game.press("enter", "down", "down")
+        table = game.main.query_one("#rows", ValueTable)
+        await game.until(lambda: table.pointed is not None and table.pointed[1] is not None)
+        place = table.place
+        for size, shown in [((80, 24), [ROWS]), (WIDE, [ROWS, DECISION]), ((120, 40), [ROWS])]:
+            await game.resize(*size)
+            await game.until(lambda shown=shown: page_names(game) == shown)  # type: ignore[misc] # once a turn
+            assert game.inspector.inspected == "Ray"
+            assert table.has_focus
+            assert table.place == place
+
+
+LATE = """\
+Robot(robot_name:, desire: {left_engine: 0.2, right_engine: 0.2}, memory: "") :-
+  Sensor(robot_name:);
+Robot(robot_name:, desire: {left_engine: 0.1, right_engine: 0.1}, memory: "") :-
+  Sensor(robot_name:, sensor:), sensor.clock > 2;
+"""
+
+
+def page(game: Opened) -> DiagnosisPage:
+    return game.main.query_one(DiagnosisPage)
+
+
+@at_both_sizes
+async def test_a_run_is_scanned_and_a_finding_leads_to_its_tick(data_dir: Path, size: Size) -> None:
+    async with opened(data_dir, text=LATE, size=size, ready=True) as game:
+        await game.run_until(4)
+        await game.command("diagnose", until=lambda: page(game).view.has_focus)
+        await game.sees("Scan the run up to tick 4", "enter Scan")
+        await game.press("enter", until=lambda: page(game).found is not None)
+        assert game.inspector.inspected == "diagnosis"
+        await game.sees("warning, line 3, tick 3", "Ticks 1 to 4, not won.")
+        await game.press("down")
+        await game.until(lambda: game.editor.selected_text.startswith("Robot(robot_name:, des"))
+        await game.press("enter", tick=3)
+
+        # It is offered again when the run has gone on.
+        await game.press("n", "n", sees="Scan again up to tick 5")
+        await game.press("p", tick=4)
+        assert not game.shows("This is about")
+
+        # Findings about an earlier program or run say so.
+        game.session.apply(f"{LATE}\n")
+        await game.sees("This is about an earlier program. Ticks 1 to 4, not won.")
+        await game.press("p", tick=3)
+        await game.press("n", tick=4)
+        game.session.apply(LATE)
+        await game.sees("This is about an earlier run. Ticks 1 to 4, not won.")
+        await game.press("home", "enter", sees_no="This is about")

@@ -9,14 +9,8 @@ from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.table import ValueTable
+from tests.short import QUESTIONS
 from tests.tui.conftest import SHORT, Opened, Size, at_both_sizes, opened
-
-QUESTIONS = """\
-questions = [
-  {ask = "Who is there?", answer = "Here(robot_name:) :- Sensor(robot_name:)", ticks = [0, 2]},
-  {ask = "How far?", answer = "Way(sensor.forward_distance) :- Sensor(sensor:)", ticks = [0, 5]},
-]
-"""
 
 
 @pytest.fixture
