@@ -16,6 +16,7 @@ from textual.screen import ModalScreen, Screen
 from textual.widgets import Button, Input, OptionList, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.tui.terminal.textual_internals import limit_input_lines
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line, visible_lines
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
+limit_input_lines()
 
 _KEY = re.compile(r"((?:\S+ or )?\S+)(.*)")
 

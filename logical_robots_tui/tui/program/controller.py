@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import subprocess
 import tempfile
 from collections.abc import Callable, Mapping
@@ -21,7 +22,7 @@ from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
-from logical_robots_tui.tui.program.editor import find_after, is_predicate_name, rename
+from logical_robots_tui.tui.program.editor import find_after, rename
 from logical_robots_tui.wording import clip, count_of, one_line
 
 if TYPE_CHECKING:
@@ -93,7 +94,10 @@ class ProgramController:
             self.find_next()
             return
         count = self._pane.text.count(wish.text)
-        if count:
+        growth = count * (len(wish.replacement) - len(wish.text))
+        if len(self._pane.text) + growth > (limit := Limits().program_characters):
+            self._ui.warn(f"With that the program would have more than {limit:,} characters.")
+        elif count:
             self._pane.put(self._pane.text.replace(wish.text, wish.replacement))
             self._ui.tell(f"Replaced in {count_of(count, 'place')}.")
         elif find_after(self._pane.text, wish.text, (0, 0)) is not None:
@@ -126,7 +130,7 @@ class ProgramController:
         new = (typed or "").strip()
         if not new or new == old:
             return
-        if not is_predicate_name(new):
+        if re.fullmatch(r"[A-Z]\w*", new) is None:
             self._ui.warn("A predicate's name starts with a capital letter.")
             return
         if new in definitions(self._pane.text):
@@ -134,7 +138,8 @@ class ProgramController:
             return
         text, count = rename(self._pane.text, old, new)
         self._pane.put(text)
-        self._ui.tell(f"Renamed in {count_of(count, 'place')}.")
+        if self._pane.text == text:
+            self._ui.tell(f"Renamed in {count_of(count, 'place')}.")
 
     def edit_elsewhere(self) -> None:
         if not self._permissions().programs:

@@ -20,6 +20,7 @@ from textual.widgets import TextArea
 from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
 from wcwidth import iter_graphemes
 
+from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.program.completion import (
     Completion,
@@ -53,10 +54,6 @@ def shift_lines(lines: list[str], *, back: bool) -> list[str]:
     if not back:
         return [" " * WIDTH + line if line.strip() else line for line in lines]
     return [re.sub(f"^(\t| {{1,{WIDTH}}})", "", line) for line in lines]
-
-
-def is_predicate_name(text: str) -> bool:
-    return re.fullmatch(r"[A-Z]\w*", text) is not None
 
 
 def find_after(
@@ -181,6 +178,12 @@ class Editor(TextArea):
             self.move_cursor((rule.group().count("\n"), 0))
 
     def edit(self, edit: Edit) -> EditResult:
+        """Make a change, unless a paste makes the program too long to compile."""
+        replaced = len(self.get_text_range(edit.top, edit.bottom))
+        length = len(self.text) - replaced + len(edit.text)
+        if len(edit.text) > 1 and length > (most := Limits().program_characters):
+            self.notify(f"A program may have {most:,} characters, not {length:,}.")
+            return EditResult(self.cursor_location, "")
         self._states.forget(edit.top[0])
         return super().edit(edit)
 

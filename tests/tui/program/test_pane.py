@@ -122,14 +122,19 @@ async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir:
         await game.sees(f"line {line},")
 
 
-@pytest.mark.slow
-async def test_a_program_of_a_megabyte_is_refused_and_the_game_goes_on(data_dir: Path) -> None:
-    async with opened(data_dir, ready=True) as game:
-        await game.press("2", "f7")
-        game.app.post_message(events.Paste("x = 1 + Foo(bar: 3), # note\n" * 36_000))
-        await game.until(lambda: len(game.editor.text) > 1_000_000)
-        await game.press("f4", until=lambda: game.session.state.phase == "mistake", sees="✗ line 1")
-        await game.press("escape", "n", tick=1)
+async def test_no_paste_or_replacement_makes_a_program_or_a_line_too_long(data_dir: Path) -> None:
+    long = "a " * 50_000
+    async with opened(data_dir, text=long) as game:
+        await game.press("2")
+        game.app.post_message(events.Paste("x = 1;\n" * 15_000))
+        await game.sees("A program may have 200,000 characters, not 205,000.")
+        await game.press("f3", sees="Find in the program")
+        game.app.post_message(events.Paste("y" * 2_001))
+        await game.sees("2,001 characters are too many here; at most 2,000 fit.")
+        await game.press("a", "tab")
+        game.app.post_message(events.Paste("y" * 2_000))
+        await game.press("enter", sees="With that the program would have more than 200,000")
+        assert game.editor.text == long
 
 
 async def test_what_is_applied_last_wins(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:

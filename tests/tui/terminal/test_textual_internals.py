@@ -68,6 +68,8 @@ async def test_what_is_taken_from_inside_does_what_it_is_for(data_dir: Path) -> 
         await game.press("s", *"mine")
         dialog = game.app.screen
         await game.until(lambda: dialog.query_one(Input).value.endswith("mine"))
+        game.app.post_message(events.Paste("x" * 3_000))  # `limit_input_lines` has been called
+        await game.sees("characters are too many here")
         # `KeyQueue` holds back what comes at once, until what is before it has led elsewhere.
         game.app.post_message(events.Key("escape", "\x1b"))
         game.app.post_message(events.Key("2", "2"))
