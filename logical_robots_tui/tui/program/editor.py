@@ -93,6 +93,7 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
 
 _A_PASTE = 0.005  # keys that follow each other faster, in seconds, were not typed
 _A_PAUSE = 0.05  # seconds after the last key of a burst
+_LOOKED_BACK = 200  # characters before the cursor that may begin the list of words
 _LONGEST_CLUSTER = 64  # code points of what is seen as one character
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
@@ -287,7 +288,7 @@ class Editor(TextArea):
     def _open_list(self) -> None:
         if not self.is_attached:
             return  # the game has ended meanwhile
-        if self.completion.display or _OPENING.search(self.before_cursor):
+        if self.completion.display or _OPENING.search(self.before_cursor[-_LOOKED_BACK:]):
             self.action_complete()
             if self.completion.names[:1] == [self.word]:
                 self.completion.close()

@@ -60,6 +60,11 @@ def handle_exception(app: App[object], error: Exception) -> None:
 class HangingDocument(WrappedDocument):
     """Wrapped lines whose further rows are indented like the first one."""
 
+    @property
+    def height(self) -> int:
+        """The number of rows; Textual counts them anew for each row that is drawn."""
+        return len(self._offset_to_line_info)
+
     def hang(self, line_index: int, section: int) -> int:
         """Return by how many columns a row of a line is shifted."""
         return _hang(self.document[line_index], self._width) if section else 0
@@ -86,6 +91,8 @@ _wrap_offsets = _wrapped_document.compute_wrap_offsets  # type: ignore[attr-defi
 
 
 def _hanging_offsets(text: str, width: int, *arguments: Any, **options: Any) -> list[int]:
+    if len(text) <= width and text.isascii() and "	" not in text:
+        return []  # most lines of a long text
     offsets = _wrap_offsets(text, width, *arguments, **options)
     if not offsets or not (indent := _hang(text, width)):
         return offsets

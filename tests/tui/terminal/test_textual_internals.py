@@ -7,6 +7,7 @@ from textual import _ansi_sequences, _compositor, events
 from textual._styles_cache import StylesCache
 from textual._xterm_parser import XTermParser
 from textual.app import App
+from textual.document._wrapped_document import WrappedDocument
 from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Region
 from textual.screen import Screen
@@ -81,6 +82,7 @@ async def test_what_is_taken_from_inside_does_what_it_is_for(data_dir: Path) -> 
         document = game.editor.wrapped_document  # `hang_wrapped_lines` has been called
         assert isinstance(document, textual_internals.HangingDocument)
         assert [document.hang(0, section) for section in (0, 1)] == [0, 4]
+        assert document.height == WrappedDocument.height.fget(document)  # type: ignore[attr-defined] # a property
         lines = textual_internals.rendered_lines(game.app.screen)
         assert lines[0].text.startswith(" LOGICAL ROBOTS")
         view = game.main.labyrinth.view
