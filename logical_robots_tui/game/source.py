@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.language.diagnostics import Names, unknown_names
+from logical_robots_tui.language.diagnostics import LevelNames, unknown_names
 from logical_robots_tui.mind import Diagnostic, ProgramError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.paths import (
@@ -319,7 +319,7 @@ def warnings_in(
     found = [*program.warnings, *(program.web if web else ())]
     if level is not None:
         solid = (area.name for area in level.areas if area.impenetrable)
-        names = Names(
+        names = LevelNames(
             frozenset(robot.name for robot in level.robots),
             frozenset([*(beacon.name for beacon in level.beacons), *solid]),
         )

@@ -21,8 +21,8 @@ from logical_robots_tui.language.package_patches import deep_copy
 from logical_robots_tui.language.source_text import (
     Prepared,
     nesting,
+    original_text,
     statements,
-    text_meant,
     with_whole_brackets,
 )
 from logical_robots_tui.language.tree import Name, Span, Statement
@@ -58,14 +58,14 @@ class Parsed:
         problems: Errors in the statements that could not be parsed.
         doubtful: Names in those statements, about which nothing is known.
         source: The text that was parsed.
-        more: Errors that are not among the problems, because they are too many.
+        excess: Errors that are not among the problems, because they are too many.
     """
 
     statements: list[Statement]
     problems: list[Diagnostic]
     doubtful: frozenset[str]
     source: Prepared
-    more: int
+    excess: int
 
 
 def parse(source: Prepared) -> Parsed:
@@ -73,41 +73,41 @@ def parse(source: Prepared) -> Parsed:
     # The package knows operators of one's own after certain words, and from then on for ever.
     parser.TOO_MUCH = "fun" if _OPERATOR.search(source.skeleton) else "too much"
     parser.EnactIncantations(source.original)
-    found: list[Statement] = []
-    problems, more = list(source.problems), source.more
+    trees: list[Statement] = []
+    problems, excess = list(source.problems), source.excess
     doubtful: set[str] = set()
     broken = sorted(source.broken)
     for start, end in statements(source):
         if bisect_left(broken, start) == bisect_left(broken, end):
             try:
-                text, beside = _take_from_head(source, start, end)
-                found += _parse_statement(source._replace(text=text), start, end)
-                found += [each for each in beside if each not in found]
+                text, annotations = _take_head_annotations(source, start, end)
+                trees += _parse_statement(source._replace(text=text), start, end)
+                trees += [a for a in annotations if a not in trees]
                 continue
             except error_messages.COMPLAINTS as error:
                 if len(problems) < MOST_DIAGNOSTICS:
                     problems.append(error_messages.explain(error, source, (start, end)))
                 else:
-                    more += 1
+                    excess += 1
         doubtful.update(_NAME.findall(source.skeleton[start:end]))
-    return Parsed(found, problems, frozenset(doubtful), source, more)
+    return Parsed(trees, problems, frozenset(doubtful), source, excess)
 
 
 def parse_proposition(source: Prepared) -> tree.Proposition:
-    """Parse a body; raise an exception of the package's if it is none."""
+    """Parse a body; raise an exception of the package's if that fails."""
     text = parser.Strip(parser.HeritageAwareString(source.text))
-    return _Reader(source).proposition(parser.ParseProposition(text))
+    return _TreeReader(source).proposition(parser.ParseProposition(text))
 
 
 def parse_expression(source: Prepared) -> tree.Expression:
-    """Parse an expression; raise an exception of the package's if it is none."""
+    """Parse an expression; raise an exception of the package's if that fails."""
     text = parser.Strip(parser.HeritageAwareString(source.text))
-    return _Reader(source).expression(parser.ParseExpression(text))
+    return _TreeReader(source).expression(parser.ParseExpression(text))
 
 
 def parse_trusted(text: str) -> tuple[Statement, ...]:
     """Parse a text of our own, without places."""
-    reader = _Reader(_NOWHERE)
+    reader = _TreeReader(_NOWHERE)
     return tuple(map(reader.statement, parser.ParseFile(text)["rule"]))
 
 
@@ -117,24 +117,25 @@ def is_rule(source: Prepared) -> bool:
     return any(len(parser.Split(text, sign)) > 1 for sign in (":-", ":="))
 
 
-def _take_from_head(source: Prepared, start: int, end: int) -> tuple[str, list[Statement]]:
-    """Return the text with ``order_by(...)`` and ``limit(...)`` of a head blanked, and these.
+def _take_head_annotations(source: Prepared, start: int, end: int) -> tuple[str, list[Statement]]:
+    """Blank ``order_by(...)`` and ``limit(...)`` of a head; return the text and the annotations.
 
-    They are annotations: ``@OrderBy(P, ...)`` and ``@Limit(P, ...)``.
+    These are ``@OrderBy(P, ...)`` and ``@Limit(P, ...)``.
     """
-    text, found = source.text, list[tree.Statement]()
+    text, annotations = source.text, list[tree.Statement]()
     rule = source.skeleton.find(":-", start, end)
     predicate = _PREDICATE.match(source.text, start)
     for word in _BESIDE_HEAD.finditer(source.skeleton, start, end if rule < 0 else rule):
         if predicate is None or nesting(source.skeleton[start : word.start()]):
             continue
         place, stop = word.span()
-        given = source.text[word.end(1) + 1 : stop - 1]
-        annotation = f"{_ANNOTATIONS[word[1]]}({predicate.group()}, {given})"
-        reader = _Reader(_NOWHERE, whole=Span(place, stop))
-        found.append(reader.statement(parser.ParseRule(parser.HeritageAwareString(annotation))))
+        argument_text = source.text[word.end(1) + 1 : stop - 1]
+        annotation = f"{_ANNOTATIONS[word[1]]}({predicate.group()}, {argument_text})"
+        reader = _TreeReader(_NOWHERE, whole=Span(place, stop))
+        raw = parser.ParseRule(parser.HeritageAwareString(annotation))
+        annotations.append(reader.statement(raw))
         text = f"{text[:place]}{' ' * (stop - place)}{text[stop:]}"
-    return text, found
+    return text, annotations
 
 
 def _parse_statement(source: Prepared, start: int, end: int) -> Iterator[Statement]:
@@ -145,21 +146,21 @@ def _parse_statement(source: Prepared, start: int, end: int) -> Iterator[Stateme
         head, value = parser.SplitRaw(statement, "-->")
         middle, shift = len(head), value.start - len(head) - len(" = ")
         rule = f"{head} = {value}"
-        reader = _Reader(
+        reader = _TreeReader(
             source._replace(text=rule),
-            lambda at: at + (head.start if at <= middle else shift),
+            lambda offset: offset + (head.start if offset <= middle else shift),
             Span(start, end),
         )
         yield from map(reader.statement, function)
         return
-    reader = _Reader(source)
+    reader = _TreeReader(source)
     yield reader.statement(parser.ParseFunctorRule(statement) or parser.ParseRule(statement))
 
 
 # -- from the package ----------------------------------------------------------------------------
 
 
-class _Reader:
+class _TreeReader:
     """Makes typed nodes.
 
     Args:
@@ -180,18 +181,18 @@ class _Reader:
         arguments = self._arguments(head["record"])
         span = self._span(raw["full_text"]) or self._whole
         if name == "@Make":
-            made, base, given = (each.value for each in arguments)
-            assert isinstance(made, tree.PredicateName)
+            copy, base, replacements = (argument.value for argument in arguments)
+            assert isinstance(copy, tree.PredicateName)
             assert isinstance(base, tree.PredicateName)
-            assert isinstance(given, tree.Record)
-            return tree.Functor(made.name, base.name, given.arguments, span=span)
+            assert isinstance(replacements, tree.Record)
+            return tree.Functor(copy.name, base.name, replacements.arguments, span=span)
         if name.startswith("@"):
             return tree.Annotation(name, arguments, span=span)
         return tree.Rule(
             tree.Head(name, arguments, span=self._around([name], arguments)),
             self.proposition(raw["body"]) if "body" in raw else None,
             raw.get("distinct_denoted", False),
-            tuple(each for each in _MODALITIES if raw.get(each)),
+            tuple(modality for modality in _MODALITIES if raw.get(modality)),
             span=span,
         )
 
@@ -236,7 +237,7 @@ class _Reader:
             return tree.Record(self._arguments(raw["record"]), span=span)
         if "implication" in raw:
             pairs = raw["implication"]["if_then"]
-            parts = ((each["condition"], each["consequence"]) for each in pairs)
+            parts = ((branch["condition"], branch["consequence"]) for branch in pairs)
             branches = tuple(tree.Branch(*map(self.expression, pair)) for pair in parts)
             otherwise = self.expression(raw["implication"]["otherwise"])
             return tree.Choice(branches, otherwise, span=span)
@@ -259,23 +260,24 @@ class _Reader:
             return tree.List(tuple(map(self.expression, inner["element"])), span=span)
         if key == "the_predicate":
             return tree.PredicateName(self._name(inner["predicate_name"]), span=span)
-        within, kind = _LITERALS[key]
-        return kind(text_meant(str(inner[within])), span=span)
+        inner_key, kind = _LITERALS[key]
+        return kind(original_text(str(inner[inner_key])), span=span)
 
     def _arguments(self, record: Raw) -> tuple[tree.Argument, ...]:
-        found: list[tree.Argument] = []
+        arguments: list[tree.Argument] = []
         for raw in record["field_value"]:
             field = raw["field"] if isinstance(raw["field"], int) else self._name(raw["field"])
             value: tree.Expression | tree.Aggregation
             if "aggregation" in raw["value"]:
-                given = raw["value"]["aggregation"]
-                operator, argument = given["operator"], self.expression(given["argument"])
-                span = self._span(given["expression_heritage"])
+                aggregation = raw["value"]["aggregation"]
+                operator = aggregation["operator"]
+                argument = self.expression(aggregation["argument"])
+                span = self._span(aggregation["expression_heritage"])
                 value = tree.Aggregation(self._name(operator), argument, span=span)
             else:
                 value = self.expression(raw["value"]["expression"])
-            found.append(tree.Argument(field, value, span=self._around([field], [value])))
-        return tuple(found)
+            arguments.append(tree.Argument(field, value, span=self._around([field], [value])))
+        return tuple(arguments)
 
     def _name(self, piece: str) -> Name:
         span = self._span(piece)
@@ -307,8 +309,8 @@ def to_package(program: Iterable[Statement], source: Prepared) -> list[Raw]:
     rules: Any = [*map(_Writer(source.text).statement, program)]
     rules = parser.DisjunctiveNormalForm.Rewrite(rules)
     rules = parser.MultiBodyAggregation.Rewrite(rules)
-    made: list[Raw] = parser.AggergationsAsExpressions.Rewrite(rules)
-    return made
+    nodes: list[Raw] = parser.AggergationsAsExpressions.Rewrite(rules)
+    return nodes
 
 
 class _Writer:
@@ -321,19 +323,19 @@ class _Writer:
         text = self._piece(node.span)
         if isinstance(node, tree.Functor):
             name, base = tree.PredicateName(node.name), tree.PredicateName(node.base)
-            given = tree.Record(node.arguments)
-            return self._rule("@Make", tree.arguments({0: name, 1: base, 2: given}), text)
+            replacements = tree.Record(node.arguments)
+            return self._rule("@Make", tree.arguments({0: name, 1: base, 2: replacements}), text)
         if isinstance(node, tree.Annotation):
             return self._rule(node.name, node.arguments, text)
-        made = self._rule(
+        rule = self._rule(
             node.name, node.head.columns, text or parser.HeritageAwareString(node.name)
         )
         if node.is_distinct:
-            made["distinct_denoted"] = True
-        made |= dict.fromkeys(node.modalities, True)
+            rule["distinct_denoted"] = True
+        rule |= dict.fromkeys(node.modalities, True)
         if node.body is not None:
-            made["body"] = self._body(node.body)
-        return made
+            rule["body"] = self._body(node.body)
+        return rule
 
     def _rule(self, name: str, arguments: Iterable[tree.Argument], text: str) -> Raw:
         head = {"predicate_name": name, "record": self._record(arguments)}
@@ -376,26 +378,26 @@ class _Writer:
         if isinstance(node, tree.PredicateName):
             return {"literal": {"the_predicate": {"predicate_name": node.name}}}
         if isinstance(node, tree.Choice):
-            parts = [map(self._expression, (each.condition, each.value)) for each in node.branches]
+            parts = [map(self._expression, (b.condition, b.value)) for b in node.branches]
             pairs = [{"condition": tested, "consequence": value} for tested, value in parts]
             otherwise = self._expression(node.otherwise)
             return {"implication": {"if_then": pairs, "otherwise": otherwise}}
         assert isinstance(node, tree.Aggregate)
         value = tree.Aggregation(node.operator, node.argument, span=node.span)
-        made = self._rule("Combine", [tree.Argument(VALUE, value)], self._piece(node.span))
-        made["distinct_denoted"] = True
+        combine = self._rule("Combine", [tree.Argument(VALUE, value)], self._piece(node.span))
+        combine["distinct_denoted"] = True
         if node.body is not None:
             body = self._body(node.body)
             is_whole = isinstance(node.body, tree.Conjunction)
-            made["body"] = body if is_whole else {"conjunction": {"conjunct": [body]}}
-        return {"combine": made}
+            combine["body"] = body if is_whole else {"conjunction": {"conjunct": [body]}}
+        return {"combine": combine}
 
     def _record(self, arguments: Iterable[tree.Argument]) -> Raw:
         fields: list[Raw] = []
-        for each in arguments:
-            field: Raw = {"field": each.field, "value": self._value(each.value)}
-            if each.field == tree.REST and fields:
-                names = (other["field"] for other in fields)
+        for argument in arguments:
+            field: Raw = {"field": argument.field, "value": self._value(argument.value)}
+            if argument.field == tree.REST and fields:
+                names = (raw["field"] for raw in fields)
                 field["except"] = [f"col{n}" if isinstance(n, int) else n for n in names]
             fields.append(field)
         return {"field_value": fields}
@@ -404,8 +406,8 @@ class _Writer:
         if isinstance(node, tree.Expression):
             return {"expression": self._expression(node)}
         argument, piece = self._expression(node.argument), self._piece(node.span)
-        made = {"operator": node.operator, "argument": argument, "expression_heritage": piece}
-        return {"aggregation": made}
+        raw = {"operator": node.operator, "argument": argument, "expression_heritage": piece}
+        return {"aggregation": raw}
 
     def _piece(self, span: Span | None) -> str:
         if span is None:
@@ -425,8 +427,8 @@ def types_on_duckdb(program: Iterable[Statement], source: Prepared) -> list[tupl
     try:
         rules = to_package(program, source)
         engine = infer.TypesInferenceEngine(rules, "duckdb")
-        wanted, given = (reference_algebra.TypeReference("Any") for _ in range(2))
-        engine.predicate_signature["TryCast"] = {0: given, 1: wanted, VALUE: wanted}
+        target, operand = (reference_algebra.TypeReference("Any") for _ in range(2))
+        engine.predicate_signature["TryCast"] = {0: operand, 1: target, VALUE: target}
         engine.InferTypes()
         infer.Walk(rules, nodes.append)
     except (infer.TypeErrorCaughtException, *error_messages.COMPLAINTS):

@@ -15,7 +15,7 @@ from logical_robots_tui.language.definitions import (
     calls,
     definitions,
     is_built_in,
-    lacking,
+    missing_parameters,
     names_used,
     parameters,
     prelude,
@@ -53,8 +53,8 @@ _OUTSIDE = frozenset(
 """What the package offers to programs that are trusted with the machine."""
 
 
-class Checked(NamedTuple):
-    """What was found in a program.
+class CheckResult(NamedTuple):
+    """The problems and the mentions of a program.
 
     Attributes:
         problems: Errors and warnings that would compile silently, in text order.
@@ -65,7 +65,7 @@ class Checked(NamedTuple):
     mentions: tuple[Mention, ...]
 
 
-def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
+def check(parsed: Parsed, text: str, runs: Runs) -> CheckResult:
     """Check a program.
 
     Args:
@@ -74,7 +74,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
         runs: Whether a built-in function works in SQLite.
     """
     program = parsed.statements
-    known = {n: s for n, s in signatures(program).items() if n not in parsed.doubtful}
+    catalog = {n: s for n, s in signatures(program).items() if n not in parsed.doubtful}
     inference = Inference(program, text, parsed.doubtful)
     mentions = inference.mentions
     problems = [
@@ -83,12 +83,12 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
         *_redefinitions(program, text),
         *_names(program, text, parsed.doubtful, runs),
         *collisions(program, text),
-        *wrong_calls(program, known, text, runs),
+        *wrong_calls(program, catalog, text, runs),
         *wrong_copies(program, text),
         *duplicates(program, text),
         *_without_arguments(program, text),
         *_values_as_conditions(program, text),
-        *verbatim(program, known, text),
+        *verbatim(program, catalog, text),
         *inference.problems,
         *engines(program, inference, text),
         *pitfalls(program, parsed.source),
@@ -97,8 +97,8 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
     if MAIN not in parsed.doubtful and (not parsed.problems or MAIN in definitions(program)):
         problems += main_predicate(program, text)
     unique = {(p.line, p.column, p.message): p for p in problems}
-    in_order = sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
-    return Checked(in_order, mentions)
+    ordered = sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
+    return CheckResult(ordered, mentions)
 
 
 # -- annotations ---------------------------------------------------------------------------------
@@ -115,31 +115,32 @@ IGNORED = frozenset({"@CompileAsTvf", "@Engine"})
 
 
 def _annotations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    ours = _ANNOTATIONS | {"@Visible"}
-    for each in program:
-        if not isinstance(each, tree.Annotation):
+    supported = _ANNOTATIONS | {"@Visible"}
+    for annotation in program:
+        if not isinstance(annotation, tree.Annotation):
             continue
-        name = each.name if each.span is None else tree.Name(each.name, each.span.start)
+        span = annotation.span
+        name = annotation.name if span is None else tree.Name(annotation.name, span.start)
         if name in _CHOSEN_BY_THE_GAME:
             yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
         elif name == "@Engine":
             message = "@Engine has no effect: the game chooses the engine"
             yield diagnostic_for(text, name, message, "Remove this line.", "warning")
-        elif name not in ours | IGNORED:
-            close = closest(name[1:], {o[1:] for o in ours})
+        elif name not in supported | IGNORED:
+            close = closest(name[1:], {o[1:] for o in supported})
             if name in universe.Annotations.ANNOTATING_PREDICATES:
                 message, hint = f"{name} is for other engines", "Remove this line."
             elif close:
                 message, hint = f"There is no annotation {name}", f"Did you mean @{close}?"
             else:
                 message = f"There is no annotation {name} for robots"
-                hint = f"There are {', '.join(sorted(ours))}."
+                hint = f"There are {', '.join(sorted(supported))}."
             yield diagnostic_for(text, name, message, hint)
-        elif name in _ARGUMENTS and not _fits(each, _ARGUMENTS[name][0]):
+        elif name in _ARGUMENTS and not _fits(annotation, _ARGUMENTS[name][0]):
             _, message, hint = _ARGUMENTS[name]
             yield diagnostic_for(text, name, message, hint)
         elif name == "@Recursive":
-            yield from _recursion(each, text)
+            yield from _recursion(annotation, text)
 
 
 MODES = ("diamond", "horizontal", "iterative", "vertical")
@@ -164,7 +165,7 @@ def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
                 is_right = isinstance(value, tree.PredicateName)
             case "satellites":
                 is_right = isinstance(value, tree.List) and all(
-                    isinstance(each, tree.PredicateName) for each in value.elements
+                    isinstance(element, tree.PredicateName) for element in value.elements
                 )
             case "mode":
                 is_right = isinstance(value, tree.Text) and value.value in MODES
@@ -196,9 +197,9 @@ _ARGUMENTS: dict[str, tuple[type[tree.Expression], str, str]] = {
 
 
 def _fits(annotation: tree.Annotation, kind: type[tree.Expression]) -> bool:
-    rest = [each.value for each in annotation.arguments[1:] if isinstance(each.field, int)]
-    is_enough = bool(annotation.subject) and (bool(rest) or annotation.name == "@Recursive")
-    return is_enough and all(isinstance(value, kind) for value in rest)
+    values = [a.value for a in annotation.arguments[1:] if isinstance(a.field, int)]
+    is_enough = bool(annotation.subject) and (bool(values) or annotation.name == "@Recursive")
+    return is_enough and all(isinstance(value, kind) for value in values)
 
 
 # -- names ---------------------------------------------------------------------------------------
@@ -216,48 +217,50 @@ def _redefinitions(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
 def _names(
     program: Sequence[tree.Statement], text: str, doubtful: frozenset[str], runs: Runs
 ) -> Iterator[Diagnostic]:
-    own = {*(each.name for each in program if isinstance(each, tree.Rule)), *definitions(program)}
-    known = {*own, *doubtful, *_types(program), *definitions(prelude()), *INPUTS}
-    left_open = parameters(program) - {lacking(program).get(MAIN)}
-    seen = set()
-    subjects = {each.subject for each in program if isinstance(each, tree.Annotation)}
+    predicates = {*(r.name for r in program if isinstance(r, tree.Rule)), *definitions(program)}
+    names = {*predicates, *doubtful, *_types(program), *definitions(prelude()), *INPUTS}
+    open_parameters = parameters(program) - {missing_parameters(program).get(MAIN)}
+    reported = set()
+    subjects = {a.subject for a in program if isinstance(a, tree.Annotation)}
     values = {node.name for node in tree.walk(program) if isinstance(node, tree.PredicateName)}
-    called = [*calls(program)]
-    values -= {*(call.name for call in called), *subjects}
-    given_aggregates = {
+    all_calls = [*calls(program)]
+    values -= {*(call.name for call in all_calls), *subjects}
+    aggregate_calls = {
         call.name
-        for call in called
+        for call in all_calls
         if any(isinstance(argument.value, tree.Aggregate) for argument in call.arguments)
     }
     for name in names_used(program):
-        if name in seen or name in known or name in left_open:
+        if name in reported or name in names or name in open_parameters:
             continue
-        seen.add(name)
+        reported.add(name)
         if name == "SqlExpr" or re.match(r"`\W*\w", name):
             yield diagnostic_for(text, name, "Robots can't use SQL", "Write it in Logica.")
         elif re.fullmatch(r"-\s*\w+", name):
-            other = name[1:].strip()
-            message = f"A minus can't stand right before {other}"
-            yield diagnostic_for(text, name, message, f"Add a space: - {other}(...).")
+            operand = name[1:].strip()
+            message = f"A minus can't stand right before {operand}"
+            yield diagnostic_for(text, name, message, f"Add a space: - {operand}(...).")
         elif name in _OUTSIDE:
             message = f"{name} is not available to robots"
             hint = "A program can only use what robots sense and remember."
             yield diagnostic_for(text, name, message, hint)
         elif is_built_in(name):
             if name.isidentifier() and not runs(name) and name != _FLAG:
-                hint = _instead(name, known, runs)
+                hint = _replacement_hint(name, names, runs)
                 yield diagnostic_for(text, name, f"{name} is not available here", hint)
         elif re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
-            similar = _instead(name, known, runs) if len(seen) <= MOST_DIAGNOSTICS else ""
+            similar = (
+                _replacement_hint(name, names, runs) if len(reported) <= MOST_DIAGNOSTICS else ""
+            )
             hint = similar or "Define it, or correct its name."
             if name in values:
-                hint = _meant_as_value(name)
-            elif name in given_aggregates:
+                hint = _value_hint(name)
+            elif name in aggregate_calls:
                 hint = f"To define it, give it a body: {name}(...) :- ..."
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
 
 
-def _meant_as_value(name: str) -> str:
+def _value_hint(name: str) -> str:
     literal = {"none": "null"}.get(name.lower(), name.lower())
     if literal in ("true", "false", "null"):
         return f"Write {literal}."
@@ -269,10 +272,10 @@ NO_VALUE = "is named without its arguments, so it has no value"
 
 
 def _without_arguments(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    known = {*definitions(program), *definitions(prelude()), *INPUTS} - {*_types(program)}
+    names = {*definitions(program), *definitions(prelude()), *INPUTS} - {*_types(program)}
     for node in tree.walk(rules_of(program)):
         name = node.name if isinstance(node, tree.PredicateName) else ""
-        if name in known or (is_built_in(name) and name.upper() not in TYPES):
+        if name in names or (is_built_in(name) and name.upper() not in TYPES):
             message = f"{name} {NO_VALUE}"
             yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
 
@@ -315,14 +318,14 @@ _INSTEAD = {
 }
 
 
-def _instead(name: str, known: set[str], runs: Runs) -> str:
+def _replacement_hint(name: str, names: set[str], runs: Runs) -> str:
     if name in _INSTEAD:
         return f"Use {_INSTEAD[name]}."
-    working = {n for n in built_in_names() if n.isidentifier() and n[:1].isupper()}
-    close = closest(name, known | {n for n in working if len(n) > 1})
+    available = {n for n in built_in_names() if n.isidentifier() and n[:1].isupper()}
+    close = closest(name, names | {n for n in available if len(n) > 1})
     if not close and len(name) > 2:  # in short names one typo is a large part
-        close = next((n for n in sorted(working) if distance(name, n) == 1), "")
-    if close and (close in known or runs(close)):
+        close = next((n for n in sorted(available) if distance(name, n) == 1), "")
+    if close and (close in names or runs(close)):
         return f"Did you mean {close}?"
     return "`logical-robots help` lists all functions." if is_built_in(name) else ""
 
@@ -338,22 +341,22 @@ _EXAMPLE = (
 
 
 def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    found = definitions(program).get(MAIN, [])
-    if not found:
+    robot_rules = definitions(program).get(MAIN, [])
+    if not robot_rules:
         message = "There is no Robot predicate" if program else "The program is empty"
         close = next((n for n in definitions(program) if closest(n, [MAIN])), "")
         if close:
             yield diagnostic_for(text, close, message, f"Write {MAIN} instead of {close}.")
         else:
             yield diagnostic_at(text, 0, 0, message, _EXAMPLE)
-    for rule in rules_of(found):
-        columns = [each.field for each in rule.head.columns]
+    for rule in rules_of(robot_rules):
+        columns = [column.field for column in rule.head.columns]
         if tree.REST in columns:
             continue
-        others = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
+        other_columns = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
         for column in _COLUMNS:
             if column not in columns:
-                yield _missing(rule.name, column, others, text)
+                yield _missing(rule.name, column, other_columns, text)
 
 
 def engines(
@@ -361,14 +364,14 @@ def engines(
 ) -> Iterator[Diagnostic]:
     problems: dict[tuple[int, int], Diagnostic] = {}
     for node in tree.walk(program):
-        given = node.arguments if isinstance(node, tree.Record) else ()
-        names = [each.field for each in given if isinstance(each.field, str)]
+        arguments = node.arguments if isinstance(node, tree.Record) else ()
+        names = [argument.field for argument in arguments if isinstance(argument.field, str)]
         if set(names) & set(_ENGINES) and tree.REST not in names:
             problems |= _by_place(_misspelt(names, text))
     for shape in inference.column(MAIN, "desire"):
         names = [*shape.names] if isinstance(shape, RecordOf) else []
-        if found := _by_place(_misspelt(names, text, 0.5)):
-            problems |= found
+        if misspelt := _by_place(_misspelt(names, text, 0.5)):
+            problems |= misspelt
         elif names:
             for engine in sorted(set(_ENGINES) - set(names)):
                 message = f"This desire has no {engine}; that engine will stand still"
@@ -385,14 +388,14 @@ def _by_place(problems: Iterable[Diagnostic]) -> dict[tuple[int, int], Diagnosti
 def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator[Diagnostic]:
     missing = set(_ENGINES) - set(names)
     for name in names:
-        meant = closest(name, missing, cutoff)
-        if meant and name not in _ENGINES:
+        similar = closest(name, missing, cutoff)
+        if similar and name not in _ENGINES:
             message = f"There is no engine called {name}; this would be ignored"
-            yield diagnostic_for(text, name, message, f"Did you mean {meant}?")
+            yield diagnostic_for(text, name, message, f"Did you mean {similar}?")
 
 
-def _missing(robot: str, column: str, others: list[str], text: str) -> Diagnostic:
-    close = next((other for other in others if closest(other, [column], 0.5)), "")
+def _missing(robot: str, column: str, columns: list[str], text: str) -> Diagnostic:
+    close = next((name for name in columns if closest(name, [column], 0.5)), "")
     if close:
         message = f"Robot has no {column}"
         return diagnostic_for(text, close, message, f"Write {column} instead of {close}.")
@@ -413,46 +416,46 @@ _ORDER_COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IG
 
 
 def verbatim(
-    program: Sequence[tree.Statement], known: Mapping[str, Signature], text: str
+    program: Sequence[tree.Statement], catalog: Mapping[str, Signature], text: str
 ) -> Iterator[Diagnostic]:
     for call in calls(program):
         if call.name in ("Cast", "TryCast"):
             for argument in call.arguments[1:2]:
-                if argument.expression and (found := _wrong_type(argument.expression, call.name)):
-                    yield diagnostic_for(text, call.name, *found)
-    is_within_a_text = any("${" in n.value for n in tree.walk(program) if isinstance(n, tree.Text))
-    for each in program:
-        given = [node.name for node in tree.walk(each) if isinstance(node, tree.PredicateName)]
-        if isinstance(each, tree.Functor) and "Cast" in (each.base, *given):
+                if argument.expression and (problem := _wrong_type(argument.expression, call.name)):
+                    yield diagnostic_for(text, call.name, *problem)
+    is_in_text = any("${" in n.value for n in tree.walk(program) if isinstance(n, tree.Text))
+    for statement in program:
+        names = [node.name for node in tree.walk(statement) if isinstance(node, tree.PredicateName)]
+        if isinstance(statement, tree.Functor) and "Cast" in (statement.base, *names):
             yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
-        if not isinstance(each, tree.Annotation):
+        if not isinstance(statement, tree.Annotation):
             continue
-        if each.name == "@DefineFlag" and is_within_a_text:
-            for value in each.values[:1]:
+        if statement.name == "@DefineFlag" and is_in_text:
+            for value in statement.values[:1]:
                 if _PLAIN.fullmatch(tree.text_of(value) or "") is None:
                     message = "A flag that ${...} puts into a string can't hold quotes, \\ or $"
                     hint = 'Write FlagValue("name") instead of ${name}.'
-                    yield diagnostic_for(text, each.name, message, hint)
-        if each.name == "@OrderBy":
-            for value in each.values:
+                    yield diagnostic_for(text, statement.name, message, hint)
+        if statement.name == "@OrderBy":
+            for value in statement.values:
                 ordered = tree.text_of(value)  # other types are reported elsewhere
-                signature = known.get(each.subject)
-                if ordered is not None and (wrong := _wrong_column(ordered, signature)):
+                signature = catalog.get(statement.subject)
+                if ordered is not None and (message := _wrong_column(ordered, signature)):
                     hint = 'Write only names of columns, such as @OrderBy(P, "col0 DESC");'
-                    yield diagnostic_for(text, each.name, wrong, hint)
+                    yield diagnostic_for(text, statement.name, message, hint)
 
 
-def _wrong_type(wanted: tree.Expression, cast: str) -> tuple[str, str] | None:
-    """Return a message and a hint about what should be a type, or in `TryCast` an example."""
+def _wrong_type(example: tree.Expression, cast: str) -> tuple[str, str] | None:
+    """Return a message and a hint for a wrong type in a cast; None if it is right."""
     try:
-        written_type(wanted)
+        written_type(example)
     except KeyError as error:
         if error.args[0] in _TIMES:
             return "Robots have no dates and times", "Use sensor.clock, which is a number."
         if cast == "Cast":
-            name = tree.text_of(wanted)
-            shown = "This" if name is None else name[:40]
-            return f"{shown} is not a type that Cast knows", _TYPES_HINT
+            name = tree.text_of(example)
+            subject = "This" if name is None else name[:40]
+            return f"{subject} is not a type that Cast knows", _TYPES_HINT
     return None
 
 
@@ -460,11 +463,11 @@ def _wrong_column(columns: str, signature: Signature | None) -> str:
     if columns in ("ASC", "DESC"):
         return ""
     for part in columns.split(","):
-        found = _ORDER_COLUMNS.fullmatch(part)
-        if found is None:
+        match = _ORDER_COLUMNS.fullmatch(part)
+        if match is None:
             return "@OrderBy takes names of columns"
         if signature is not None:
             numbered = {f"col{number}" for number in range(signature.count)}
-            if found[1] not in {*numbered, *signature.named, *[VALUE] * signature.has_value}:
-                return f"There is no column {found[1]} to order by"
+            if match[1] not in {*numbered, *signature.named, *[VALUE] * signature.has_value}:
+                return f"There is no column {match[1]} to order by"
     return ""

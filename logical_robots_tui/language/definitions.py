@@ -54,30 +54,30 @@ _AUXILIARY = "_MultBodyAggAux"  # the package's suffix of predicates that it mak
 
 @functools.cache
 def prelude() -> tuple[tree.Rule, ...]:
-    return tuple(each for each in parse_trusted(_PRELUDE) if isinstance(each, tree.Rule))
+    return tuple(rule for rule in parse_trusted(_PRELUDE) if isinstance(rule, tree.Rule))
 
 
 def definitions(program: Iterable[tree.Statement]) -> dict[str, list[tree.Rule | tree.Functor]]:
-    """Return what defines each predicate of a program, in text order."""
-    found: dict[str, list[tree.Rule | tree.Functor]] = {}
+    """Return the statements that define each predicate of a program, in text order."""
+    predicates: dict[str, list[tree.Rule | tree.Functor]] = {}
     for statement in program:
         if not isinstance(statement, tree.Annotation) and not statement.name.endswith(_AUXILIARY):
-            found.setdefault(statement.name, []).append(statement)
-    return found
+            predicates.setdefault(statement.name, []).append(statement)
+    return predicates
 
 
 def rules_of(program: Iterable[tree.Statement]) -> list[tree.Rule]:
-    return [each for each in program if isinstance(each, tree.Rule)]
+    return [statement for statement in program if isinstance(statement, tree.Rule)]
 
 
 def column_labels(
-    name: str, own: Mapping[str, Sequence[tree.Rule | tree.Functor]]
+    name: str, predicates: Mapping[str, Sequence[tree.Rule | tree.Functor]]
 ) -> dict[str, str]:
-    """Return what a predicate's columns are called where SQL has another name for them.
+    """Return the labels of a predicate's columns where SQL has another name for them.
 
-    A place is called like the first parameter in it, and a result ``value``.
+    A positional column has the name of its first parameter, and a result is ``value``.
     """
-    heads = [each.head for each in own.get(name, ()) if isinstance(each, tree.Rule)]
+    heads = [rule.head for rule in predicates.get(name, ()) if isinstance(rule, tree.Rule)]
     columns = [column for head in heads for column in head.columns]
     names = {column.field for column in columns}
     labels: dict[str, str] = {}
@@ -86,9 +86,11 @@ def column_labels(
         label = tree.variable_of(column.value) if is_place else "value" * (column.field == VALUE)
         if label and label not in {*names, *labels.values()}:
             labels[column.column] = label
-    for each in own.get(name, ()):
-        if isinstance(each, tree.Functor) and each.base != name:
-            labels |= column_labels(each.base, {n: of for n, of in own.items() if n != name})
+    for statement in predicates.get(name, ()):
+        if isinstance(statement, tree.Functor) and statement.base != name:
+            labels |= column_labels(
+                statement.base, {n: statements for n, statements in predicates.items() if n != name}
+            )
     return labels
 
 
@@ -109,38 +111,38 @@ def names_used(part: tree.Tree) -> Iterator[str]:
 
 def reach(part: tree.Tree, program: Mapping[str, Sequence[tree.Statement]]) -> set[str]:
     """Return the names of the predicates that a tree uses, directly or indirectly."""
-    found: set[str] = set()
-    waiting = [part]
-    while waiting:
-        for name in names_used(waiting.pop()):
-            if name not in found:
-                found.add(name)
-                waiting.append(program.get(name, ()))
-    return found
+    names: set[str] = set()
+    queue = [part]
+    while queue:
+        for name in names_used(queue.pop()):
+            if name not in names:
+                names.add(name)
+                queue.append(program.get(name, ()))
+    return names
 
 
 def parameters(program: Sequence[tree.Statement]) -> frozenset[str]:
     """Return the names of predicates that are substituted somewhere and defined nowhere."""
-    substituted = {name for each in program for name in substitutions(each)}
+    substituted = {name for statement in program for name in substitutions(statement)}
     return frozenset(substituted.difference(definitions(program)))
 
 
-def lacking(program: Sequence[tree.Statement]) -> dict[str, str]:
-    own, left_open = definitions(program), parameters(program)
+def missing_parameters(program: Sequence[tree.Statement]) -> dict[str, str]:
+    predicates, open_parameters = definitions(program), parameters(program)
 
-    def first_open(name: str, given: frozenset[str], seen: set[str]) -> Iterator[str]:
-        if name in left_open:
-            if name not in given:
+    def unbound(name: str, bound: frozenset[str], visited: set[str]) -> Iterator[str]:
+        if name in open_parameters:
+            if name not in bound:
                 yield name
-        elif name in own and name not in seen:
-            seen.add(name)
-            for statement in own[name]:
-                inside = given.union(substitutions(statement))
-                for other in names_used(statement):
-                    yield from first_open(other, inside, seen)
+        elif name in predicates and name not in visited:
+            visited.add(name)
+            for statement in predicates[name]:
+                inner_bound = bound.union(substitutions(statement))
+                for callee in names_used(statement):
+                    yield from unbound(callee, inner_bound, visited)
 
-    found = {name: next(first_open(name, frozenset(), set()), "") for name in own}
-    return {name: other for name, other in found.items() if other}
+    first_parameters = {name: next(unbound(name, frozenset(), set()), "") for name in predicates}
+    return {name: parameter for name, parameter in first_parameters.items() if parameter}
 
 
 def substitutions(statement: tree.Statement) -> tuple[str, ...]:
@@ -149,8 +151,8 @@ def substitutions(statement: tree.Statement) -> tuple[str, ...]:
 
 def functor_names(program: Iterable[tree.Statement]) -> set[str]:
     """Return the predicates that functors make, copy, substitute or put in."""
-    functors = [each for each in program if isinstance(each, tree.Functor)]
-    return {name for each in functors for name in (*names_used(each), *each.parameters)}
+    functors = [statement for statement in program if isinstance(statement, tree.Functor)]
+    return {name for functor in functors for name in (*names_used(functor), *functor.parameters)}
 
 
 _QL = expr_translate.QL
@@ -177,9 +179,9 @@ def arity(name: str) -> tuple[int, float]:
         count = 4 if name.startswith("Window") else 3
     elif not count and name in _QL.BUILT_IN_FUNCTIONS:
         count = 2 if name in _TWO_ARGUMENTS else 1
-    least, most = _QL.BULK_FUNCTIONS_ARITY_RANGE.get(name, (0, math.inf))
-    least = {"Coalesce": 2, "Greatest": 1, "Least": 1}.get(name, least)  # as SQLite wants
-    return (count, count) if count else (least, most)
+    lower, upper = _QL.BULK_FUNCTIONS_ARITY_RANGE.get(name, (0, math.inf))
+    lower = {"Coalesce": 2, "Greatest": 1, "Least": 1}.get(name, lower)  # as SQLite wants
+    return (count, count) if count else (lower, upper)
 
 
 # -- constants -----------------------------------------------------------------------------------
@@ -192,13 +194,13 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
         ProgramError: The program has errors, or a name is not that of a constant.
     """
     program = _statements_of(text)
-    found = definitions(program)
-    wanted = list(program)
+    predicates = definitions(program)
+    expected = list(program)
     places = []
     for name, value in values.items():
-        new, *others = _statements_of(f"{name}() = {value};")
-        old, *more = found.get(name, [None])
-        if others or more or not is_constant(old) or not isinstance(new, tree.Rule):
+        new, *new_rest = _statements_of(f"{name}() = {value};")
+        old, *old_rest = predicates.get(name, [None])
+        if new_rest or old_rest or not is_constant(old) or not isinstance(new, tree.Rule):
             hint = f"A constant is one rule without a body: {name}() = {value};"
             message = f"{name} is not a constant of the program"
             raise ProgramError((Diagnostic(1, 1, message, hint),))
@@ -206,11 +208,11 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
         assert old.value is not None
         assert old.value.span is not None
         places.append((*old.value.span, value))
-        wanted[program.index(old)] = new
+        expected[program.index(old)] = new
     for start, stop, value in sorted(places, reverse=True):
         lines = text.count("\n", start, stop)
         text = text[:start] + value + "\n" * lines + text[stop:]
-    if _statements_of(text) != wanted:
+    if _statements_of(text) != expected:
         message = "The constants can't be written into the program"
         raise ProgramError((Diagnostic(1, 1, message, "Try simpler values."),))
     return text
@@ -220,7 +222,7 @@ def is_constant(rule: tree.Rule | tree.Functor | None) -> bool:
     """Return whether a rule gives a predicate without arguments one value under no condition."""
     if not isinstance(rule, tree.Rule) or rule.body or rule.is_distinct or rule.modalities:
         return False
-    return [each.field for each in rule.head.columns] == [VALUE] and rule.value is not None
+    return [column.field for column in rule.head.columns] == [VALUE] and rule.value is not None
 
 
 def _statements_of(text: str) -> list[tree.Statement]:

@@ -41,20 +41,20 @@ class Diagnostic:
         return f"{head} {self.hint}" if self.hint else head
 
 
-def most_important(diagnostics: Iterable[Diagnostic], more: int = 0) -> tuple[Diagnostic, ...]:
+def most_important(diagnostics: Iterable[Diagnostic], excess: int = 0) -> tuple[Diagnostic, ...]:
     """Return the first hundred in text order, errors before warnings.
 
-    If there are others, the last one says how many, with `more` that nobody has made.
+    If there are others, the last one says how many, including `excess` that nobody has made.
     """
     by_severity = sorted(diagnostics, key=lambda d: (d.severity, d.line, d.column))
-    shown, hidden = by_severity[:MOST_DIAGNOSTICS], by_severity[MOST_DIAGNOSTICS:]
-    last = shown[-1] if shown else None
-    shown.sort(key=lambda d: (d.line, d.column))
-    if last is not None and (more := more + len(hidden)):
-        what = f"{more:,} more problem{'s' * (more > 1)} not shown"
+    listed, hidden = by_severity[:MOST_DIAGNOSTICS], by_severity[MOST_DIAGNOSTICS:]
+    last = listed[-1] if listed else None
+    listed.sort(key=lambda d: (d.line, d.column))
+    if last is not None and (excess := excess + len(hidden)):
+        message = f"{excess:,} more problem{'s' * (excess > 1)} not shown"
         hint = "Correct these first."
-        shown.append(replace(last, message=what, hint=hint, excerpt=""))
-    return tuple(shown)
+        listed.append(replace(last, message=message, hint=hint, excerpt=""))
+    return tuple(listed)
 
 
 class ProgramError(LogicalRobotsError):
@@ -94,22 +94,22 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
-def closest(name: str, known: Iterable[str], cutoff: float = 0.76) -> str:
-    """Return the known name closest to a name, ignoring case, or ""."""
+def closest(name: str, names: Iterable[str], cutoff: float = 0.76) -> str:
+    """Return the one of some names that is closest to a name, ignoring case, or ""."""
     import difflib  # only mistakes need it
 
-    by_lower = {k.lower(): k for k in sorted(known, reverse=True) if k.isidentifier()}
-    found = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=cutoff)
-    return by_lower[found[0]] if found else ""
+    by_lower = {k.lower(): k for k in sorted(names, reverse=True) if k.isidentifier()}
+    matches = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=cutoff)
+    return by_lower[matches[0]] if matches else ""
 
 
 def most_similar(text: str, texts: Iterable[str]) -> str:
-    """Return the text most similar to another, or ""; first of all one with other capitals."""
-    known = sorted(filter(None, texts))
-    lower, most = text.lower(), min(2, len(text) // 3)
-    by_case = (each for each in known if each.lower() == lower)
-    near = (each for each in known if distance(each.lower(), lower) <= most)
-    return next(by_case, "") or next(near, "") or closest(text, known)
+    """Return the text most similar to another, or ""; one that differs only in case comes first."""
+    candidates = sorted(filter(None, texts))
+    lower, limit = text.lower(), min(2, len(text) // 3)
+    by_case = (candidate for candidate in candidates if candidate.lower() == lower)
+    near = (candidate for candidate in candidates if distance(candidate.lower(), lower) <= limit)
+    return next(by_case, "") or next(near, "") or closest(text, candidates)
 
 
 def distance(left: str, right: str) -> int:
@@ -132,56 +132,56 @@ class Mention:
 
     Attributes:
         text: The name.
-        of: ``label`` or ``robot_name``.
+        field: ``label`` or ``robot_name``.
         line: From 1, as in a diagnostic.
         column: From 1.
         excerpt: The text as it is written.
     """
 
     text: str
-    of: str
+    field: str
     line: int
     column: int
     excerpt: str
 
 
 @dataclass(frozen=True, slots=True)
-class Names:
+class LevelNames:
     """The names in a level.
 
     Attributes:
         robots: Those of its robots.
-        others: Those of its beacons and of areas that can be solid.
+        landmarks: Those of its beacons and of areas that can be solid.
     """
 
     robots: frozenset[str] = frozenset()
-    others: frozenset[str] = frozenset()
+    landmarks: frozenset[str] = frozenset()
 
 
-def unknown_names(mentions: Iterable[Mention], names: Names) -> Iterator[Diagnostic]:
+def unknown_names(mentions: Iterable[Mention], names: LevelNames) -> Iterator[Diagnostic]:
     """Yield a warning for each mentioned name that no robot of a level can sense.
 
     A program is compiled without a level, so it only tells what it mentions.
     """
-    for each in mentions:
-        if each.of == "robot_name":
-            known, what = names.robots, "No robot of this level"
+    for mention in mentions:
+        if mention.field == "robot_name":
+            level_names, subject = names.robots, "No robot of this level"
         else:
-            known = names.robots | names.others | {WALL, NO_LABEL}
-            what = "No robot, beacon or solid area of this level"
-        if each.text not in known:
-            message = f'{what} is called "{printable(each.text[:_LONGEST])}"'
-            hint = name_hint(each.text, known)
-            excerpt = printable(each.excerpt)
-            yield Diagnostic(each.line, each.column, message, hint, excerpt, "warning")
+            level_names = names.robots | names.landmarks | {WALL, NO_LABEL}
+            subject = "No robot, beacon or solid area of this level"
+        if mention.text not in level_names:
+            message = f'{subject} is called "{printable(mention.text[:_LONGEST])}"'
+            hint = name_hint(mention.text, level_names)
+            excerpt = printable(mention.excerpt)
+            yield Diagnostic(mention.line, mention.column, message, hint, excerpt, "warning")
 
 
-def name_hint(text: str, known: Iterable[str]) -> str:
-    """Return what to write instead of a name that is none of those that are known."""
-    close = most_similar(text, known)
+def name_hint(text: str, names: Iterable[str]) -> str:
+    """Return what to write instead of a name that is not among the known `names`."""
+    close = most_similar(text, names)
     if close:
         return f'Did you mean "{printable(close[:_LONGEST])}"?'
-    *others, last = sorted(f'"{printable(each)}"' for each in known) or [""]
-    if not last or len(others) >= _MOST_LISTED or sum(map(len, known)) > _LONGEST:
+    *listed, last = sorted(f'"{printable(name)}"' for name in names) or [""]
+    if not last or len(listed) >= _MOST_LISTED or sum(map(len, names)) > _LONGEST:
         return "Compare it with the names in the labyrinth."
-    return f"It can be {', '.join(others)} or {last}." if others else f"It can be {last}."
+    return f"It can be {', '.join(listed)} or {last}." if listed else f"It can be {last}."

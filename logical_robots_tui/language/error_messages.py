@@ -78,21 +78,21 @@ def explain(
     if names := unbound_variables(error):
         return _without_value(names, source, start, end)
     message, hint = _plain(error)
-    at, length = _place(error, source, start, end)
-    for sign, what in _AT_SIGN.items():
-        where = source.text if sign == "${" else source.skeleton
-        if message.startswith(what) and (found := where.find(sign, at, end)) >= 0:
-            again = where.find(sign, found + 1, end) if sign == ":-" else found
-            at, length = max(found, again), len(sign)
-    value = source.original[at : at + length].strip()
-    made = source.skeleton.find(":=", start, end)
-    if made >= 0 and ":-" in source.text[start:made]:
-        at, length, message = made, 2, "':=' can't be used in the body of a rule"
+    offset, length = _place(error, source, start, end)
+    for sign, prefix in _AT_SIGN.items():
+        text = source.text if sign == "${" else source.skeleton
+        if message.startswith(prefix) and (first := text.find(sign, offset, end)) >= 0:
+            second = text.find(sign, first + 1, end) if sign == ":-" else first
+            offset, length = max(first, second), len(sign)
+    value = source.original[offset : offset + length].strip()
+    copy_sign = source.skeleton.find(":=", start, end)
+    if copy_sign >= 0 and ":-" in source.text[start:copy_sign]:
+        offset, length, message = copy_sign, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
     else:
-        place, rule = (at, at + length), (start, end)
+        place, rule = (offset, offset + length), (start, end)
         message, hint = _fitting(message, hint, value, source, place, rule)
-    return diagnostic_at(source.original, at, length, message, hint)
+    return diagnostic_at(source.original, offset, length, message, hint)
 
 
 def _fitting(
@@ -116,8 +116,8 @@ def _fitting(
     if message == _NO_CONDITION and _PREDICATE.fullmatch(value):
         return f"{value} is named without its arguments", f"Write {value}(...)."
     if message in _TOO_MANY_EQUALS and _COMPARISON.search(value):
-        before, _, compared = value.partition("=")
-        return message, f"Put the comparison in parentheses: {before}= ({compared.strip()[:60]})."
+        left, _, compared = value.partition("=")
+        return message, f"Put the comparison in parentheses: {left}= ({compared.strip()[:60]})."
     if message.startswith(_TWO_SIGNS) and not _HEAD.search(source.skeleton, statement[0], place[0]):
         return f"{_TWO_SIGNS} in one rule", _BRACES
     if message == _NOT_IN_HEAD and _INSTEAD_OF_SIGN.match(value):
@@ -139,14 +139,14 @@ def _plain(error: BaseException) -> tuple[str, str]:
         return "Logica can't compile this", undo
     message = _plain_text(error)
     for pattern, plain, hint in _PLAIN:
-        if found := re.search(pattern, message):
-            return found.expand(plain), hint
+        if match := re.search(pattern, message):
+            return match.expand(plain), hint
     return message[:300], undo
 
 
 def unbound_variables(error: BaseException) -> list[str]:
-    found = _UNASSIGNED.search(_plain_text(error))
-    return [n.split(" in rule for ")[0] for n in found.group(1).split(", ")] if found else []
+    match = _UNASSIGNED.search(_plain_text(error))
+    return [n.split(" in rule for ")[0] for n in match.group(1).split(", ")] if match else []
 
 
 def is_function(error: BaseException) -> bool:
@@ -163,28 +163,28 @@ def _without_value(names: list[str], source: Prepared, start: int, end: int) -> 
     rule = source.skeleton[start:end]
     culprits = [name for name in names if len(_mentions(name, rule)) == 1] or names
     message = f"{' and '.join(culprits)} {'has' if len(culprits) == 1 else 'have'} no value"
-    others = {*re.findall(r"(?<![\w.`@])[a-z_]\w*(?![\w(])", rule)} - {*names} - _WORDS
-    close = closest(culprits[0], others)
+    candidates = {*re.findall(r"(?<![\w.`@])[a-z_]\w*(?![\w(])", rule)} - {*names} - _WORDS
+    close = closest(culprits[0], candidates)
     places = _mentions(culprits[0], rule) or [0]
     hint = f"Did you mean {close}?" if close else _value_hint(culprits[0], rule[: places[0]])
     return diagnostic_at(source.original, start + places[0], len(culprits[0]), message, hint)
 
 
-def _value_hint(name: str, before: str) -> str:
+def _value_hint(name: str, prefix: str) -> str:
     """Return what a variable without a value is meant to be."""
     if name in SENSOR.names:
         return f"Write sensor.{name}."
-    table = next((each for each, columns in INPUTS.items() if name in columns), "")
+    table = next((predicate for predicate, columns in INPUTS.items() if name in columns), "")
     if table:
         return f"Take it from {table}({', '.join(f'{column}:' for column in INPUTS[table])})."
-    if re.search(r"(label|object|robot_name)\s*(!=|==?)\s*$", before):
+    if re.search(r"(label|object|robot_name)\s*(!=|==?)\s*$", prefix):
         return f'A string is written in quotes: "{name}".'
     return "Give it a value in the body, or take it from a predicate."
 
 
 def _mentions(name: str, rule: str) -> list[int]:
     pattern = rf"(?<![\w.]){re.escape(name)}(?!\w|\s*:(?!-|\s*[,)}}]))"
-    return [found.start() for found in re.finditer(pattern, rule)]
+    return [match.start() for match in re.finditer(pattern, rule)]
 
 
 _AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "A string can't hold"}
@@ -307,18 +307,18 @@ _BESIDE = (
 """What stands before a place, and from there on, of which the parser reads only a part."""
 
 
-def _beside(skeleton: str, at: int, start: int, end: int) -> str:
-    before, after = skeleton[start:at], skeleton[at:end]
+def _beside(skeleton: str, offset: int, start: int, end: int) -> str:
+    prefix, suffix = skeleton[start:offset], skeleton[offset:end]
     for pattern, further, hint in _BESIDE:
-        if re.search(pattern, before) and re.match(further, after, re.DOTALL):
+        if re.search(pattern, prefix) and re.match(further, suffix, re.DOTALL):
             return hint
     return ""
 
 
 def _foreign(piece: str) -> str:
     for pattern, hint in _FOREIGN:
-        if found := re.search(pattern, piece, re.DOTALL):
-            return hint.format(**found.groupdict()) if found.groupdict() else hint
+        if match := re.search(pattern, piece, re.DOTALL):
+            return hint.format(**match.groupdict()) if match.groupdict() else hint
     return ""
 
 
@@ -327,12 +327,12 @@ def rule_of(error: BaseException, source: Prepared) -> tuple[int, int]:
     rule = getattr(error, "rule_str", "")
     if isinstance(rule, parse.HeritageAwareString) and rule.heritage == source.text:
         return rule.start, rule.stop
-    at = source.text.find(str(rule)) if rule else -1
-    if at >= 0:
-        return at, at + len(str(rule))
+    start = source.text.find(str(rule)) if rule else -1
+    if start >= 0:
+        return start, start + len(str(rule))
     if isinstance(error, functors.FunctorError):
-        at = max(0, source.skeleton.find(str(error.functor_name)))
-        return at, at + len(str(error.functor_name))
+        start = max(0, source.skeleton.find(str(error.functor_name)))
+        return start, start + len(str(error.functor_name))
     return 0, len(source.text)
 
 
@@ -340,12 +340,12 @@ def _place(error: BaseException, source: Prepared, start: int, end: int) -> tupl
     """Return offset and length of what an exception is about."""
     location = getattr(error, "location", None)
     if isinstance(location, parse.HeritageAwareString) and location.heritage == source.text:
-        at, stop = location.start, location.stop
-        while at < stop and source.text[at].isspace():
-            at += 1
-        return at, max(1, stop - at)
+        begin, stop = location.start, location.stop
+        while begin < stop and source.text[begin].isspace():
+            begin += 1
+        return begin, max(1, stop - begin)
     names = [n for group in _EMPHASISED.findall(str(error)) for n in group.split(", ")]
     for name in names:
-        if found := re.search(rf"(?<!\w){re.escape(name)}(?!\w)", source.skeleton[start:end]):
-            return start + found.start(), len(name)
+        if match := re.search(rf"(?<!\w){re.escape(name)}(?!\w)", source.skeleton[start:end]):
+            return start + match.start(), len(name)
     return start, 1

@@ -59,17 +59,17 @@ def expand(program: Iterable[tree.Statement]) -> Expanded:
     program = list(program)
     functors: dict[str, tree.Functor] = {}
     rules: dict[str, list[tree.Rule]] = {}
-    for name, own in definitions(program).items():
-        if isinstance(own[0], tree.Functor):
-            functors[name] = own[0]
+    for name, statements in definitions(program).items():
+        if isinstance(statements[0], tree.Functor):
+            functors[name] = statements[0]
         else:
-            rules[name] = [each for each in own if isinstance(each, tree.Rule)]
-    expanded = Expanded(rules, [each for each in program if isinstance(each, tree.Annotation)])
+            rules[name] = [rule for rule in statements if isinstance(rule, tree.Rule)]
+    expanded = Expanded(rules, [a for a in program if isinstance(a, tree.Annotation)])
     while functors:
         ready = []
         for name, functor in functors.items():
-            given = (each.value for each in functor.arguments)
-            used = {functor.base, *(v.name for v in given if isinstance(v, tree.PredicateName))}
+            values = (argument.value for argument in functor.arguments)
+            used = {functor.base, *(v.name for v in values if isinstance(v, tree.PredicateName))}
             if not used.union(*map(expanded.reach, used)) & functors.keys():
                 ready.append(name)
         for name in ready or list(functors):
@@ -79,44 +79,44 @@ def expand(program: Iterable[tree.Statement]) -> Expanded:
 
 def expand_functors(program: list[tree.Statement]) -> list[tree.Statement]:
     """Expand every ``:=`` if one makes what the package can't: from a recursion, or whole rows."""
-    if not any(isinstance(each, tree.Functor) for each in program):
+    if not any(isinstance(statement, tree.Functor) for statement in program):
         return program
     expanded = expand(program)
-    made = {**expanded.bases, **{copy: first for copy, (first, _) in expanded.origins.items()}}
+    bases = {**expanded.bases, **{copy: first for copy, (first, _) in expanded.origins.items()}}
     recursive = {name for name in expanded.rules if name in expanded.reach(name)}
-    if not tree.has_rows(program) and not recursive & {*made, *made.values()}:
+    if not tree.has_rows(program) and not recursive & {*bases, *bases.values()}:
         return program
     copies = [
         rename(annotation, {original: name})
-        for name, original in made.items()
+        for name, original in bases.items()
         for annotation in expanded.annotations
         if annotation.subject == original and (annotation.name != "@Recursive" or name in recursive)
     ]
-    rules = (rule for own in expanded.rules.values() for rule in own)
+    rules = (rule for group in expanded.rules.values() for rule in group)
     return [*expanded.annotations, *copies, *rules]
 
 
 def _make(functor: tree.Functor, expanded: Expanded) -> None:
     name, base = functor.name, functor.base
-    given = {}
+    names = {}
     for number, argument in enumerate(functor.arguments):
         if isinstance(argument.value, tree.PredicateName):
-            given[str(argument.field)] = argument.value.name
+            names[str(argument.field)] = argument.value.name
         else:
             constant = f"{name}_given{number}"
-            given[str(argument.field)] = constant
+            names[str(argument.field)] = constant
             columns = (tree.Argument(VALUE, argument.value),)
             expanded.rules[constant] = [tree.Rule(tree.Head(constant, columns))]
     expanded.bases[name] = expanded.bases.get(base, base)
-    if not given and base in expanded.reach(base) and expanded.rules.get(base):
-        fields = [each.field for each in expanded.rules[base][0].head.columns]
-        same = tree.arguments({each: tree.Variable(f"c{n}") for n, each in enumerate(fields)})
+    if not names and base in expanded.reach(base) and expanded.rules.get(base):
+        fields = [column.field for column in expanded.rules[base][0].head.columns]
+        same = tree.arguments({column: tree.Variable(f"c{n}") for n, column in enumerate(fields)})
         expanded.rules[name] = [tree.Rule(tree.Head(name, same), tree.Atom(base, same))]
         return
     used = {base, *expanded.reach(base)}
-    touched = {p for p in used - given.keys() if expanded.reach(p) & given.keys()} | {base}
-    copies = {p: f"{p}_in_{name}" for p in touched if p in expanded.rules} | {base: name}
-    renaming = {f"{old}": f"{new}" for old, new in {**copies, **given}.items()}
+    affected = {p for p in used - names.keys() if expanded.reach(p) & names.keys()} | {base}
+    copies = {p: f"{p}_in_{name}" for p in affected if p in expanded.rules} | {base: name}
+    renaming = {f"{old}": f"{new}" for old, new in {**copies, **names}.items()}
     for original, copy in copies.items():
         expanded.rules[copy] = [
             replace(renamed, head=replace(renamed.head, name=f"{copy}"))
@@ -129,7 +129,7 @@ def _make(functor: tree.Functor, expanded: Expanded) -> None:
 
 
 def rename(node: N, names: Mapping[str, str]) -> N:
-    """Return a node in which other predicates are called."""
+    """Return a node that calls other predicates."""
 
     def change(inner: tree.Node) -> tree.Node:
         inner = tree.rebuild(inner, change)
@@ -213,12 +213,12 @@ def _with_type_as_text(cast: tree.Call, examples: _Examples) -> tree.Call:
         return replace(
             cast, name="TryCast", arguments=(value, tree.rebuild(example, _with_samples))
         )
-    wanted = tree.Text(json.dumps(kind, separators=(",", ":"), ensure_ascii=False))
-    given = tree.Record((replace(value, field="v"), tree.Argument("t", wanted)))
+    type_text = tree.Text(json.dumps(kind, separators=(",", ":"), ensure_ascii=False))
+    record = tree.Record((replace(value, field="v"), tree.Argument("t", type_text)))
     return replace(
         cast,
         name="SqlExpr",
-        arguments=tree.arguments({0: tree.Text("try_cast({v}, {t})"), 1: given}),
+        arguments=tree.arguments({0: tree.Text("try_cast({v}, {t})"), 1: record}),
     )
 
 
@@ -230,12 +230,12 @@ class _Examples:
         self._source = source
 
     def kind(self, example: tree.Expression) -> Any:
-        """Return the type of an example, or None if its value is to tell it.
+        """Return the type of an example, or None if its value shows it.
 
         Raises:
-            ProgramError: It has a list of which nobody says what it holds.
+            ProgramError: It has a list of unknown elements.
         """
-        if example.span is None or _tells_its_type(example):
+        if example.span is None or _is_typed(example):
             return None
         text, (start, stop) = self._source.original, example.span
         open_list = diagnostic_at(text, start, stop - start, OPEN_LIST, OPEN_LIST_HINT)
@@ -288,11 +288,11 @@ def _cast_type(kind: Any, open_list: Diagnostic) -> Any:
     return TYPES[str(kind).upper()]
 
 
-def _tells_its_type(example: tree.Expression) -> bool:
+def _is_typed(example: tree.Expression) -> bool:
     if isinstance(example, tree.Record):
-        return all(a.expression is None or _tells_its_type(a.expression) for a in example.arguments)
+        return all(a.expression is None or _is_typed(a.expression) for a in example.arguments)
     if isinstance(example, tree.List):
-        return bool(example.elements) and _tells_its_type(example.elements[0])
+        return bool(example.elements) and _is_typed(example.elements[0])
     return isinstance(example, tree.Boolean | tree.Number | tree.PredicateName | tree.Text)
 
 
@@ -327,8 +327,8 @@ def _sql_type(spelled: str) -> Any:
     spelled = spelled.strip()
     if spelled.endswith("[]"):
         return [_sql_type(spelled[:-2])]
-    if found := re.fullmatch(r"(?is)struct\s*\((.*)\)", spelled):
-        fields = (part.strip().split(None, 1) for part in _parts(found.group(1)))
+    if match := re.fullmatch(r"(?is)struct\s*\((.*)\)", spelled):
+        fields = (part.strip().split(None, 1) for part in _parts(match.group(1)))
         return {field[0].strip('"'): _sql_type(field[1]) for field in fields if len(field) == 2}
     return TYPES[spelled.upper()]
 
@@ -353,73 +353,74 @@ def expand_rows(program: list[tree.Statement]) -> list[tree.Statement]:
         return program
     columns = _columns(program)
     return [
-        _Rows(each, columns).rule() if isinstance(each, tree.Rule) else each for each in program
+        _RowExpander(statement, columns).rule() if isinstance(statement, tree.Rule) else statement
+        for statement in program
     ]
 
 
 def _columns(program: Sequence[tree.Statement]) -> dict[str, list[Field]]:
-    open_ = {name for each in program for name in substitutions(each)}
-    known: dict[str, list[Field]] = {name: [*columns] for name, columns in INPUTS.items()}
-    own = {**definitions(prelude()), **definitions(program)}
+    parameters = {name for statement in program for name in substitutions(statement)}
+    tables: dict[str, list[Field]] = {name: [*columns] for name, columns in INPUTS.items()}
+    predicates = {**definitions(prelude()), **definitions(program)}
     for _ in range(_ROUNDS):
-        before = len(known)
-        for name, mine in own.items():
-            found = [_columns_of(each, known) for each in mine]
-            first = found[0]
-            is_new = name not in known and name not in open_
-            if is_new and first is not None and all(columns == first for columns in found):
-                known[name] = first
-        if len(known) == before:
+        size = len(tables)
+        for name, statements in predicates.items():
+            candidates = [_columns_of(statement, tables) for statement in statements]
+            first = candidates[0]
+            is_new = name not in tables and name not in parameters
+            if is_new and first is not None and all(columns == first for columns in candidates):
+                tables[name] = first
+        if len(tables) == size:
             break
-    return known
+    return tables
 
 
 def _columns_of(
-    rule: tree.Rule | tree.Functor, known: Mapping[str, list[Field]]
+    rule: tree.Rule | tree.Functor, tables: Mapping[str, list[Field]]
 ) -> list[Field] | None:
     if not isinstance(rule, tree.Rule):
         return None
     columns: list[Field] = []
-    rows = _rows(rule, known)
-    for each in rule.head.columns:
-        if each.field == tree.REST:
-            rest = rows.get(tree.variable_of(each.expression))
-            if rest is None:
+    rows = _rows(rule, tables)
+    for column in rule.head.columns:
+        if column.field == tree.REST:
+            row = rows.get(tree.variable_of(column.expression))
+            if row is None:
                 return None
-            columns += [name for name in rest if name not in columns]
+            columns += [name for name in row if name not in columns]
         else:
-            columns.append(each.field)
+            columns.append(column.field)
     return columns
 
 
-def _rows(rule: tree.Rule, known: Mapping[str, list[Field]]) -> dict[str, list[Field]]:
+def _rows(rule: tree.Rule, tables: Mapping[str, list[Field]]) -> dict[str, list[Field]]:
     return {
-        row: _left(node, known)
+        row: _remaining_columns(node, tables)
         for node in tree.walk(rule)
-        if isinstance(node, tree.Atom) and (row := _row_of(node, known))
+        if isinstance(node, tree.Atom) and (row := _row_of(node, tables))
     }
 
 
-def _row_of(atom: tree.Atom, known: Mapping[str, list[Field]]) -> str:
+def _row_of(atom: tree.Atom, tables: Mapping[str, list[Field]]) -> str:
     """Return the variable of ``..r`` in a call of a predicate with known columns, or ""."""
-    if atom.name not in known:
+    if atom.name not in tables:
         return ""
     return next(
         (tree.variable_of(a.expression) for a in atom.arguments if a.field == tree.REST), ""
     )
 
 
-def _left(atom: tree.Atom, known: Mapping[str, list[Field]]) -> list[Field]:
-    named = {each.field for each in atom.arguments}
-    return [name for name in known[atom.name] if name not in named]
+def _remaining_columns(atom: tree.Atom, tables: Mapping[str, list[Field]]) -> list[Field]:
+    names = {argument.field for argument in atom.arguments}
+    return [name for name in tables[atom.name] if name not in names]
 
 
-class _Rows:
+class _RowExpander:
     """Expands the whole rows of a rule."""
 
-    def __init__(self, rule: tree.Rule, known: Mapping[str, list[Field]]) -> None:
-        self._rule, self._known = rule, known
-        self._rows = _rows(rule, known)
+    def __init__(self, rule: tree.Rule, tables: Mapping[str, list[Field]]) -> None:
+        self._rule, self._tables = rule, tables
+        self._rows = _rows(rule, tables)
         self._mark = "_of_row"
         while any(name.endswith(self._mark) for name in tree.variables(rule, inside=True)):
             self._mark += "_"
@@ -427,12 +428,12 @@ class _Rows:
     def rule(self) -> tree.Rule:
         rule = tree.rebuild(self._rule, self._change)
         columns = rule.head.columns
-        named = {each.field for each in columns}
-        for rest in [each for each in columns if each.field == tree.REST]:
-            row = tree.variable_of(rest.expression)
+        names = {column.field for column in columns}
+        for row_column in [column for column in columns if column.field == tree.REST]:
+            row = tree.variable_of(row_column.expression)
             if row in self._rows:
-                left = [name for name in self._rows[row] if name not in named]
-                columns = _without(columns, rest, self._variables(row, left))
+                remaining = [name for name in self._rows[row] if name not in names]
+                columns = _replace_row(columns, row_column, self._variables(row, remaining))
         return replace(rule, head=replace(rule.head, columns=columns))
 
     def _change(self, node: tree.Node) -> tree.Node:
@@ -449,10 +450,10 @@ class _Rows:
         """Return a member of a body expanded, and add the equation of its row."""
         if not isinstance(member, tree.Atom):
             return self._change(member)  # type: ignore[return-value]  # a kind for its kind
-        if row := _row_of(member, self._known):
-            rest = next(each for each in member.arguments if each.field == tree.REST)
-            named = self._variables(row, _left(member, self._known))
-            member = replace(member, arguments=_without(member.arguments, rest, named))
+        if row := _row_of(member, self._tables):
+            row_argument = next(a for a in member.arguments if a.field == tree.REST)
+            named = self._variables(row, _remaining_columns(member, self._tables))
+            member = replace(member, arguments=_replace_row(member.arguments, row_argument, named))
             rows.append(tree.Equation(tree.Variable(row), tree.Record(tree.arguments(named))))
         return tree.rebuild(member, self._change)
 
@@ -460,7 +461,7 @@ class _Rows:
         return {column: tree.Variable(f"{row}_{column}{self._mark}") for column in columns}
 
 
-def _without(
-    given: tuple[tree.Argument, ...], rest: tree.Argument, named: Mapping[Field, tree.Expression]
+def _replace_row(
+    arguments: tuple[tree.Argument, ...], row: tree.Argument, named: Mapping[Field, tree.Expression]
 ) -> tuple[tree.Argument, ...]:
-    return (*(each for each in given if each is not rest), *tree.arguments(named))
+    return (*(a for a in arguments if a is not row), *tree.arguments(named))

@@ -59,7 +59,7 @@ class Inference:
             ("Memory", "robot_name"): types.ROBOT_NAME,
         }
         self._arguments: dict[Column, Kind] = {}
-        self._given: dict[Column, list[Kind]] = {}
+        self._argument_kinds: dict[Column, list[Kind]] = {}
         self._problems: dict[int, Diagnostic] = {}
         self._mentions: dict[int, Mention] = {}
         self._steps = 0
@@ -80,28 +80,28 @@ class Inference:
         return tuple(self._mentions[start] for start in sorted(self._mentions))
 
     def column(self, predicate: str, name: str) -> list[Kind]:
-        found: list[Kind] = []
+        kinds: list[Kind] = []
         for rule in rules_of(self._definitions.get(predicate, ())):
             for column in rule.head.columns:
                 if column.field == name and column.expression is not None:
                     scope = self._scope(rule.body, {})
-                    found += self._alternatives(column.expression, scope)
-        return found
+                    kinds += self._alternatives(column.expression, scope)
+        return kinds
 
     # -- through all rules ---------------------------------------------------------------------
 
     def _settle(self) -> bool:
-        """Visit the rules until nothing new is learnt; return False if that takes too long."""
+        """Visit the rules until no type changes; return False if that takes too long."""
         for _ in range(_ROUNDS):
-            before = (dict(self._columns), dict(self._arguments))
+            previous = (dict(self._columns), dict(self._arguments))
             self._problems.clear()
             self._mentions.clear()
-            self._given.clear()
+            self._argument_kinds.clear()
             try:
                 self._go_through_rules()
             except _TooManyStepsError:
                 return False
-            if before == (self._columns, self._arguments):
+            if previous == (self._columns, self._arguments):
                 return True
         return False
 
@@ -117,10 +117,12 @@ class Inference:
         for place, kinds in columns.items():
             if place[0] not in self._unknown:
                 self._columns[place] = types.common(kinds)
-        unknown = self._unknown | {name for name, field in self._given if field == tree.REST}
+        unknown = self._unknown | {
+            name for name, field in self._argument_kinds if field == tree.REST
+        }
         self._arguments = {
             place: types.common(kinds)
-            for place, kinds in self._given.items()
+            for place, kinds in self._argument_kinds.items()
             if place[0] not in unknown
         }
 
@@ -135,9 +137,9 @@ class Inference:
 
     def _scope(self, body: tree.Proposition | None, outer: Mapping[str, Kind]) -> Scope:
         scope = dict(outer)
-        before: Scope | None = None
-        while body is not None and scope != before:
-            before = dict(scope)
+        previous: Scope | None = None
+        while body is not None and scope != previous:
+            previous = dict(scope)
             self._proposition(body, scope)
         return scope
 
@@ -176,7 +178,7 @@ class Inference:
     def _equal(self, left: Expression, right: Expression, scope: Scope) -> None:
         first, second = self._kind(left, scope), self._kind(right, scope)
         if clash(first, second):
-            self._compared(left, right, first, second)
+            self._check_comparison(left, right, first, second)
         else:
             self._bind(left, second, scope)
             self._bind(right, first, scope)
@@ -186,23 +188,23 @@ class Inference:
         if isinstance(kind, ListOf):
             self._bind(node.element, kind.element, scope)
             self._mention_elements(node.collection, self._kind(node.element, scope))
-        elif what := self._no_list(node.collection, kind):
+        elif message := self._no_list(node.collection, kind):
             is_literal = isinstance(node.collection, tree.Number | tree.Text)
             severity = "error" if is_literal else _severity(kind)
             if node.collection.span:
                 start, stop = node.collection.span
-                problem = diagnostic_at(self._text, start, stop - start, what, _LIST, severity)
+                problem = diagnostic_at(self._text, start, stop - start, message, _LIST, severity)
                 self._problems[start] = problem
         self._kind(node.element, scope)
 
     def _no_list(self, node: Expression, kind: Kind) -> str:
         """Return what is wrong with an expression that has to be a list, or ""."""
-        shown = self._source(node, "The list")
+        subject = self._source(node, "The list")
         if isinstance(node, tree.Number | tree.Text):
-            return f"{shown} is not a list"
+            return f"{subject} is not a list"
         if isinstance(kind, RecordOf):
             return f"{kind.title} is a record, not a list"
-        return f"{shown} is a plain value, not a list" if _is_scalar(kind) else ""
+        return f"{subject} is a plain value, not a list" if _is_scalar(kind) else ""
 
     def _bind(self, pattern: Expression, kind: Kind, scope: Scope) -> None:
         if kind in (Plain.ANY, Plain.NULL):
@@ -210,22 +212,24 @@ class Inference:
         if isinstance(pattern, tree.Variable) and pattern.name not in scope:
             scope[pattern.name] = kind
         elif isinstance(pattern, tree.Record) and isinstance(kind, RecordOf):
-            for each in pattern.arguments:
-                self._check_field(each.field, kind)
-                if each.expression:
-                    self._bind(each.expression, kind.field(str(each.field)), scope)
+            for argument in pattern.arguments:
+                self._check_field(argument.field, kind)
+                if argument.expression:
+                    self._bind(argument.expression, kind.field(str(argument.field)), scope)
         else:
-            known = self._kind(pattern, scope)
-            if clash(known, kind):
-                shown = self._source(pattern, "This")
-                what = f"{shown} is {describe(known)}; {describe(kind)} is needed here"
+            current = self._kind(pattern, scope)
+            if clash(current, kind):
+                subject = self._source(pattern, "This")
+                message = f"{subject} is {describe(current)}; {describe(kind)} is needed here"
                 is_negated = isinstance(pattern, tree.Call) and pattern.name == "!"
                 self._warn(
-                    pattern, what, _NEGATED if is_negated else types.repair(pattern, kind, known)
+                    pattern,
+                    message,
+                    _NEGATED if is_negated else types.repair(pattern, kind, current),
                 )
             self._mention(pattern, kind)
             if isinstance(pattern, tree.Variable):
-                scope[pattern.name] = types.meet(known, kind)
+                scope[pattern.name] = types.meet(current, kind)
 
     # -- expressions ---------------------------------------------------------------------------
 
@@ -234,7 +238,9 @@ class Inference:
             case tree.Variable():
                 return scope.get(node.name, Plain.ANY)
             case tree.Record():
-                parts = {each.field: self._value(each, scope) for each in node.arguments}
+                parts = {
+                    argument.field: self._value(argument, scope) for argument in node.arguments
+                }
                 if tree.REST in parts:
                     return Plain.ANY
                 names = {name: kind for name, kind in parts.items() if isinstance(name, str)}
@@ -248,7 +254,7 @@ class Inference:
             case tree.Choice():
                 return types.common(self._alternatives(node, scope))
             case tree.List():
-                kinds = [self._kind(each, scope) for each in node.elements]
+                kinds = [self._kind(element, scope) for element in node.elements]
                 self._check_alike("This list", node.elements, kinds)
                 return ListOf(types.common(kinds))
         return _LITERALS.get(type(node), Plain.ANY)
@@ -282,8 +288,8 @@ class Inference:
             self._report(name, f"{kind.title} is a list; it has no field {name}", hint)
         elif _is_scalar(kind):
             hint = "It is a plain value; only records have fields."
-            what = f"{self._source(node.record, 'The list')} has no field {name}"
-            self._report(name, what, hint, _severity(kind))
+            message = f"{self._source(node.record, 'The list')} has no field {name}"
+            self._report(name, message, hint, _severity(kind))
         return Plain.ANY
 
     def _call(self, node: tree.Call, scope: Scope) -> Kind:
@@ -312,55 +318,57 @@ class Inference:
         return types.result_of(operator, [kind])
 
     def _give(self, name: str, argument: int | str, kind: Kind) -> None:
-        if isinstance(argument, str) and (found := re.fullmatch(r"col(\d+)", argument)):
-            argument = int(found.group(1))
-        self._given.setdefault((name, argument), []).append(kind)
+        if isinstance(argument, str) and (match := re.fullmatch(r"col(\d+)", argument)):
+            argument = int(match.group(1))
+        self._argument_kinds.setdefault((name, argument), []).append(kind)
 
     def _built_in(self, node: tree.Call | tree.Atom, scope: Scope) -> Kind:
         """Return the kind of a built-in function or operator, and check its arguments."""
-        given = tree.operands(node.arguments)
-        kinds = [self._kind(each, scope) for each in given]
-        if node.name in types.COMPARISONS | {"=="} and len(given) == 2:
-            self._compared(*given, *kinds)
+        operands = tree.operands(node.arguments)
+        kinds = [self._kind(operand, scope) for operand in operands]
+        if node.name in types.COMPARISONS | {"=="} and len(operands) == 2:
+            self._check_comparison(*operands, *kinds)
         elif node.name == "in" and isinstance(listed := kinds[-1], ListOf):
-            self._compared(given[0], given[1], kinds[0], listed.element)
-            self._mention_elements(given[1], kinds[0])
+            self._check_comparison(operands[0], operands[1], kinds[0], listed.element)
+            self._mention_elements(operands[1], kinds[0])
         elif node.name in types.ALIKE:
-            shown = [
+            joined = [
                 # Numbers and Booleans that are computed can be joined to a text.
                 kind
-                if types.is_nested(kind) or types.is_text(kind) or isinstance(each, tree.Literal)
+                if types.is_nested(kind) or types.is_text(kind) or isinstance(operand, tree.Literal)
                 else Plain.ANY
-                for each, kind in zip(given, kinds, strict=True)
+                for operand, kind in zip(operands, kinds, strict=True)
             ]
-            self._check_alike(node.name, given, shown if node.name == "++" else kinds)
+            self._check_alike(node.name, operands, joined if node.name == "++" else kinds)
         elif node.name in types.ARITHMETIC:
-            for argument, kind in zip(given, kinds, strict=True):
+            for argument, kind in zip(operands, kinds, strict=True):
                 self._check_number(node.name, argument, kind)
         elif node.name in types.FUNCTIONS:
-            for place, (argument, kind) in enumerate(zip(given, kinds, strict=True)):
-                if clash(kind, wanted := types.FUNCTIONS[node.name].wanted(place)):
-                    what = f"{describe(kind)}; {node.name} takes {describe(wanted)}"
-                    what = f"{self._source(argument, 'This')} is {what}"
-                    hint = _NEGATED if node.name == "!" else types.repair(argument, wanted, kind)
-                    self._warn(argument, what, hint)
+            for index, (argument, kind) in enumerate(zip(operands, kinds, strict=True)):
+                if clash(kind, expected := types.FUNCTIONS[node.name].argument(index)):
+                    message = f"{describe(kind)}; {node.name} takes {describe(expected)}"
+                    message = f"{self._source(argument, 'This')} is {message}"
+                    hint = _NEGATED if node.name == "!" else types.repair(argument, expected, kind)
+                    self._warn(argument, message, hint)
         return types.result_of(node.name, kinds)
 
     # -- types that do not fit -----------------------------------------------------------------
 
-    def _compared(self, left: Expression, right: Expression, first: Kind, second: Kind) -> None:
+    def _check_comparison(
+        self, left: Expression, right: Expression, first: Kind, second: Kind
+    ) -> None:
         if clash(first, second):
             node = left if isinstance(left, tree.Literal) else right
-            what = f"{describe(first).replace('a', 'A', 1)} is compared with {describe(second)}"
+            message = f"{describe(first).replace('a', 'A', 1)} is compared with {describe(second)}"
             if types.family(first) == types.family(second) == "record":
-                what = "These records have fields of different types"
-            wanted, given = (second, first) if node is left else (first, second)
-            hint = self._of_operators(left, right) or types.repair(node, wanted, given)
-            self._warn(node, what, hint)
+                message = "These records have fields of different types"
+            expected, actual = (second, first) if node is left else (first, second)
+            hint = self._operator_hint(left, right) or types.repair(node, expected, actual)
+            self._warn(node, message, hint)
         self._mention(left, second)
         self._mention(right, first)
 
-    def _of_operators(self, left: Expression, right: Expression) -> str:
+    def _operator_hint(self, left: Expression, right: Expression) -> str:
         """Return how to write ``!a == b`` or ``a < b < c``, or "" for other comparisons."""
         if not isinstance(left, tree.Call):
             return ""
@@ -372,30 +380,32 @@ class Inference:
         return f"Compare twice: {first} with {middle}, and {middle} with {self._source(right)}."
 
     def _check_alike(self, name: str, nodes: Sequence[Expression], kinds: Sequence[Kind]) -> None:
-        for place, (node, kind) in enumerate(zip(nodes, kinds, strict=True)):
-            other = next((each for each in kinds[:place] if clash(each, kind)), None)
-            if other is not None:
-                what = f"{name} mixes {describe(other)} and {describe(kind)}"
-                wanted, given = (kind, other) if types.is_text(kind) else (other, kind)
-                self._warn(node, what, types.repair(node, wanted, given))
+        for index, (node, kind) in enumerate(zip(nodes, kinds, strict=True)):
+            clashing = next((earlier for earlier in kinds[:index] if clash(earlier, kind)), None)
+            if clashing is not None:
+                message = f"{name} mixes {describe(clashing)} and {describe(kind)}"
+                expected, actual = (kind, clashing) if types.is_text(kind) else (clashing, kind)
+                self._warn(node, message, types.repair(node, expected, actual))
                 return
 
     def _check_number(self, name: str, node: Expression, kind: Kind) -> None:
         if not clash(kind, Plain.REAL):
             return
         is_word = isinstance(node, tree.Text) and not types.is_numeral(node)
-        what = f"{self._source(node, 'This')} is {describe(kind)}; {name} computes with numbers"
+        message = f"{self._source(node, 'This')} is {describe(kind)}; {name} computes with numbers"
         hint = types.repair(node, Plain.REAL, kind)
         if is_word or isinstance(kind, ListOf):
             hint = f"++ joins {types.family(kind)}s."
-        self._warn(node, what, hint, "error" if is_word or types.is_nested(kind) else "warning")
+        self._warn(node, message, hint, "error" if is_word or types.is_nested(kind) else "warning")
 
     def _check_sum(self, operator: str, node: Expression, kind: Kind) -> None:
         if operator in _OF_PAIRS and operator not in self._definitions:
             is_misread = isinstance(node, tree.Call) and node.name in tree.JUNCTIONS
             if (_is_scalar(kind) or isinstance(kind, ListOf)) and not is_misread:
-                what = f"{operator} takes pairs; {self._source(node, 'this')} is {describe(kind)}"
-                self._warn(node, what, f"Write {operator}{{{_OF_PAIRS[operator]} :- ...}}.")
+                message = (
+                    f"{operator} takes pairs; {self._source(node, 'this')} is {describe(kind)}"
+                )
+                self._warn(node, message, f"Write {operator}{{{_OF_PAIRS[operator]} :- ...}}.")
         elif operator in types.ARITHMETIC or operator == "Agg+":
             self._check_number("Sum" if operator == "Agg+" else operator, node, kind)
 
@@ -405,29 +415,29 @@ class Inference:
         if (rule.name, column.field) == (MAIN, "memory"):
             return  # what a robot remembers can be of another type at any time
         compared = islice(earlier, _MOST_COMPARED)
-        other = next((other for other in compared if clash(other, kind)), None)
-        if other is not None and column.expression is not None:
+        clashing = next((k for k in compared if clash(k, kind)), None)
+        if clashing is not None and column.expression is not None:
             place = column.field + 1 if isinstance(column.field, int) else column.field
             name = "The value" if place == VALUE else f"Column {place}"
-            what = f"{name} of {rule.name} is {describe(kind)} here"
-            what += f", and {describe(other)} elsewhere"
-            self._warn(column.expression, what, "Give it one type in all rules.")
+            message = f"{name} of {rule.name} is {describe(kind)} here"
+            message += f", and {describe(clashing)} elsewhere"
+            self._warn(column.expression, message, "Give it one type in all rules.")
 
     def _mention(self, node: Expression, kind: Kind) -> None:
-        """Note the name that something sensed is compared with."""
+        """Note the name that a sensed text is compared with."""
         if not isinstance(node, tree.Text) or not isinstance(kind, Word) or not node.span:
             return
         start, stop = node.span
         if kind != types.OBJECT:
             place = diagnostic_at(self._text, start, stop - start, "")
-            mention = Mention(node.value, kind.of, place.line, place.column, place.excerpt)
+            mention = Mention(node.value, kind.field, place.line, place.column, place.excerpt)
             self._mentions[start] = mention
         elif node.value not in OBJECTS:
             self._warn(node, f'A ray hits no "{node.value}"', name_hint(node.value, OBJECTS))
 
     def _mention_elements(self, collection: Expression, kind: Kind) -> None:
-        for each in collection.elements if isinstance(collection, tree.List) else ():
-            self._mention(each, kind)
+        for element in collection.elements if isinstance(collection, tree.List) else ():
+            self._mention(element, kind)
 
     def _warn(
         self, node: Expression, message: str, hint: str, severity: Severity = "warning"
@@ -440,11 +450,11 @@ class Inference:
     # -- reports -------------------------------------------------------------------------------
 
     def _check_field(self, name: int | str, kind: RecordOf) -> None:
-        known = [each for each, _ in kind.fields]
-        if not isinstance(name, str) or name in known:
+        names = [field for field, _ in kind.fields]
+        if not isinstance(name, str) or name in names:
             return
-        close = closest(name, known, 0.6)
-        hint = f"Did you mean {close}?" if close else f"It has {', '.join(known)}."
+        close = closest(name, names, 0.6)
+        hint = f"Did you mean {close}?" if close else f"It has {', '.join(names)}."
         if len(hint) > 120:
             hint = "Compare with its definition."
         self._report(name, f"{kind.title} has no field {name}", hint)

@@ -23,64 +23,64 @@ _NEVER_CHANGE = {parse.HeritageAwareString, Name, str, int, float, bool, type(No
 def replace_variable(old_var: Any, new_expr: Any, s: dict[str, Any] | list[Any]) -> None:
     """Replace a variable in a syntax tree, in place, without copying the new expression."""
     assert isinstance(s, dict | list)
-    waiting: list[Any] = [s]
-    seen = set()
-    while waiting:
-        node = waiting.pop()
-        if id(node) in seen:
+    stack: list[Any] = [s]
+    visited = set()
+    while stack:
+        node = stack.pop()
+        if id(node) in visited:
             continue
-        seen.add(id(node))
+        visited.add(id(node))
         for key, value in node.items() if isinstance(node, dict) else enumerate(node):
             if isinstance(value, dict):
                 if "variable" in value and value["variable"]["var_name"] == old_var:
                     node[key] = value = new_expr
                 if isinstance(value, dict | list):
-                    waiting.append(value)
+                    stack.append(value)
             elif isinstance(value, list):
-                waiting.append(value)
+                stack.append(value)
 
 
 def mentioned_variables(
     x: Any, dive_in_combines: bool = False, this_is_select: bool = False
 ) -> set[Any]:
     """Return the variables' names; in a select, ``variable`` may also be a column."""
-    found = set()
-    waiting = [x]
-    seen = set()
-    while waiting:
-        node = waiting.pop()
-        if id(node) in seen:
+    names = set()
+    stack = [x]
+    visited = set()
+    while stack:
+        node = stack.pop()
+        if id(node) in visited:
             continue
-        seen.add(id(node))
+        visited.add(id(node))
         if isinstance(node, dict):
             if "variable" in node and not (this_is_select and node is x):
-                found.add(node["variable"]["var_name"])
+                names.add(node["variable"]["var_name"])
             for key, value in node.items():
                 if isinstance(value, dict | list) and (dive_in_combines or key != "combine"):
-                    waiting.append(value)
+                    stack.append(value)
         elif isinstance(node, list):
-            waiting += [value for value in node if isinstance(value, dict | list)]
-    return found
+            stack += [value for value in node if isinstance(value, dict | list)]
+    return names
 
 
-def deep_copy(node: Any, done: dict[int, Any] | None = None) -> Any:
+def deep_copy(node: Any, copies: dict[int, Any] | None = None) -> Any:
     """Copy a syntax tree; texts are shared with the original, and shared subtrees stay shared."""
     kind = type(node)
     if kind in _NEVER_CHANGE:
         return node
-    done = {} if done is None else done
+    copies = {} if copies is None else copies
     if kind is not dict and kind is not list:
-        return copy.deepcopy(node, done)
-    found: Any = done.get(id(node))
-    if found is None:
-        found = done[id(node)] = kind()
+        return copy.deepcopy(node, copies)
+    duplicate: Any = copies.get(id(node))
+    if duplicate is None:
+        duplicate = copies[id(node)] = kind()
         if kind is dict:
             for key, value in node.items():
-                found[key] = deep_copy(value, done)
+                duplicate[key] = deep_copy(value, copies)
         else:
             for value in node:
-                found.append(deep_copy(value, done))
-    return found
+                duplicate.append(deep_copy(value, copies))
+    return duplicate
 
 
 def _slice(self: parse.HeritageAwareString, start: int, stop: int) -> parse.HeritageAwareString:
@@ -108,8 +108,8 @@ _traverse = parse.Traverse
 
 def _traverse_plain(text: str) -> Iterator[tuple[int, str | None, str]]:
     """Yield each position with the brackets open there, as the package does."""
-    found: Iterator[tuple[int, str | None, str]] = _traverse(str(text))
-    return found
+    positions: Iterator[tuple[int, str | None, str]] = _traverse(str(text))
+    return positions
 
 
 def split(text: parse.HeritageAwareString, separator: str) -> list[parse.HeritageAwareString]:

@@ -1,4 +1,4 @@
-"""What compiles, and means something else than it seems to say."""
+"""Code that compiles but means something else than it seems to say."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Di
     """
     finder = _Finder(program, source)
     for rule in rules_of(program):
-        yield from finder.in_rule(rule)
+        yield from finder.diagnose(rule)
     yield from _own_negations(program, source.original)
     yield from _stops_with_limits(program, source.original)
     yield from _ignored_types(program, source.original)
@@ -51,20 +51,20 @@ def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Di
 class _Finder:
     def __init__(self, program: Sequence[tree.Statement], source: Prepared) -> None:
         self._text, self._skeleton = source.original, source.skeleton
-        self._own = own = definitions(program)
-        self._truths = {name for name, rules in own.items() if all(map(_is_truth, rules))}
+        self._predicates = predicates = definitions(program)
+        self._truths = {name for name, rules in predicates.items() if all(map(_is_truth, rules))}
         self._columns: dict[str, Iterable[int | str]] = {
             **INPUTS,
             **{
                 name: [c.field for r in rules_of(e) for c in r.head.columns]
-                for name, e in own.items()
+                for name, e in predicates.items()
             },
         }
 
-    def in_rule(self, rule: tree.Rule) -> Iterator[Diagnostic]:
-        in_body = _mentions(tree.conjuncts(rule.body))
-        in_rule = in_body + _mentions(rule.head)
-        yield from self._unbound(rule, in_rule)
+    def diagnose(self, rule: tree.Rule) -> Iterator[Diagnostic]:
+        body_uses = _mentions(tree.conjuncts(rule.body))
+        rule_uses = body_uses + _mentions(rule.head)
+        yield from self._unbound(rule, rule_uses)
         marked: set[int] = set()  # nodes that are part of what was marked before
         for node, is_test in _in_tests(rule):
             if id(node) in marked:
@@ -81,18 +81,18 @@ class _Finder:
                 elif infix.operator == "=" and is_test:
                     yield self._no_comparison(node.span, [node])
                 elif infix.operator in ("=", "==", "!="):
-                    yield from self._compared(node, node.span, infix, in_body, in_rule)
+                    yield from self._check_comparison(node, node.span, infix, body_uses, rule_uses)
             yield from self._named_with_equals(node)
-            yield from self._other(node)
+            yield from self._misused_values(node)
             yield from self._unknown_sign(node)
         for node in tree.walk(tree.conjuncts(rule.body)):
             yield from self._called_aggregate(node)
 
-    def _unbound(self, rule: tree.Rule, in_rule: Counter[str]) -> Iterator[Diagnostic]:
+    def _unbound(self, rule: tree.Rule, rule_uses: Counter[str]) -> Iterator[Diagnostic]:
         """Yield a warning for each column that is nothing but a variable without a value."""
         for column in rule.head.columns if rule.body is not None else ():
             name = tree.variable_of(column.value)
-            if name and in_rule[name] == 1 and column.value.span is not None:
+            if name and rule_uses[name] == 1 and column.value.span is not None:
                 message = f"No condition gives {name} a value, so every value matches"
                 hint = f"Say what it is in the body, {name} = ..., or leave it out of the head."
                 yield self._warning(column.value.span, message, hint)
@@ -100,25 +100,25 @@ class _Finder:
     # -- '=' and '->' beside operators that are read later -----------------------------------------
 
     def _loose(self, node: Node, operator: str, marked: set[int]) -> list[Node]:
-        """Return the operations in a node that have no parentheses, and mark them and the way."""
+        """Return the operations in a node that have no parentheses; mark them and their parents."""
         infix = infix_of(node)
-        found: list[Node] = []
+        operations: list[Node] = []
         for side in infix.sides if infix else ():
             inner = infix_of(side)
             if inner is None or side.span is None or self._has_parentheses(side.span):
                 continue
-            more = [side] if inner.operator == operator else self._loose(side, operator, marked)
-            if more:
+            loose = [side] if inner.operator == operator else self._loose(side, operator, marked)
+            if loose:
                 marked.add(id(side))
-            found += more
-        return found
+            operations += loose
+        return operations
 
     def _has_parentheses(self, span: Span) -> bool:
-        before = span.start - 1
-        while before > 0 and self._skeleton[before].isspace():
-            before -= 1
+        offset = span.start - 1
+        while offset > 0 and self._skeleton[offset].isspace():
+            offset -= 1
         return (
-            self._skeleton[before] == "(" and _CLOSED.match(self._skeleton, span.stop) is not None
+            self._skeleton[offset] == "(" and _CLOSED.match(self._skeleton, span.stop) is not None
         )
 
     def _read_first(
@@ -139,19 +139,19 @@ class _Finder:
         ):
             return self._no_comparison(span, loose)
         message = f"'{inner.operator}' is read before '{parent.operator}'"
-        shown = [
-            f"({self._source(each)})" if each is loose[0] else self._source(each)
-            for each in parent.sides
+        sides = [
+            f"({self._source(side)})" if side is loose[0] else self._source(side)
+            for side in parent.sides
         ]
-        meaning = f" {parent.operator} ".join(shown)
+        meaning = f" {parent.operator} ".join(sides)
         if len(meaning) <= _LONGEST:
             message += f": this means {meaning}"
-        what = "condition" if is_junction else "pair" if outer.operator == "->" else "comparison"
+        noun = "condition" if is_junction else "pair" if outer.operator == "->" else "comparison"
         if inner.operator == "->":
-            what = "second part"
-        hint = f"Put the {what} in parentheses"
-        meant = self._in_parentheses(span, inner, is_first=is_first)
-        return self._warning(span, message, self._with_example(hint, meant))
+            noun = "second part"
+        hint = f"Put the {noun} in parentheses"
+        example = self._in_parentheses(span, inner, is_first=is_first)
+        return self._warning(span, message, self._with_example(hint, example))
 
     def _in_parentheses(self, span: Span, inner: Infix, *, is_first: bool) -> str:
         """Return a piece of the text with the right parentheses around all beside an operator."""
@@ -165,41 +165,50 @@ class _Finder:
 
     def _no_comparison(self, span: Span, equations: Sequence[Node]) -> Diagnostic:
         message = "'=' does not compare here: where the sides differ, there is no row at all"
-        written, at = "", span.start
-        for each in equations:
-            infix = infix_of(each)
+        rewritten, offset = "", span.start
+        for equation in equations:
+            infix = infix_of(equation)
             if infix is not None and infix.left.span is not None:
                 sign = self._skeleton.find("=", infix.left.span.stop, span.stop)
-                written += f"{self._text[at:sign]}="
-                at = sign
-        hint = self._with_example("Compare with '=='", written + self._text[at : span.stop])
+                rewritten += f"{self._text[offset:sign]}="
+                offset = sign
+        hint = self._with_example("Compare with '=='", rewritten + self._text[offset : span.stop])
         return self._warning(span, message, hint)
 
     # -- what is compared --------------------------------------------------------------------------
 
-    def _compared(
-        self, node: Node, span: Span, infix: Infix, in_body: Counter[str], in_rule: Counter[str]
+    def _check_comparison(
+        self,
+        node: Node,
+        span: Span,
+        infix: Infix,
+        body_uses: Counter[str],
+        rule_uses: Counter[str],
     ) -> Iterator[Diagnostic]:
         left, right = infix.sides
         message = hint = ""
         if isinstance(left, tree.Null) or isinstance(right, tree.Null):
-            other = right if isinstance(left, tree.Null) else left
-            name = tree.variable_of(other)
-            is_bound = infix.operator != "=" and in_body[name] > 1
+            operand = right if isinstance(left, tree.Null) else left
+            name = tree.variable_of(operand)
+            is_bound = infix.operator != "=" and body_uses[name] > 1
             is_test = not name or isinstance(node, tree.Call) or is_bound
-            if is_test and not isinstance(other, tree.Literal):
+            if is_test and not isinstance(operand, tree.Literal):
                 message = "A comparison with null never holds"
                 word = "is not" if infix.operator == "!=" else "is"
-                hint = self._with_example("Write", f"{self._source(other)} {word} null", " ")
+                hint = self._with_example("Write", f"{self._source(operand)} {word} null", " ")
         elif infix.operator != "!=" and isinstance(node, tree.Atom | tree.Equation):
             name = tree.variable_of(left)
             if name and _is_shifted(right, name):
                 message = "This never holds: a variable has one value"
-                new = f"new_{name} = {self._source(right)}"
-                hint = self._with_example("Give the new value a name of its own", new)
+                equation = f"new_{name} = {self._source(right)}"
+                hint = self._with_example("Give the new value a name of its own", equation)
             name = tree.variable_of(right)
             is_text = isinstance(left, tree.FieldAccess) and left.field in _SENSED_TEXTS
-            if name and in_rule[name] == 1 and (is_text or tree.variable_of(left) == "robot_name"):
+            if (
+                name
+                and rule_uses[name] == 1
+                and (is_text or tree.variable_of(left) == "robot_name")
+            ):
                 message = f"{name} is a new variable here, so this always holds"
                 hint = f'A string is written in quotes: "{name}".'
         if message:
@@ -209,16 +218,16 @@ class _Finder:
         """Yield a warning for each ``name = value`` where a field or column is named with ``:``."""
         match node:
             case tree.Record():
-                given, what = node.arguments, "a field of a record"
+                arguments, noun = node.arguments, "a field of a record"
             case tree.Head():
-                given, what = node.columns, "a column"
+                arguments, noun = node.columns, "a column"
             case tree.Atom() | tree.Call():
-                given, what = node.arguments, "a column"
+                arguments, noun = node.arguments, "a column"
             case _:
                 return
-        for each in given:
-            infix = infix_of(each.value) if isinstance(each.field, int) else None
-            if infix is None or infix.operator != "=" or each.value.span is None:
+        for argument in arguments:
+            infix = infix_of(argument.value) if isinstance(argument.field, int) else None
+            if infix is None or infix.operator != "=" or argument.value.span is None:
                 continue
             name = tree.variable_of(infix.left)
             is_known = not isinstance(node, tree.Atom | tree.Call) or (
@@ -226,21 +235,21 @@ class _Finder:
             )
             if name and is_known:
                 hint = self._with_example("Write", f"{name}: {self._source(infix.right)}", " ")
-                message = f"'=' does not name {what}; this one has no name"
-                yield self._warning(each.value.span, message, hint)
+                message = f"'=' does not name {noun}; this one has no name"
+                yield self._warning(argument.value.span, message, hint)
 
-    def _other(self, node: Node) -> Iterator[Diagnostic]:
+    def _misused_values(self, node: Node) -> Iterator[Diagnostic]:
         if node.span is None:
             return
         message = hint = ""
         if isinstance(node, tree.Atom) and node.name in self._truths:
-            if all(each.column != VALUE for each in node.arguments):
+            if all(argument.column != VALUE for argument in node.arguments):
                 message = f"{node.name} has a value; as a condition it always holds"
                 hint = self._with_example("Look at its value", f"{self._source(node)} == true")
         elif isinstance(node, tree.Choice):
-            values = [*(each.value for each in node.branches), node.otherwise]
+            values = [*(branch.value for branch in node.branches), node.otherwise]
             infix = next(
-                (i for each in values if (i := infix_of(each)) and i.operator == "="), None
+                (i for value in values if (i := infix_of(value)) and i.operator == "="), None
             )
             if infix is not None:
                 message = "This '=' applies even when another branch is chosen"
@@ -249,7 +258,7 @@ class _Finder:
         elif isinstance(node, tree.Aggregate) and node.body is None:
             function = _OVER_ROWS.get(node.operator, "")
             argument = self._source(node.argument)
-            has_rows = any(not is_built_in(each.name) for each in calls(node.argument))
+            has_rows = any(not is_built_in(call.name) for call in calls(node.argument))
             if function and not has_rows and tree.variables(node.argument):
                 message = f"This {function} has no body, so it aggregates a single value"
                 hint = self._with_example("Put the body inside", f"{function}{{{argument} :- ...}}")
@@ -260,16 +269,16 @@ class _Finder:
         """Yield a diagnostic for ``x /= 3``, which is an aggregate that does not exist."""
         if not isinstance(node, tree.Aggregate | tree.Aggregation):
             return
-        sign, at = node.operator, getattr(node.operator, "start", -1)
-        is_own = {sign, f"`{sign}`"} & self._own.keys()
-        if at >= 0 and not (sign[0].isalnum() or sign[0] in "`+" or is_own):
+        sign, offset = node.operator, getattr(node.operator, "start", -1)
+        is_own = {sign, f"`{sign}`"} & self._predicates.keys()
+        if offset >= 0 and not (sign[0].isalnum() or sign[0] in "`+" or is_own):
             message = f"There is no {sign}= in Logica"
             hint = "Write != where values must differ."
             if sign not in _UNEQUAL:
                 hint = f"A variable has one value; give the new one a name: y = x {sign} 1."
             yield diagnostic_at(
                 self._text,
-                at,
+                offset,
                 len(sign) + 1,
                 message,
                 hint,
@@ -301,9 +310,9 @@ class _Finder:
 
 
 def _own_negations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    """Yield a warning for each predicate whose rule needs that a row of it is missing."""
-    own = definitions(program)
-    below = {name: reach(made, own) for name, made in own.items()}
+    """Yield a warning for each predicate that depends on its own negation."""
+    predicates = definitions(program)
+    below = {name: reach(statements, predicates) for name, statements in predicates.items()}
     for rule in rules_of(program):
         for call in _denied(rule) if rule.name in below.get(rule.name, ()) else ():
             if call.name == rule.name or rule.name in below.get(call.name, ()):
@@ -328,14 +337,21 @@ _ASSERTED_TYPES = ("Bool", "Num", "Str", "Time")
 
 
 def _stops_with_limits(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    own = definitions(program)
-    annotations = [each for each in program if isinstance(each, tree.Annotation)]
-    limited = {each.subject for each in annotations if each.name == "@Limit"}
+    predicates = definitions(program)
+    annotations = [statement for statement in program if isinstance(statement, tree.Annotation)]
+    limited = {annotation.subject for annotation in annotations if annotation.name == "@Limit"}
     for annotation in annotations:
         name = annotation.subject
-        if name not in own or all(argument.field != "stop" for argument in annotation.arguments):
+        if name not in predicates or all(a.field != "stop" for a in annotation.arguments):
             continue
-        around = {name, *(n for n in reach(own[name], own) if name in reach(own.get(n, ()), own))}
+        around = {
+            name,
+            *(
+                n
+                for n in reach(predicates[name], predicates)
+                if name in reach(predicates.get(n, ()), predicates)
+            ),
+        }
         if around & limited:
             message = "A recursion with stop: can't have @Limit"
             hint = f"Limit a predicate that reads {name}."
@@ -347,36 +363,36 @@ def _denied(node: Node, *, is_odd: bool = False) -> Iterator[tree.Call | tree.At
     if is_odd and isinstance(node, tree.Call | tree.Atom):
         yield node
     is_odd ^= isinstance(node, tree.Aggregate) and node.is_denial
-    for each in tree.children(node):
-        yield from _denied(each, is_odd=is_odd)
+    for child in tree.children(node):
+        yield from _denied(child, is_odd=is_odd)
 
 
 def _in_tests(rule: Node) -> Iterator[tuple[Node, bool]]:
     """Yield all nodes, outer before inner, and whether each is tested by an ``if`` or a ``!``."""
-    waiting = [(rule, False)]
-    while waiting:
-        node, is_test = waiting.pop()
+    stack = [(rule, False)]
+    while stack:
+        node, is_test = stack.pop()
         yield node, is_test
         inner: list[tuple[Node, bool]] = []
-        for each in tree.children(node):
+        for child in tree.children(node):
             if isinstance(node, tree.Branch):
-                inner.append((each, each is node.condition))
+                inner.append((child, child is node.condition))
             else:
                 is_operand = infix_of(node) is not None or isinstance(node, tree.Argument)
                 is_negated = isinstance(node, tree.Call | tree.Atom) and node.name == "!"
-                inner.append((each, is_negated or (is_test and is_operand)))
-        waiting += inner[::-1]
+                inner.append((child, is_negated or (is_test and is_operand)))
+        stack += inner[::-1]
 
 
 def _mentions(part: tree.Tree) -> Counter[str]:
     """Return how often each variable is mentioned."""
     nodes = tree.walk(part)
-    return Counter(str(each.name) for each in nodes if isinstance(each, tree.Variable))
+    return Counter(str(node.name) for node in nodes if isinstance(node, tree.Variable))
 
 
 def _nested(node: Node) -> Iterator[Infix]:
-    for each in tree.walk(node):
-        if infix := infix_of(each):
+    for inner in tree.walk(node):
+        if infix := infix_of(inner):
             yield infix
 
 
@@ -393,8 +409,8 @@ def _is_shifted(node: Expression, name: str) -> bool:
     if infix is None or infix.operator not in ("+", "-"):
         return False
     number = infix.right if tree.variable_of(infix.left) == name else infix.left
-    is_there = name in map(tree.variable_of, infix.sides)
-    return is_there and isinstance(number, tree.Number) and float(number.value) != 0
+    is_mentioned = name in map(tree.variable_of, infix.sides)
+    return is_mentioned and isinstance(number, tree.Number) and float(number.value) != 0
 
 
 _SHORTEST = 4  # letters in a word that can be recognised as misspelt
@@ -408,29 +424,29 @@ def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
         variables = [node.name for node in nodes if isinstance(node, tree.Variable)]
         # In `name:` a column and its variable are named at once.
         columns = (node for node in nodes if isinstance(node, tree.Argument))
-        shorthand = {each.field for each in columns if tree.variable_of(each.value) == each.field}
+        shorthand = {c.field for c in columns if tree.variable_of(c.value) == c.field}
         counts = Counter(map(str, variables))
         if len(counts) > _MOST_COMPARED:
             continue
-        for at, name in enumerate(variables):
+        for index, name in enumerate(variables):
             if counts[name] > 1 or name in shorthand:
                 continue
-            earlier = dict.fromkeys(map(str, variables[:at]))
-            others = (o for o in counts if o in earlier or counts[o] > 1)
-            meant = next((o for o in others if o != name and _looks_like(name, o)), "")
-            if meant:
-                message = f"{name} is used only once; is it a misspelt {meant}?"
-                hint = f"Write {meant} if you mean the same."
+            earlier = dict.fromkeys(map(str, variables[:index]))
+            candidates = (o for o in counts if o in earlier or counts[o] > 1)
+            similar = next((o for o in candidates if o != name and _looks_like(name, o)), "")
+            if similar:
+                message = f"{name} is used only once; is it a misspelt {similar}?"
+                hint = f"Write {similar} if you mean the same."
                 yield diagnostic_for(text, name, message, hint, "warning")
 
 
-def _looks_like(name: str, other: str) -> bool:
-    left, right = name.split("_"), other.split("_")
-    different = [(a, b) for a, b in zip(left, right, strict=False) if a != b]
-    if len(left) != len(right) or len(different) != 1:
+def _looks_like(name: str, candidate: str) -> bool:
+    left, right = name.split("_"), candidate.split("_")
+    differences = [(a, b) for a, b in zip(left, right, strict=False) if a != b]
+    if len(left) != len(right) or len(differences) != 1:
         return False
-    ((one, two),) = different
-    shorter = min(len(one), len(two))
-    if shorter < _SHORTEST or one.rstrip("s") == two.rstrip("s") or re.search(r"\d", one + two):
+    ((a, b),) = differences
+    shorter = min(len(a), len(b))
+    if shorter < _SHORTEST or a.rstrip("s") == b.rstrip("s") or re.search(r"\d", a + b):
         return False
-    return one[0] == two[0] and distance(one, two) <= (2 if shorter >= _LONG else 1)
+    return a[0] == b[0] and distance(a, b) <= (2 if shorter >= _LONG else 1)

@@ -201,8 +201,8 @@ WindowSum(1, [1], [1], 2) => 1
 
 def _read(table: str, kind: Kind) -> Iterator[FunctionHelp]:
     for line in table.strip().splitlines():
-        signature, summary, shown = line.split(" -- ")
-        example, result = shown.rsplit(" => ", 1)
+        signature, summary, sample = line.split(" -- ")
+        example, result = sample.rsplit(" => ", 1)
         name, words = re.split(r"[({]", signature)[0], signature.split()
         if kind == "aggregate" and "?" in signature:
             name = signature.split("? ")[1].split()[0]

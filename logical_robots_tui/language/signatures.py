@@ -36,27 +36,27 @@ class Signature:
 
     def __str__(self) -> str:
         positional = [f"argument {i + 1}" for i in range(self.count)]
-        shown = ", ".join([*positional, *(f"{name}:" for name in sorted(self.named))])
-        return f"({shown})" + (" = value" if self.has_value else "")
+        columns = ", ".join([*positional, *(f"{name}:" for name in sorted(self.named))])
+        return f"({columns})" + (" = value" if self.has_value else "")
 
 
 def signatures(program: Sequence[tree.Statement]) -> dict[str, Signature]:
-    found = {name: Signature(0, frozenset(columns), False) for name, columns in INPUTS.items()}
-    for name, own in {**definitions(prelude()), **definitions(program)}.items():
-        candidates = {_signature(each) for each in own}
+    catalog = {name: Signature(0, frozenset(columns), False) for name, columns in INPUTS.items()}
+    for name, statements in {**definitions(prelude()), **definitions(program)}.items():
+        candidates = {_signature(statement) for statement in statements}
         signature = candidates.pop()
         if signature and not candidates:
-            found[name] = signature
-    return found
+            catalog[name] = signature
+    return catalog
 
 
 _GIVEN = (tree.PredicateName, tree.Literal)
 
 
 def wrong_copies(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    """Report what is given to a functor and is neither the name of a predicate nor a constant."""
-    for each in program:
-        for argument in each.arguments if isinstance(each, tree.Functor) else ():
+    """Report arguments of functors that are neither predicates' names nor constants."""
+    for statement in program:
+        for argument in statement.arguments if isinstance(statement, tree.Functor) else ():
             value = argument.value
             if value.span is not None and not isinstance(value, _GIVEN):
                 message = "A copy takes a predicate by its name, or a constant"
@@ -66,38 +66,38 @@ def wrong_copies(program: Sequence[tree.Statement], text: str) -> Iterator[Diagn
 
 
 def collisions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for name, (first, *others) in definitions(program).items():
+    for name, (first, *statements) in definitions(program).items():
         is_function = isinstance(first, tree.Rule) and first.head.column(VALUE)
         if name.isidentifier() and is_built_in(name):
-            used = (isinstance(call, tree.Call) and call.name == name for call in calls(program))
-            if is_function or any(used):
+            uses = (isinstance(call, tree.Call) and call.name == name for call in calls(program))
+            if is_function or any(uses):
                 message = f"{name} is built in; this definition would be ignored"
                 yield diagnostic_for(text, name, message, "Give your predicate another name.")
-        for other in others:
+        for statement in statements:
             line = text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
-            if difference := _difference(first, other, line):
+            if difference := _difference(first, statement, line):
                 message, hint = difference
-                yield diagnostic_for(text, other.name, f"{name} {message}", hint)
+                yield diagnostic_for(text, statement.name, f"{name} {message}", hint)
                 break
 
 
 def wrong_calls(
-    program: Sequence[tree.Statement], known: Mapping[str, Signature], text: str, runs: Runs
+    program: Sequence[tree.Statement], catalog: Mapping[str, Signature], text: str, runs: Runs
 ) -> Iterator[Diagnostic]:
-    own = definitions(program)
-    parameters = {name for each in program for name in substitutions(each)}
-    used = {MAIN, *reach(own[MAIN], own)} if MAIN in own else {*own}
+    predicates = definitions(program)
+    parameters = {name for statement in program for name in substitutions(statement)}
+    used = {MAIN, *reach(predicates[MAIN], predicates)} if MAIN in predicates else {*predicates}
     for rule in rules_of(program):
         for call in calls(rule):
             name, for_value = call.name, isinstance(call, tree.Call)
-            if name in known and not (for_value and is_built_in(name)):
-                is_given = name in parameters
-                yield from _wrong_call(call, known[name], text, is_given_elsewhere=is_given)
-                if for_value and known[name].has_value and rule.name in used:
-                    yield from _left_out(call, known[name], text)
+            if name in catalog and not (for_value and is_built_in(name)):
+                is_parameter = name in parameters
+                yield from _wrong_call(call, catalog[name], text, is_parameter=is_parameter)
+                if for_value and catalog[name].has_value and rule.name in used:
+                    yield from _missing_arguments(call, catalog[name], text)
             elif (
                 for_value
-                and name not in own
+                and name not in predicates
                 and name[:1].isupper()  # not an operator
                 and is_built_in(name)
                 and runs(name)
@@ -107,19 +107,19 @@ def wrong_calls(
 
 def duplicates(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     for node in tree.walk(program):
-        seen = set()
-        for each in tree.children(node):
-            name = each.field if isinstance(each, tree.Argument) else 0
-            if isinstance(name, str) and name in seen and name != tree.REST:
+        names = set()
+        for child in tree.children(node):
+            name = child.field if isinstance(child, tree.Argument) else 0
+            if isinstance(name, str) and name in names and name != tree.REST:
                 hint = "Remove one, or join the conditions with ','."
                 yield diagnostic_for(text, name, f"{name} is given twice here", hint)
-            seen.add(name)
+            names.add(name)
 
 
 def _signature(rule: tree.Rule | tree.Functor) -> Signature | None:
     if isinstance(rule, tree.Functor):
         return None
-    columns = [each.field for each in rule.head.columns]
+    columns = [column.field for column in rule.head.columns]
     if tree.REST in columns:
         return None
     positional = sum(isinstance(c, int) for c in columns)
@@ -127,73 +127,75 @@ def _signature(rule: tree.Rule | tree.Functor) -> Signature | None:
         columns.remove(f"col{positional}")
         positional += 1
     named = frozenset(str(c) for c in columns if isinstance(c, str))
-    required = frozenset[int]() if rule.body else _in_value(rule)
+    required = frozenset[int]() if rule.body else _required_positions(rule)
     return Signature(positional, named - {VALUE}, VALUE in named, required)
 
 
-def _in_value(rule: tree.Rule) -> frozenset[int]:
+def _required_positions(rule: tree.Rule) -> frozenset[int]:
     value = rule.head.column(VALUE)
-    mentioned = tree.variables(value, inside=True) if value else ()
+    names = tree.variables(value, inside=True) if value else ()
     return frozenset(
-        each.field
-        for each in rule.head.columns
-        if isinstance(each.field, int) and tree.variable_of(each.expression) in mentioned
+        column.field
+        for column in rule.head.columns
+        if isinstance(column.field, int) and tree.variable_of(column.expression) in names
     )
 
 
 def _difference(
-    first: tree.Rule | tree.Functor, other: tree.Rule | tree.Functor, line: int
+    first: tree.Rule | tree.Functor, rule: tree.Rule | tree.Functor, line: int
 ) -> tuple[str, str] | None:
-    if isinstance(first, tree.Functor) or isinstance(other, tree.Functor):
+    if isinstance(first, tree.Functor) or isinstance(rule, tree.Functor):
         return f"is already defined in line {line}", "Give one of them another name."
-    one, two = _signature(first), _signature(other)
-    if one is None or two is None:
+    left, right = _signature(first), _signature(rule)
+    if left is None or right is None:
         return None
-    if one.has_value != two.has_value:
-        what = "a function" if one.has_value else "without a value"
-        return f"is {what} in line {line}, but not here", "Give one of them another name."
-    if (one.count, one.named) != (two.count, two.named):
-        hint = f"All rules of a predicate have the same columns; there it has {one}."
+    if left.has_value != right.has_value:
+        noun = "a function" if left.has_value else "without a value"
+        return f"is {noun} in line {line}, but not here", "Give one of them another name."
+    if (left.count, left.named) != (right.count, right.named):
+        hint = f"All rules of a predicate have the same columns; there it has {left}."
         if len(hint) > 120:
             hint = "All rules of a predicate have the same columns."
         return f"has different columns in line {line}", hint
-    if first.is_distinct != other.is_distinct:
-        where = f"in line {line}, but not here" if first.is_distinct else "here only"
-        return f"is distinct {where}", "Write distinct in all of its heads, or in none."
+    if first.is_distinct != rule.is_distinct:
+        place = f"in line {line}, but not here" if first.is_distinct else "here only"
+        return f"is distinct {place}", "Write distinct in all of its heads, or in none."
     return None
 
 
 def _wrong_call(
-    call: tree.Call | tree.Atom, signature: Signature, text: str, *, is_given_elsewhere: bool
+    call: tree.Call | tree.Atom, signature: Signature, text: str, *, is_parameter: bool
 ) -> Iterator[Diagnostic]:
     name = call.name
-    given = [each.field for each in call.arguments]
-    positional = sum(isinstance(field, int) for field in given)
+    fields = [argument.field for argument in call.arguments]
+    positional = sum(isinstance(field, int) for field in fields)
     allowed = {*signature.named, tree.REST, VALUE, *(f"col{i}" for i in range(signature.count))}
     if positional > signature.count:
         hint = "Compare with the rule that defines it." if signature.count else _shape(signature)
-        message = f"{name} takes {_arguments(signature.count)}; {_are(positional)}"
+        message = f"{name} takes {_arguments(signature.count)}; {_count_text(positional)}"
         if not signature.count and signature.named:
             message = f"The columns of {name} have names"
         yield diagnostic_for(text, name, message, hint)
-    for field in given:
+    for field in fields:
         if isinstance(field, str) and field not in allowed:
             close = closest(field, signature.named, 0.6)
             hint = f"Did you mean {close}?" if close else _shape(signature)
             yield diagnostic_for(text, field, f"{name} has no column {field}", hint)
-    if isinstance(call, tree.Call) and not signature.has_value and not is_given_elsewhere:
+    if isinstance(call, tree.Call) and not signature.has_value and not is_parameter:
         hint = f"Use {name}(...) as a condition, or give it a value: {name}(...) = ...;"
         message = f"{name} is not a function; it has no value"
         yield diagnostic_for(text, name, message, hint if len(hint) <= 120 else "")
 
 
-def _left_out(call: tree.Call | tree.Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
+def _missing_arguments(
+    call: tree.Call | tree.Atom, signature: Signature, text: str
+) -> Iterator[Diagnostic]:
     """Report a call without arguments that the value needs; leaving out others is allowed."""
-    given = {each.field for each in call.arguments}
-    missing = any(not {place, f"col{place}"} & given for place in signature.required)
-    if missing and tree.REST not in given:
-        here = sum(isinstance(field, int) for field in given)
-        message = f"{call.name} takes {_arguments(signature.count)}; {_are(here)}"
+    fields = {argument.field for argument in call.arguments}
+    missing = any(not {place, f"col{place}"} & fields for place in signature.required)
+    if missing and tree.REST not in fields:
+        count = sum(isinstance(field, int) for field in fields)
+        message = f"{call.name} takes {_arguments(signature.count)}; {_count_text(count)}"
         yield diagnostic_for(text, call.name, message, "Add the missing arguments.")
 
 
@@ -210,19 +212,19 @@ def _shape(signature: Signature) -> str:
 
 def _wrong_built_in(call: tree.Call | tree.Atom, text: str) -> Iterator[Diagnostic]:
     name = call.name
-    given = [each.field for each in call.arguments]
-    least, most = arity(name)
-    named = [field for field in given if isinstance(field, str)]
+    fields = [argument.field for argument in call.arguments]
+    lower, upper = arity(name)
+    named = [field for field in fields if isinstance(field, str)]
     if named:
         hint = f"Write {name}(...) with plain values in order."
         yield diagnostic_for(text, named[0], f"The arguments of {name} have no names", hint)
-    elif not least <= len(given) <= most:
-        takes = _arguments(least)
-        if most == math.inf:
+    elif not lower <= len(fields) <= upper:
+        takes = _arguments(lower)
+        if upper == math.inf:
             takes = f"at least {takes}"
-        elif most > least:
-            takes = f"{least} to {most:.0f} arguments"
-        message = f"{name} takes {takes}; {_are(len(given))}"
+        elif upper > lower:
+            takes = f"{lower} to {upper:.0f} arguments"
+        message = f"{name} takes {takes}; {_count_text(len(fields))}"
         yield diagnostic_for(text, name, message, "See `logical-robots help " + name + "`.")
 
 
@@ -230,5 +232,5 @@ def _arguments(count: float) -> str:
     return "no arguments" if not count else f"{count:.0f} argument{'s' if count != 1 else ''}"
 
 
-def _are(count: int) -> str:
+def _count_text(count: int) -> str:
     return f"{count or 'none'} {'are' if count > 1 else 'is'} given"

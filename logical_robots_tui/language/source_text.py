@@ -62,7 +62,7 @@ class Prepared(NamedTuple):
         skeleton: The same with quoted texts blanked, to search for names.
         problems: Errors that the parser would explain worse; `broken` are their offsets.
         ends: Offsets of the ``;`` that end statements.
-        more: Errors that are not among the problems, because they are too many.
+        excess: Errors that are not among the problems, because they are too many.
     """
 
     original: str
@@ -71,47 +71,47 @@ class Prepared(NamedTuple):
     problems: tuple[Diagnostic, ...]
     broken: tuple[int, ...] = ()
     ends: tuple[int, ...] = ()
-    more: int = 0
+    excess: int = 0
 
 
 def prepare(source: str) -> Prepared:
     """Blank comments, check brackets and quotes, allow a space between an aggregate and ``{``."""
     source = source.replace("\r\n", " \n").replace("\r", "\n")
-    kept: list[str] = []
+    texts: list[str] = []
     skeleton: list[str] = []
     brackets = _Brackets(source)
-    for found in _TOKEN.finditer(source):
-        token, kind, at = found.group(), found.lastgroup, found.start()
+    for match in _TOKEN.finditer(source):
+        token, kind, offset = match.group(), match.lastgroup, match.start()
         blank = "".join("\n" if c == "\n" else " " for c in token) if kind else ""
         if kind == "comment" and token.startswith("/*") and not _is_closed(token, "/*", "*/"):
-            brackets.report(at, 2, "This comment is never closed", "Add */ at its end.")
+            brackets.report(offset, 2, "This comment is never closed", "Add */ at its end.")
         if kind == "text":
-            brackets.text(at, token)
+            brackets.text(offset, token)
         elif kind == "sign":
-            brackets.see(at, token)
+            brackets.note(offset, token)
         elif kind is None:
             token = _WIDE_SPACE.sub(" ", token)
-        kept.append(blank if kind == "comment" else _in_double_quotes(token))
+        texts.append(blank if kind == "comment" else _in_double_quotes(token))
         is_blank = kind == "comment" or (kind == "text" and token[0] != "`")
         skeleton.append(blank if is_blank else token)
     brackets.end_statement()
     bare = "".join(skeleton)
     unquoted = _QUOTED_NAME.sub(lambda name: " " * len(name[0]), "" if bare.isascii() else bare)
-    for found in islice(_FOREIGN.finditer(unquoted), _MOST_FOREIGN):
-        brackets.report(found.start(), len(found.group()), *_complaint(found.group()))
-    for found in _IMPORT.finditer(bare):
+    for match in islice(_FOREIGN.finditer(unquoted), _MOST_FOREIGN):
+        brackets.report(match.start(), len(match.group()), *_complaint(match.group()))
+    for match in _IMPORT.finditer(bare):
         hint = "Copy the predicates that you need into this program."
-        brackets.report(found.start(1), 6, "Robots can't import other files", hint)
+        brackets.report(match.start(1), 6, "Robots can't import other files", hint)
     # The parser's form of an aggregate is ``Name{ ``.
-    pieces, at = [], 0
-    text = "".join(kept)
-    for found in _SPACE_BEFORE_BRACE.finditer(bare):
-        pieces += [text[at : found.end(1)], "{", text[found.start(2) : found.end(2)]]
-        at = found.end()
-    text = "".join(pieces) + text[at:]
+    pieces, offset = [], 0
+    text = "".join(texts)
+    for match in _SPACE_BEFORE_BRACE.finditer(bare):
+        pieces += [text[offset : match.end(1)], "{", text[match.start(2) : match.end(2)]]
+        offset = match.end()
+    text = "".join(pieces) + text[offset:]
     places, ends = tuple(brackets.places), tuple(brackets.ends)
-    more = len(places) - len(brackets.problems)
-    return Prepared(source, text, bare, tuple(brackets.problems), places, ends, more)
+    excess = len(places) - len(brackets.problems)
+    return Prepared(source, text, bare, tuple(brackets.problems), places, ends, excess)
 
 
 def statements(source: Prepared) -> Iterator[tuple[int, int]]:
@@ -139,8 +139,8 @@ def symbols_of(text: str) -> Iterator[list[str]]:
     source = prepare(text)
     for start, stop in statements(source):
         if source.text[start] != "@":
-            found = _SYMBOL.finditer(source.text, start, stop)
-            yield [_as_field(source.text, each) for each in found if each.lastgroup is None]
+            matches = _SYMBOL.finditer(source.text, start, stop)
+            yield [_as_field(source.text, match) for match in matches if match.lastgroup is None]
 
 
 def _as_field(text: str, symbol: re.Match[str]) -> str:
@@ -153,8 +153,8 @@ def _as_field(text: str, symbol: re.Match[str]) -> str:
 def with_whole_brackets(skeleton: str, start: int, stop: int) -> tuple[int, int]:
     """Return a place with the other halves of its brackets, which the package takes off."""
     depth = lowest = 0
-    for found in _BRACKET.finditer(skeleton, start, stop):
-        depth += _NESTING[found.group()]
+    for bracket in _BRACKET.finditer(skeleton, start, stop):
+        depth += _NESTING[bracket.group()]
         lowest = min(lowest, depth)
     opened = depth - lowest
     while lowest and start:
@@ -168,7 +168,7 @@ def with_whole_brackets(skeleton: str, start: int, stop: int) -> tuple[int, int]
 
 def nesting(skeleton: str) -> int:
     """Return how many more brackets a text opens than it closes."""
-    return sum(_NESTING[found.group()] for found in _BRACKET.finditer(skeleton))
+    return sum(_NESTING[bracket.group()] for bracket in _BRACKET.finditer(skeleton))
 
 
 class _Brackets:
@@ -180,44 +180,46 @@ class _Brackets:
         self.ends: list[int] = []
         self._source = source
         self._opened: list[tuple[str, int]] = []
-        self._complained = False
+        self._has_complained = False
 
-    def report(self, at: int, length: int, message: str, hint: str) -> None:
+    def report(self, offset: int, length: int, message: str, hint: str) -> None:
         if len(self.problems) < MOST_DIAGNOSTICS:
-            self.problems.append(diagnostic_at(self._source, at, length, message, hint))
-        self.places.append(at)
+            self.problems.append(diagnostic_at(self._source, offset, length, message, hint))
+        self.places.append(offset)
 
-    def text(self, at: int, token: str) -> None:
+    def text(self, offset: int, token: str) -> None:
         quote = '"""' if token.startswith('"""') else token[0]
         if not _is_closed(token, quote, quote):
-            self._complained = True
+            self._has_complained = True
             message = f"This string is never closed with {quote}"
-            self.report(at, len(token), message, f"Add {quote} at its end.")
-        for found in _ESCAPE.finditer(token) if quote == "'" else ():
-            if _character(found.group()) is None:
-                message = f"{found.group()} is not a valid escape sequence"
+            self.report(offset, len(token), message, f"Add {quote} at its end.")
+        for escape in _ESCAPE.finditer(token) if quote == "'" else ():
+            if _character(escape.group()) is None:
+                message = f"{escape.group()} is not a valid escape sequence"
                 hint = r"Write \\ for a backslash, or put the text in double quotes."
-                self.report(at + found.start(), len(found.group()), message, hint)
+                self.report(offset + escape.start(), len(escape.group()), message, hint)
 
-    def see(self, at: int, sign: str) -> None:
+    def note(self, offset: int, sign: str) -> None:
         """Note a bracket or the end of a statement."""
         if sign == ";":
-            self.ends.append(at)
+            self.ends.append(offset)
             self.end_statement()
         elif sign not in _CLOSES:
-            self._opened.append((sign, at))
+            self._opened.append((sign, offset))
             if len(self._opened) > _DEEPEST:
                 hint = "Split it into named parts."
-                self._complain(at, "Brackets are nested too deeply here", hint)
+                self._complain(offset, "Brackets are nested too deeply here", hint)
         elif self._opened and self._opened[-1][0] == _CLOSES[sign]:
             self._opened.pop()
         elif not self._opened:
-            self._complain(at, f"This '{sign}' closes nothing", "Remove it.")
+            self._complain(offset, f"This '{sign}' closes nothing", "Remove it.")
         else:
             bracket, place = self._opened[-1]
             line, _ = place_of(self._source, place)
             message = f"This '{sign}' does not match the '{bracket}' of line {line}"
-            self._complain(at, message, "Brackets close in the order in which they were opened.")
+            self._complain(
+                offset, message, "Brackets close in the order in which they were opened."
+            )
 
     def end_statement(self) -> None:
         """End a statement, and report its first bracket that was never closed."""
@@ -225,12 +227,12 @@ class _Brackets:
             bracket, place = self._opened[0]
             self._complain(place, f"This '{bracket}' is never closed", "Add the closing bracket.")
         self._opened.clear()
-        self._complained = False
+        self._has_complained = False
 
-    def _complain(self, at: int, message: str, hint: str) -> None:
-        if not self._complained:
-            self._complained = True
-            self.report(at, 1, message, hint)
+    def _complain(self, offset: int, message: str, hint: str) -> None:
+        if not self._has_complained:
+            self._has_complained = True
+            self.report(offset, 1, message, hint)
 
 
 def _is_closed(token: str, opening: str, closing: str) -> bool:
@@ -279,13 +281,13 @@ def _in_double_quotes(token: str) -> str:
     return '"' + token[1:-1].replace('"', _INNER_QUOTE).replace("\\", _INNER_BACKSLASH) + '"'
 
 
-def text_meant(parsed: str) -> str:
+def original_text(parsed: str) -> str:
     """Return the text that the player wrote, from what the parser read in the prepared one."""
     text = parsed.replace(_INNER_QUOTE, '"')
     if _INNER_BACKSLASH not in text:
         return text
     escaped = text.replace(_INNER_BACKSLASH, "\\")
-    return _ESCAPE.sub(lambda found: _character(found.group()) or "", escaped)
+    return _ESCAPE.sub(lambda match: _character(match.group()) or "", escaped)
 
 
 def _character(escape: str) -> str | None:
@@ -309,36 +311,36 @@ _FOREIGN = re.compile(
 )
 """A word, with its accents, or another character, that is not ASCII; the five are operators."""
 
-_MEANT = {
+_LOOKALIKES = {
     **dict(zip("−–—‐‑‒×·÷¬。、", "------**/!.,", strict=True)),
     **dict.fromkeys("“”„‟«»″‘’‚‛′´", "'"),
     **dict(zip("АВЕКМНОРСТУХЅІЈаеорсухѕіј", "ABEKMHOPCTYXSIJaeopcyxsij", strict=True)),  # Cyrillic
     **dict(zip("ΑΒΕΖΗΙΚΜΝΟΡΤΥΧανορυχ", "ABEZHIKMNOPTYXavopux", strict=True)),  # Greek
     **dict(zip("≤≥≠→⇒∧∨∈…", ("<=", ">=", "!=", "->", "=>", "&&", "||", "in", "..."), strict=True)),
 }
-"""What stands in ASCII for characters that look like it, or that mean it elsewhere."""
+"""ASCII for characters that look like it, or that mean it elsewhere."""
 
 
 def _complaint(piece: str) -> tuple[str, str]:
-    """Return what is wrong with a piece that is not in the language, and what to do about it."""
+    """Return a message and a hint for a piece that is not in the language."""
     strange = next(c for c in piece if not c.isascii())
-    shown = f"{strange} (U+{ord(strange):04X}) is not a"
-    meant = "".join(map(_meant, piece))
-    if meant in ("'", '"'):
-        return f"{shown} quote of Logica", """Write plain quotes: '...' or "..."."""
-    if meant.isascii() and meant.isprintable():
-        return f"{shown} character of Logica", f"Write {meant} instead."
+    subject = f"{strange} (U+{ord(strange):04X}) is not a"
+    replacement = "".join(map(_in_ascii, piece))
+    if replacement in ("'", '"'):
+        return f"{subject} quote of Logica", """Write plain quotes: '...' or "..."."""
+    if replacement.isascii() and replacement.isprintable():
+        return f"{subject} character of Logica", f"Write {replacement} instead."
     if strange.isalpha() or piece[0].isalpha():
         message = f"The name {piece} has letters that Logica does not know"
         return message, "Names have the letters a to z, digits and _."
     if not strange.isprintable():
         return f"There is an invisible character here, U+{ord(strange):04X}", "Delete it."
-    return f"{shown} character of Logica", "Put it in quotes, or delete it."
+    return f"{subject} character of Logica", "Put it in quotes, or delete it."
 
 
-def _meant(character: str) -> str:
+def _in_ascii(character: str) -> str:
     if character.isascii():
         return character
     if (digit := unicodedata.decimal(character, None)) is not None:
         return str(digit)
-    return _MEANT.get(character) or unicodedata.normalize("NFKC", character)
+    return _LOOKALIKES.get(character) or unicodedata.normalize("NFKC", character)

@@ -247,7 +247,7 @@ class Head(Node):
     columns: tuple[Argument, ...]
 
     def column(self, name: str) -> Argument | None:
-        return next((each for each in self.columns if each.column == name), None)
+        return next((column for column in self.columns if column.column == name), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,7 +312,7 @@ class Functor(Node):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        return tuple(str(each.field) for each in self.arguments)
+        return tuple(str(argument.field) for argument in self.arguments)
 
 
 Statement: TypeAlias = Rule | Annotation | Functor
@@ -352,12 +352,12 @@ def walk(tree: Tree, stop: Callable[[Node], object] | None = None) -> Iterator[N
         tree: A node, or several.
         stop: Whether to leave out what is inside a node.
     """
-    waiting = [tree] if isinstance(tree, Node) else [*tree][::-1]
-    while waiting:
-        node = waiting.pop()
+    stack = [tree] if isinstance(tree, Node) else [*tree][::-1]
+    while stack:
+        node = stack.pop()
         yield node
         if node.parts and (stop is None or not stop(node)):
-            waiting += [*children(node)][::-1]
+            stack += [*children(node)][::-1]
 
 
 def rebuild(node: N, change: Callable[[Node], Node]) -> N:
@@ -366,11 +366,11 @@ def rebuild(node: N, change: Callable[[Node], Node]) -> N:
     for part in node.parts:
         old = getattr(node, part)
         if type(old) is tuple:
-            new = tuple([change(each) for each in old])
-            if any(one is not other for one, other in zip(old, new, strict=True)):
+            new = tuple([change(child) for child in old])
+            if any(a is not b for a, b in zip(old, new, strict=True)):
                 changed[part] = new
-        elif old is not None and (other := change(old)) is not old:
-            changed[part] = other
+        elif old is not None and (new_node := change(old)) is not old:
+            changed[part] = new_node
     return replace(node, **changed) if changed else node
 
 
@@ -384,15 +384,15 @@ def variables(tree: Tree, *, inside: bool = False) -> frozenset[str]:
     return frozenset(str(n.name) for n in walk(tree, stop) if isinstance(n, Variable))
 
 
-def substitute(node: N, given: Mapping[str, Expression]) -> N:
+def substitute(node: N, bindings: Mapping[str, Expression]) -> N:
     """Return a node with variables replaced by expressions."""
 
     def change(inner: Node) -> Node:
         if isinstance(inner, Variable):
-            return given.get(inner.name, inner)
+            return bindings.get(inner.name, inner)
         return rebuild(inner, change)
 
-    return change(node) if given else node  # type: ignore[return-value]  # a kind for its kind
+    return change(node) if bindings else node  # type: ignore[return-value]  # a kind for its kind
 
 
 def has_rows(tree: Tree) -> bool:
@@ -402,7 +402,7 @@ def has_rows(tree: Tree) -> bool:
 
 def operands(arguments: Iterable[Argument]) -> tuple[Expression, ...]:
     """Return the values of arguments that are not aggregated."""
-    return tuple(e for each in arguments if (e := each.expression) is not None)
+    return tuple(e for argument in arguments if (e := argument.expression) is not None)
 
 
 def conjuncts(body: Proposition | None) -> list[Proposition]:
@@ -414,11 +414,11 @@ def conjuncts(body: Proposition | None) -> list[Proposition]:
 
 
 def alternatives(
-    body: Iterable[Proposition], most: int
+    body: Iterable[Proposition], limit: int
 ) -> list[tuple[list[Proposition], list[Proposition]]]:
-    """Return each choice of a body's alternatives: its parts then, and what was chosen.
+    """Return each choice of a body's alternatives: the parts of the body, and the choice.
 
-    Where there are more than `most` choices, none is made.
+    Where there are more than `limit` choices, none is made.
     """
     body = list(body)
     choices: list[tuple[list[Proposition], list[Proposition]]] = [([], [])]
@@ -426,16 +426,16 @@ def alternatives(
         options: list[tuple[list[Proposition], list[Proposition]]] = [([part], [])]
         if isinstance(part, Disjunction):
             options = [
-                (parts, [branch, *chosen])
+                (parts, [branch, *choice])
                 for branch in part.alternatives
-                for parts, chosen in alternatives(conjuncts(branch), most)
+                for parts, choice in alternatives(conjuncts(branch), limit)
             ]
-        if len(choices) * len(options) > most:
+        if len(choices) * len(options) > limit:
             return [(body, [])]
         choices = [
-            ([*parts, *more], [*chosen, *further])
-            for parts, chosen in choices
-            for more, further in options
+            ([*parts, *new_parts], [*choice, *new_choice])
+            for parts, choice in choices
+            for new_parts, new_choice in options
         ]
     return choices
 
@@ -469,7 +469,7 @@ def infix_of(node: Node) -> Infix | None:
         case Membership():
             return Infix("in", node.element, node.collection)
         case Atom() | Call() if not node.name[:1].isupper():
-            if [each.field for each in node.arguments] == ["left", "right"]:
+            if [argument.field for argument in node.arguments] == ["left", "right"]:
                 return Infix(str(node.name), *operands(node.arguments))
     return None
 
@@ -484,8 +484,8 @@ def text_of(node: Node | None) -> str | None:
     return node.value if isinstance(node, Text) else None
 
 
-def call(name: str, *given: Expression, **named: Expression) -> Call:
-    return Call(name, (*arguments(dict(enumerate(given))), *arguments(named)))
+def call(name: str, *positional: Expression, **named: Expression) -> Call:
+    return Call(name, (*arguments(dict(enumerate(positional))), *arguments(named)))
 
 
 def arguments(values: Columns) -> tuple[Argument, ...]:
@@ -494,7 +494,7 @@ def arguments(values: Columns) -> tuple[Argument, ...]:
 
 def span_of(tree: Tree) -> Span | None:
     """Return the least span that holds the spans of a tree, or None if it has none."""
-    found = [node.span for node in walk(tree, lambda node: node.span) if node.span]
-    if not found:
+    spans = [node.span for node in walk(tree, lambda node: node.span) if node.span]
+    if not spans:
         return None
-    return Span(min(span.start for span in found), max(span.stop for span in found))
+    return Span(min(span.start for span in spans), max(span.stop for span in spans))

@@ -41,10 +41,10 @@ class Word:
     """A text of a sensor that is one of a few words; only messages tell it from other texts.
 
     Attributes:
-        of: What it tells: an ``object``, a ``label`` or a ``robot_name``.
+        field: The field it is in: ``object``, ``label`` or ``robot_name``.
     """
 
-    of: str
+    field: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ def is_known(kind: Kind) -> bool:
     if isinstance(kind, ListOf):
         return is_known(kind.element)
     if isinstance(kind, RecordOf):
-        return all(is_known(of) for _, of in kind.fields)
+        return all(is_known(inner) for _, inner in kind.fields)
     return kind is not Plain.ANY
 
 
@@ -113,53 +113,55 @@ def common(kinds: Iterable[Kind]) -> Kind:
     return reduce(_either, kinds, none)
 
 
-def _either(one: Kind, other: Kind) -> Kind:
-    if one == other or other is Plain.NULL:
-        return one
-    if one is Plain.NULL:
-        return other
-    if is_number(one) and is_number(other):
-        if Plain.REAL in (one, other):
+def _either(left: Kind, right: Kind) -> Kind:
+    if left == right or right is Plain.NULL:
+        return left
+    if left is Plain.NULL:
+        return right
+    if is_number(left) and is_number(right):
+        if Plain.REAL in (left, right):
             return Plain.REAL
-        if is_whole(one) and is_whole(other):
-            return max(one, other, key=digits)
-        return _common_decimal(one, other)
-    if is_text(one) and is_text(other):
+        if is_whole(left) and is_whole(right):
+            return max(left, right, key=digits)
+        return _common_decimal(left, right)
+    if is_text(left) and is_text(right):
         return Plain.TEXT
-    if isinstance(one, ListOf) and isinstance(other, ListOf):
-        return ListOf(_either(one.element, other.element), one.title)
-    if isinstance(one, RecordOf) and isinstance(other, RecordOf):
-        more = dict(other.fields)
-        fields = [(name, _either(of, more.pop(name, Plain.NULL))) for name, of in one.fields]
-        return RecordOf((*fields, *more.items()), one.title)
+    if isinstance(left, ListOf) and isinstance(right, ListOf):
+        return ListOf(_either(left.element, right.element), left.title)
+    if isinstance(left, RecordOf) and isinstance(right, RecordOf):
+        right_fields = dict(right.fields)
+        fields = [
+            (name, _either(kind, right_fields.pop(name, Plain.NULL))) for name, kind in left.fields
+        ]
+        return RecordOf((*fields, *right_fields.items()), left.title)
     return Plain.ANY
 
 
-def _common_decimal(one: Kind, other: Kind) -> Decimal:
-    scale = max(k.scale for k in (one, other) if isinstance(k, Decimal))
-    if Plain.LARGE in (one, other):
+def _common_decimal(left: Kind, right: Kind) -> Decimal:
+    scale = max(k.scale for k in (left, right) if isinstance(k, Decimal))
+    if Plain.LARGE in (left, right):
         return Decimal(scale, MOST_DIGITS - scale)
-    whole = max(k.whole if isinstance(k, Decimal) else digits(k) for k in (one, other))
+    whole = max(k.whole if isinstance(k, Decimal) else digits(k) for k in (left, right))
     return Decimal(min(scale, MOST_DIGITS - whole), whole)
 
 
-def meet(one: Kind, other: Kind) -> Kind:
-    """Return the type of what has two types at once; any type if that is not known."""
-    if one == other or (is_number(one) and is_number(other)):
-        return one
-    if is_text(one) and is_text(other):
-        return other if one is Plain.TEXT else one
+def meet(left: Kind, right: Kind) -> Kind:
+    """Return the type of a value that has two types at once; any type if it is unknown."""
+    if left == right or (is_number(left) and is_number(right)):
+        return left
+    if is_text(left) and is_text(right):
+        return right if left is Plain.TEXT else left
     return Plain.ANY
 
 
-def clash(one: Kind, other: Kind) -> bool:
-    """Return whether no value has both types, null and what it is part of aside."""
-    if isinstance(one, ListOf) and isinstance(other, ListOf):
-        return clash(one.element, other.element)
-    if isinstance(one, RecordOf) and isinstance(other, RecordOf):
-        theirs = dict(other.fields)
-        return any(clash(kind, theirs.get(name, Plain.ANY)) for name, kind in one.fields)
-    return "" not in (family(one), family(other)) and family(one) != family(other)
+def clash(left: Kind, right: Kind) -> bool:
+    """Return whether no value has both types, leaving null and its containers aside."""
+    if isinstance(left, ListOf) and isinstance(right, ListOf):
+        return clash(left.element, right.element)
+    if isinstance(left, RecordOf) and isinstance(right, RecordOf):
+        right_fields = dict(right.fields)
+        return any(clash(kind, right_fields.get(name, Plain.ANY)) for name, kind in left.fields)
+    return "" not in (family(left), family(right)) and family(left) != family(right)
 
 
 def family(kind: Kind) -> str:
@@ -187,7 +189,7 @@ def spell(kind: Kind) -> str:
 
 
 def parse_spelling(text: str) -> Kind:
-    """Return the type of what `try_cast` gives, from how that was spelled for it."""
+    """Return the type that `spell` wrote for `try_cast`."""
     return load_kind(json.loads(text))
 
 
@@ -196,7 +198,7 @@ def dump_kind(kind: Kind, *, is_cast: bool = False) -> Any:
     if isinstance(kind, ListOf):
         return [dump_kind(kind.element, is_cast=is_cast)]
     if isinstance(kind, RecordOf):
-        return {name: dump_kind(of, is_cast=is_cast) for name, of in kind.fields}
+        return {name: dump_kind(inner, is_cast=is_cast) for name, inner in kind.fields}
     if is_cast and (is_number(kind) or kind is Plain.NULL):
         return Plain.ANY.value if kind is Plain.NULL else Plain.REAL.value
     if isinstance(kind, Decimal):
@@ -204,14 +206,14 @@ def dump_kind(kind: Kind, *, is_cast: bool = False) -> Any:
     return kind.value if isinstance(kind, Plain) else Plain.TEXT.value
 
 
-def load_kind(data: Any) -> Kind:
-    if isinstance(data, list):
-        return ListOf(load_kind(data[0]))
-    if isinstance(data, dict):
-        return RecordOf(tuple((name, load_kind(of)) for name, of in data.items()))
-    if data[:1].isdigit():
-        return Decimal(*map(int, data.split()))
-    return Plain.WHOLE if data == "Int" else Plain(data)
+def load_kind(raw: Any) -> Kind:
+    if isinstance(raw, list):
+        return ListOf(load_kind(raw[0]))
+    if isinstance(raw, dict):
+        return RecordOf(tuple((name, load_kind(inner)) for name, inner in raw.items()))
+    if raw[:1].isdigit():
+        return Decimal(*map(int, raw.split()))
+    return Plain.WHOLE if raw == "Int" else Plain(raw)
 
 
 def _kind_of(field: schema.FieldType, words: Mapping[str, Word], name: str = "") -> Kind:
@@ -219,7 +221,7 @@ def _kind_of(field: schema.FieldType, words: Mapping[str, Word], name: str = "")
         return words.get(name, Plain[field.name])
     if isinstance(field, schema.ListOf):
         return ListOf(_kind_of(field.element, words), field.title)
-    fields = tuple((each.name, _kind_of(each.type, words, each.name)) for each in field.fields)
+    fields = tuple((part.name, _kind_of(part.type, words, part.name)) for part in field.fields)
     return RecordOf(fields, field.title)
 
 
@@ -242,15 +244,15 @@ class Function(NamedTuple):
     """The types of a function.
 
     Attributes:
-        takes: Those of its arguments; the last is that of all further ones.
-        gives: That of its value.
+        arguments: Those of its arguments; the last is that of all further ones.
+        result: That of its value.
     """
 
-    takes: tuple[Kind, ...]
-    gives: Kind
+    arguments: tuple[Kind, ...]
+    result: Kind
 
-    def wanted(self, place: int) -> Kind:
-        return self.takes[min(place, len(self.takes) - 1)] if self.takes else Plain.ANY
+    def argument(self, place: int) -> Kind:
+        return self.arguments[min(place, len(self.arguments) - 1)] if self.arguments else Plain.ANY
 
 
 _KINDS: dict[str, Kind] = {
@@ -290,13 +292,13 @@ any -> num: % * + - / ^ Avg Sum WeightedAverage
 
 
 def _functions() -> dict[str, Function]:
-    found: dict[str, Function] = {}
+    functions: dict[str, Function] = {}
     for line in _TABLE.strip().splitlines():
         kinds, _, names = line.partition(": ")
-        takes, _, gives = kinds.partition(" -> ")
-        function = Function(tuple(_KINDS[each] for each in takes.split()), _KINDS[gives])
-        found |= dict.fromkeys(names.split(), function)
-    return {**found, "is not": found["is"]}
+        arguments, _, result = kinds.partition(" -> ")
+        function = Function(tuple(_KINDS[word] for word in arguments.split()), _KINDS[result])
+        functions |= dict.fromkeys(names.split(), function)
+    return {**functions, "is not": functions["is"]}
 
 
 FUNCTIONS = _functions()
@@ -317,7 +319,7 @@ _LISTING = frozenset({"List", "Set"})
 
 
 def result_of(name: str, kinds: Sequence[Kind]) -> Kind:
-    """Return the type of what a built-in function, operator or aggregate gives."""
+    """Return the type of the result of a built-in function, operator or aggregate."""
     first = kinds[0] if kinds else Plain.ANY
     if name == "Element" and isinstance(first, ListOf):
         return first.element
@@ -329,21 +331,21 @@ def result_of(name: str, kinds: Sequence[Kind]) -> Kind:
         return common(kinds[1:])
     if name in ALIKE:
         return common(kinds)
-    return FUNCTIONS[name].gives if name in FUNCTIONS else Plain.ANY
+    return FUNCTIONS[name].result if name in FUNCTIONS else Plain.ANY
 
 
 LONGEST = 40  # characters of a quotation
 _NUMERAL = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*", re.IGNORECASE)
 
 
-def repair(node: tree.Expression, wanted: Kind, given: Kind) -> str:
-    """Return how an expression, or what it meets, becomes one of the wanted type."""
+def repair(node: tree.Expression, expected: Kind, actual: Kind) -> str:
+    """Return how to give an expression, or its counterpart, the expected type."""
     is_short = isinstance(node, tree.Literal) and len(node.value) <= LONGEST
-    if is_short and isinstance(node, tree.Number) and is_text(wanted):
+    if is_short and isinstance(node, tree.Number) and is_text(expected):
         return f'Put it in quotes: "{node.value}".'
-    if is_short and is_number(wanted) and isinstance(node, tree.Text) and is_numeral(node):
+    if is_short and is_number(expected) and isinstance(node, tree.Text) and is_numeral(node):
         return f"Write {node.value} without quotes."
-    match family(wanted), family(given):
+    match family(expected), family(actual):
         case "number", "string":
             return "ToFloat64 turns a string into a number."
         case "string", "number":

@@ -19,20 +19,20 @@ _remark_at = partial(diagnostic_at, severity="warning")
 
 
 def web_remarks(program: Sequence[tree.Statement], text: str) -> list[Diagnostic]:
-    """Return what the web platform would refuse or understand otherwise, in text order."""
+    """Return remarks on what the web platform refuses or understands otherwise, in text order."""
     message = "The web platform has no @Visible: there all robots see everything"
-    found = [
+    remarks = [
         *(
-            _remark(text, each.name, message, "Leave it out there.")
-            for each in program
-            if isinstance(each, tree.Annotation) and each.name == "@Visible"
+            _remark(text, statement.name, message, "Leave it out there.")
+            for statement in program
+            if isinstance(statement, tree.Annotation) and statement.name == "@Visible"
         ),
         *_recursions(program, text),
         *_field_names(program, text),
         *_formats(program, text),
     ]
-    unique = {(each.line, each.column, each.message): each for each in found}
-    return sorted(unique.values(), key=lambda each: (each.line, each.column))
+    unique = {(remark.line, remark.column, remark.message): remark for remark in remarks}
+    return sorted(unique.values(), key=lambda remark: (remark.line, remark.column))
 
 
 # -- recursion ------------------------------------------------------------------------------------
@@ -41,15 +41,15 @@ _EXACT = (4, 5)  # depths that a predicate which calls itself has there too
 
 
 def _recursions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    own = {name: rules_of(each) for name, each in definitions(program).items()}
-    below = {name: reach(rules, own) for name, rules in own.items()}
+    predicates = {name: rules_of(statements) for name, statements in definitions(program).items()}
+    below = {name: reach(rules, predicates) for name, rules in predicates.items()}
     annotations = [e for e in program if isinstance(e, tree.Annotation) and e.name == "@Recursive"]
-    seen: set[str] = set()
-    for name in own:
-        if name in seen or name not in below[name]:
+    visited: set[str] = set()
+    for name in predicates:
+        if name in visited or name not in below[name]:
             continue
-        circle = {other for other in below[name] if name in below.get(other, ())}
-        seen |= circle
+        circle = {callee for callee in below[name] if name in below.get(callee, ())}
+        visited |= circle
         annotation = next((e for e in annotations if e.subject in circle), None)
         options = {} if annotation is None else {a.field: a.value for a in annotation.arguments}
         unrolled, depth = options.get("iterative"), options.get(1)
@@ -83,10 +83,12 @@ _MOST_VALUES = 6  # of Format, besides its text
 
 
 def _field_names(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    seen = set()
+    reported = set()
     for node in tree.walk(program):
         if isinstance(node, tree.Record):
-            names = [each.field for each in node.arguments if isinstance(each.field, str)]
+            names = [
+                argument.field for argument in node.arguments if isinstance(argument.field, str)
+            ]
         elif isinstance(node, tree.FieldAccess) and node.field == _OF_THE_COMPILER:
             names = [node.field]
         else:
@@ -98,8 +100,8 @@ def _field_names(program: Sequence[tree.Statement], text: str) -> Iterator[Diagn
                 message = f"The web platform can't have a field named {name}"
             else:
                 continue
-            if name not in seen:  # once is enough
-                seen.add(name)
+            if name not in reported:  # once is enough
+                reported.add(name)
                 yield _remark(text, name, message, "Choose another name.")
 
 

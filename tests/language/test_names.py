@@ -2,20 +2,20 @@
 
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
-from logical_robots_tui.language.diagnostics import Mention, Names, unknown_names
+from logical_robots_tui.language.diagnostics import LevelNames, Mention, unknown_names
 from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.source_text import prepare
 
 package_patches.install()
 
-NAMES = Names(frozenset({"Ada", "Bo"}), frozenset({"Harbour", "Gate"}))
+NAMES = LevelNames(frozenset({"Ada", "Bo"}), frozenset({"Harbour", "Gate"}))
 RAY = "Sensor(robot_name:, sensor:), ray in sensor.radar"
 
 
 def mentioned(text: str) -> list[tuple[str, str]]:
     parsed = parse(prepare(text))
     found = Inference(parsed.statements, text, parsed.doubtful).mentions
-    return [(mention.text, mention.of) for mention in found]
+    return [(mention.text, mention.field) for mention in found]
 
 
 LABELS = [

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.language import package_patches, tree
-from logical_robots_tui.language.adapter import Parsed, _Reader, _Writer, parse
+from logical_robots_tui.language.adapter import Parsed, _TreeReader, _Writer, parse
 from logical_robots_tui.language.source_text import Prepared, prepare
 from logical_robots_tui.language.tree import Statement
 from tests.mind.differential.corpus import CASES
@@ -51,7 +51,7 @@ def statements(text: str) -> list[tree.Statement]:
 def test_what_goes_to_the_package_comes_back_as_it_was(name: str) -> None:
     for text in texts(name):
         source = parsed(text).source
-        reader, writer = _Reader(source), _Writer(source.text)
+        reader, writer = _TreeReader(source), _Writer(source.text)
         for statement in statements(text):
             assert reader.statement(writer.statement(statement)) == statement, text
 

@@ -21,7 +21,7 @@ from logical_robots_tui.language.checks import IGNORED, check
 from logical_robots_tui.language.definitions import (
     column_labels,
     definitions,
-    lacking,
+    missing_parameters,
     names_used,
     prelude,
     reach,
@@ -55,7 +55,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     parsed = parse(source)
     found, mentions = check(parsed, text, runs)
     rest, visibility, invalid = _take_visibility(parsed.statements, text)
-    _refuse([*found, *invalid], parsed.more)
+    _refuse([*found, *invalid], parsed.excess)
     try:
         compiled = compile_statements(rest, source)
     except ProgramError as error:
@@ -231,7 +231,7 @@ def _compile_predicates(
     statements: dict[str, str] = {}
     predicates = []
     problems: list[Diagnostic] = []
-    own, left_open = definitions(program), lacking(program)
+    own, left_open = definitions(program), missing_parameters(program)
     starts = {name: max(0, getattr(name, "start", 0)) for name in own}
     for done, name in enumerate((MAIN, *(n for n in own if n != MAIN))):
         report(done, len(own))

@@ -17,7 +17,7 @@ from logica.parser_py import parse
 from logica.type_inference.research import infer, reference_algebra, types_of_builtins
 
 from logical_robots_tui.language import package_patches
-from logical_robots_tui.language.source_text import prepare, text_meant
+from logical_robots_tui.language.source_text import original_text, prepare
 
 __all__ = ["Reference", "answer", "answer_in_one"]
 
@@ -139,7 +139,7 @@ def _parsed(text: str) -> list[Any]:
         node = waiting.pop()
         if isinstance(node, dict):
             if isinstance(written := node.get("the_string"), str):
-                node["the_string"] = text_meant(written)
+                node["the_string"] = original_text(written)
             waiting += node.values()
         elif isinstance(node, list):
             waiting += node

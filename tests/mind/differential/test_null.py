@@ -31,8 +31,8 @@ def calls(name: str) -> list[str]:
     """Calls of a function with null at one place each."""
     function = types.FUNCTIONS[name]
     least = 2 if name == "Split" else int(arity(name)[0])
-    places = range(max(len(function.takes), least))
-    samples = [SAMPLES[function.wanted(place)] for place in places]
+    places = range(max(len(function.arguments), least))
+    samples = [SAMPLES[function.argument(place)] for place in places]
     return [
         f"{name}({', '.join([*samples[:place], 'null', *samples[place + 1 :]])})"
         for place in places
