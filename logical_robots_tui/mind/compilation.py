@@ -73,14 +73,14 @@ class SetConstants(Task, frozen=True):
     constants: dict[str, str]
 
 
-class Progress(msgspec.Struct, tag=True):
+class CompileProgress(msgspec.Struct, tag=True):
     """An answer before the last one: how many predicates are compiled, and of how many."""
 
     compiled: int
     total: int
 
 
-class Result(msgspec.Struct, tag=True):
+class TaskResult(msgspec.Struct, tag=True):
     content: msgspec.Raw
 
 
@@ -92,7 +92,7 @@ class Failure(msgspec.Struct, tag=True):
     trace: str
 
 
-_read_answer = msgspec.json.Decoder(Progress | Result | Refusal | Failure).decode
+_read_answer = msgspec.json.Decoder(CompileProgress | TaskResult | Refusal | Failure).decode
 
 
 def check_text(text: str, limits: Limits | None) -> None:
@@ -177,10 +177,10 @@ class _Compiler:
         try:
             for line in self._exchange(request + b"\n", limits, deadline, stop):
                 match _read_answer(line):
-                    case Progress(compiled=compiled, total=total):
+                    case CompileProgress(compiled=compiled, total=total):
                         if report is not None:
                             report(compiled, total)
-                    case Result(content=content):
+                    case TaskResult(content=content):
                         return msgspec.json.decode(content, type=kind)
                     case Refusal(diagnostics=diagnostics):
                         raise ProgramError(diagnostics)

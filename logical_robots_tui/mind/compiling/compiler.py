@@ -44,7 +44,7 @@ from logical_robots_tui.schema import INPUTS, MAIN
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compilation import Report
 
-_DEEPEST_RECURSION = 200
+_MAX_RECURSION = 200
 _ALWAYS_USED = ("->", "`=`", "Arrow")  # by the package, too
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 
@@ -53,19 +53,19 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     """Compile a program; return it and its statements' trees by text; raise ProgramError."""
     source = prepare(text)
     parsed = parse(source)
-    found, mentions = check(parsed, text, runs)
-    rest, visibility, invalid = _take_visibility(parsed.statements, text)
-    _refuse([*found, *invalid], parsed.excess)
+    diagnostics, mentions = check(parsed, text, runs)
+    remaining, visibility, visibility_problems = _take_visibility(parsed.statements, text)
+    _refuse([*diagnostics, *visibility_problems], parsed.excess)
     try:
-        compiled = compile_statements(rest, source)
+        compiled = compile_statements(remaining, source)
     except ProgramError as error:
-        _refuse([*found, *error.diagnostics])
+        _refuse([*diagnostics, *error.diagnostics])
         raise
     statements, predicates, problems = _compile_predicates(
-        compiled, rest, source, report or (lambda _done, _all: None)
+        compiled, remaining, source, report or (lambda _done, _all: None)
     )
-    _refuse([*found, *problems])
-    uses, own = _uses(rest), definitions(rest)
+    _refuse([*diagnostics, *problems])
+    uses, rules = _uses(remaining), definitions(remaining)
     needed = _order_needed(uses, statements)
     inputs = (Predicate(name, "input", None, has_rows=True) for name in INPUTS)
     kinds = {
@@ -77,13 +77,13 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         (*inputs, *sorted(predicates, key=lambda p: p.line or len(text))),
         statements,
         **visibility,
-        warnings=most_important(found),
+        warnings=most_important(diagnostics),
         web=tuple(web_remarks(parsed.statements, source.original)),
         mentions=mentions,
         needed=needed,
         uses=uses,
         truths={name: truths for name in statements if (truths := compiled.truths(name))},
-        labels={name: labels for name in own if (labels := column_labels(name, own))},
+        labels={name: labels for name in rules if (labels := column_labels(name, rules))},
         kinds=json.dumps(kinds),
         recursions=compiled.growth_checks({name: statements[name] for name in needed}),
     )
@@ -116,28 +116,32 @@ def compile_statements(
         expanded = expand_rows(expand_functors([*program]))
         # A grounded predicate is computed once per query instead of in a table.
         grounded = [
-            replace(each, name="@With", arguments=each.arguments[:1])
-            if isinstance(each, Annotation) and each.name == "@Ground"
-            else each
-            for each in expanded
+            replace(statement, name="@With", arguments=statement.arguments[:1])
+            if isinstance(statement, Annotation) and statement.name == "@Ground"
+            else statement
+            for statement in expanded
         ]
-        spelled = spell_out(grounded, source)
-        own, used = definitions(spelled), {*names_used(spelled), *_ALWAYS_USED}
-        library = [rule for rule in prelude() if rule.name in used and rule.name not in own]
-        iterated, found = fixpoints([*spelled, *library])
+        spelled_out = spell_out(grounded, source)
+        rules, names = definitions(spelled_out), {*names_used(spelled_out), *_ALWAYS_USED}
+        library = [rule for rule in prelude() if rule.name in names and rule.name not in rules]
+        iterated, recursions = fixpoints([*spelled_out, *library])
         flags = {"logica_default_engine": "sqlite"}
-        return RobotProgram(to_package(iterated, source), found, tables or {}, user_flags=flags)
+        return RobotProgram(
+            to_package(iterated, source), recursions, tables or {}, user_flags=flags
+        )
     except error_messages.COMPLAINTS as error:
-        problem = _endless(error, program, source.original)
+        problem = _baseless_recursion(error, program, source.original)
         raise ProgramError((problem or error_messages.explain(error, source),)) from None
 
 
-def _refuse(found: list[Diagnostic], more: int = 0) -> None:
-    if any(problem.severity == "error" for problem in found):
-        wrong = {(p.line, p.column) for p in found if p.severity == "error"}
-        found = [p for p in found if p.severity == "error" or (p.line, p.column) not in wrong]
-        unique = {(p.line, p.column, p.message): p for p in found}.values()
-        raise ProgramError(most_important(unique, more))
+def _refuse(diagnostics: list[Diagnostic], omitted: int = 0) -> None:
+    if any(problem.severity == "error" for problem in diagnostics):
+        places = {(p.line, p.column) for p in diagnostics if p.severity == "error"}
+        diagnostics = [
+            p for p in diagnostics if p.severity == "error" or (p.line, p.column) not in places
+        ]
+        unique = {(p.line, p.column, p.message): p for p in diagnostics}.values()
+        raise ProgramError(most_important(unique, omitted))
 
 
 class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package has no types
@@ -160,21 +164,21 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             for name, steps in self.steps.items()
             if name in statements
         }
-        for each in self.fixpoints:
-            if any(name in statements for name in each.names):
-                grows = fixpoint.grows(each, self._steps())
-                checks[each.names[0]] = (each.depth, grows)
+        for recursion in self.fixpoints:
+            if any(name in statements for name in recursion.names):
+                growth_query = fixpoint.growth_query(recursion, self._steps())
+                checks[recursion.names[0]] = (recursion.depth, growth_query)
         return {name: check for name, check in checks.items() if check[1]}
 
     def FormattedPredicateSql(self, name: str) -> str:
         """Return a predicate's SQL with DuckDB's types; raise the package's exceptions."""
-        iterated = next((each for each in self.fixpoints if name in each.names), None)
-        sql = iterated.all_rows(name) if iterated else super().FormattedPredicateSql(name)
-        text, read, self.kinds[name] = as_on_duckdb(
+        recursion = next((f for f in self.fixpoints if name in f.names), None)
+        sql = recursion.all_rows(name) if recursion else super().FormattedPredicateSql(name)
+        text, query_tree, self.kinds[name] = as_on_duckdb(
             fixpoint.with_fixpoints(sql, self._steps()), self.tables
         )
-        if read is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
-            self.trees[text] = read
+        if query_tree is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
+            self.trees[text] = query_tree
         return text
 
     def truths(self, name: str) -> tuple[str, ...]:
@@ -182,18 +186,21 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         kinds = self.kinds.get(name, {})
         return tuple(column for column, kind in kinds.items() if kind is Plain.TRUTH)
 
-    def statements(self, wanted: Iterable[str]) -> dict[str, str]:
-        """Return SQL for the rows of those predicates that can be computed alone."""
-        found = {}
-        for name in wanted:
+    def statements(self, names: Iterable[str]) -> dict[str, str]:
+        """Return SQL for the rows of the predicates that can be computed alone."""
+        statements = {}
+        for name in names:
             with suppress(*error_messages.COMPLAINTS):
-                found[name] = self.FormattedPredicateSql(name).rstrip().removesuffix(";")
-        return found
+                statements[name] = self.FormattedPredicateSql(name).rstrip().removesuffix(";")
+        return statements
 
     def _steps(self) -> dict[Fixpoint, tuple[str, ...]]:
         if not self._step_queries:
-            compiled = super().FormattedPredicateSql
-            self._step_queries = {each: tuple(map(compiled, each.asked)) for each in self.fixpoints}
+            compile_predicate = super().FormattedPredicateSql
+            self._step_queries = {
+                recursion: tuple(map(compile_predicate, recursion.step_predicates))
+                for recursion in self.fixpoints
+            }
         return self._step_queries
 
     def UnfoldRecursion(self, rules: list[Raw]) -> list[Raw]:
@@ -209,16 +216,20 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         for name in recursive:
             options = depths.setdefault(name, {})
             options["iterative"] = False
-            options["1"] = min(options.get("1", fixpoint.DEPTH), _DEEPEST_RECURSION)
+            options["1"] = min(options.get("1", fixpoint.DEPTH), _MAX_RECURSION)
             self.steps[name] = options["1"]
         return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, fixpoint.DEPTH))
 
 
-def _endless(error: BaseException, program: Sequence[Statement], text: str) -> Diagnostic | None:
+def _baseless_recursion(
+    error: BaseException, program: Sequence[Statement], text: str
+) -> Diagnostic | None:
     if "nothing to start from" not in error_messages.plain_message(error):
         return None
-    own = definitions(program)
-    culprit = next((name for name, rules in own.items() if name in reach(rules, own)), None)
+    rules_by_name = definitions(program)
+    culprit = next(
+        (name for name, rules in rules_by_name.items() if name in reach(rules, rules_by_name)), None
+    )
     if culprit is None:
         return None
     message = f"The recursion of {culprit} has nothing to start from"
@@ -231,23 +242,25 @@ def _compile_predicates(
     statements: dict[str, str] = {}
     predicates = []
     problems: list[Diagnostic] = []
-    own, left_open = definitions(program), missing_parameters(program)
-    starts = {name: max(0, getattr(name, "start", 0)) for name in own}
-    for done, name in enumerate((MAIN, *(n for n in own if n != MAIN))):
-        report(done, len(own))
+    rules, unbound_variables = definitions(program), missing_parameters(program)
+    starts = {name: max(0, getattr(name, "start", 0)) for name in rules}
+    for number, name in enumerate((MAIN, *(n for n in rules if n != MAIN))):
+        report(number, len(rules))
         is_function = False
         try:
-            reason = error_messages.OPEN.format(name, left_open[name]) if name in left_open else ""
-            if not reason:
+            reason = ""
+            if name in unbound_variables:
+                reason = error_messages.OPEN.format(name, unbound_variables[name])
+            else:
                 statements[name] = compiled.FormattedPredicateSql(name)
         except error_messages.COMPLAINTS as error:
             reason = error_messages.FUNCTION.format(name)
-            heads = [each.head if isinstance(each, Rule) else each for each in own[name]]
-            lacking_ones = error_messages.unbound_variables(error)
+            heads = [rule.head if isinstance(rule, Rule) else rule for rule in rules[name]]
+            unbound = error_messages.unbound_variables(error)
             is_function = (
                 name != MAIN
                 and error_messages.is_function(error)
-                and tree.variables(heads, inside=True).issuperset(lacking_ones)
+                and tree.variables(heads, inside=True).issuperset(unbound)
             )
             if not is_function:
                 reason = f"{name} can't be computed: {error_messages.plain_message(error)}"
@@ -255,7 +268,7 @@ def _compile_predicates(
         line = source.original.count("\n", 0, starts[name]) + 1
         predicates.append(Predicate(name, "program", line, not reason, reason, is_function))
     for name in definitions(prelude()):
-        if name not in own and name.isidentifier():
+        if name not in rules and name.isidentifier():
             reason = error_messages.FUNCTION.format(name)
             predicates.append(Predicate(name, "prelude", None, has_rows=False, reason=reason))
     return statements, predicates, problems if MAIN not in statements else []
@@ -265,38 +278,38 @@ def _take_visibility(
     program: Sequence[Statement], text: str
 ) -> tuple[list[Statement], dict[str, Any], list[Diagnostic]]:
     visibility: dict[str, Any] = {}
-    rest: list[Statement] = []
+    statements: list[Statement] = []
     problems = []
-    for each in program:
-        if not isinstance(each, Annotation) or each.name != "@Visible":
-            if each.name not in IGNORED:
-                rest.append(each)
+    for statement in program:
+        if not isinstance(statement, Annotation) or statement.name != "@Visible":
+            if statement.name not in IGNORED:
+                statements.append(statement)
             continue
-        wanted = "".join(tree.text_of(value) or "" for value in each.values[:1])
-        if wanted in _VISIBILITY.get(each.subject, ()):
-            visibility[each.subject.lower()] = wanted
+        visibility_name = "".join(tree.text_of(value) or "" for value in statement.values[:1])
+        if visibility_name in _VISIBILITY.get(statement.subject, ()):
+            visibility[statement.subject.lower()] = visibility_name
         else:
             message = "This is not a visibility that robots can have"
             hint = 'Write @Visible(Memory, "own"), "seen" or "all", '
             hint += 'or @Visible(Sensor, "own") or "all".'
-            problems.append(diagnostic_for(text, each.name, message, hint))
-    return rest, visibility, problems
+            problems.append(diagnostic_for(text, statement.name, message, hint))
+    return statements, visibility, problems
 
 
 def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
-    own = definitions(program)
+    rules_by_name = definitions(program)
     library = (name for name in definitions(prelude()) if name.isidentifier())
-    known = {*own, *INPUTS, *library}
+    names = {*rules_by_name, *INPUTS, *library}
     return {
         str(name): tuple(
             dict.fromkeys(
-                str(other)
-                for statement in mine
-                for other in names_used(statement)
-                if other in known and not (isinstance(statement, Functor) and other == name)
+                str(used_name)
+                for statement in rules
+                for used_name in names_used(statement)
+                if used_name in names and not (isinstance(statement, Functor) and used_name == name)
             )
         )
-        for name, mine in own.items()
+        for name, rules in rules_by_name.items()
     }
 
 
@@ -304,13 +317,13 @@ def _order_needed(
     uses: Mapping[str, tuple[str, ...]], statements: Mapping[str, str]
 ) -> tuple[str, ...]:
     ordered: list[str] = []
-    seen = set()
+    visited = set()
 
     def visit(name: str) -> None:
-        if name in uses and name not in seen:
-            seen.add(name)
-            for other in uses[name]:
-                visit(other)
+        if name in uses and name not in visited:
+            visited.add(name)
+            for used_name in uses[name]:
+                visit(used_name)
             if name in statements:
                 ordered.append(name)
 
@@ -320,37 +333,44 @@ def _order_needed(
 
 def explain(error: BaseException, source: Prepared, program: Sequence[Statement]) -> Diagnostic:
     """Return the diagnostic for an exception raised for a program that could be parsed."""
-    found = error_messages.explain(error, source)
+    diagnostic = error_messages.explain(error, source)
     names = error_messages.unbound_variables(error)
     start, _ = error_messages.rule_of(error, source)
-    rules = (each for each in program if isinstance(each, Rule))
+    rules = (s for s in program if isinstance(s, Rule))
     rule = next((r for r in rules if r.span and r.span.start <= start < r.span.stop), None)
     if not names or rule is None:
-        return found
-    name = found.excerpt if found.excerpt in names else names[0]
-    own = definitions(program)
-    called = [n for n in tree.walk(rule) if isinstance(n, tree.Atom | tree.Call) and n.name in own]
+        return diagnostic
+    name = diagnostic.excerpt if diagnostic.excerpt in names else names[0]
+    rules_by_name = definitions(program)
+    calls = [
+        n
+        for n in tree.walk(rule)
+        if isinstance(n, tree.Atom | tree.Call) and n.name in rules_by_name
+    ]
     if name not in tree.variables(rule, inside=True):
-        for each in called:
-            heads = [other.head for other in rules_of(own[each.name])]
-            if name in tree.variables(heads, inside=True) and each.span:
-                message = f"{each.name} needs a value for {name}"
-                hint, length = "Add the missing argument.", len(each.name)
-                return diagnostic_at(source.original, each.span.start, length, message, hint)
+        for call in calls:
+            heads = [callee_rule.head for callee_rule in rules_of(rules_by_name[call.name])]
+            if name in tree.variables(heads, inside=True) and call.span:
+                message = f"{call.name} needs a value for {name}"
+                hint, length = "Add the missing argument.", len(call.name)
+                return diagnostic_at(source.original, call.span.start, length, message, hint)
     elif isinstance(rule.body, tree.Disjunction):
         hint = "A '|' divides the whole body: put the alternatives in brackets, (a | b)."
-        at = next(n.span.start for n in _uses_of(name, rule) if n.span)
+        offset = next(n.span.start for n in _uses_of(name, rule) if n.span)
         message = f"{name} has no value in one of the alternatives"
-        return diagnostic_at(source.original, at, len(name), message, hint)
-    takers = [
-        e.name for e in called for v in tree.operands(e.arguments) if tree.variable_of(v) == name
+        return diagnostic_at(source.original, offset, len(name), message, hint)
+    callees = [
+        call.name
+        for call in calls
+        for value in tree.operands(call.arguments)
+        if tree.variable_of(value) == name
     ]
-    is_given_only = len(takers) == sum(1 for _ in _uses_of(name, rule.body or ()))
-    if len({*takers}) == 1 and is_given_only and not found.hint.startswith("Did you mean"):
-        taker = takers[0]
-        hint = f"{taker} gives it no value: set it here, or in the rule of {taker}."
-        return replace(found, hint=hint)
-    return found
+    is_given_only = len(callees) == sum(1 for _ in _uses_of(name, rule.body or ()))
+    if len({*callees}) == 1 and is_given_only and not diagnostic.hint.startswith("Did you mean"):
+        callee = callees[0]
+        hint = f"{callee} gives it no value: set it here, or in the rule of {callee}."
+        return replace(diagnostic, hint=hint)
+    return diagnostic
 
 
 def _uses_of(name: str, part: tree.Tree) -> Iterator[tree.Variable]:

@@ -117,8 +117,10 @@ def runs(name: str) -> bool:
     template = _templates().get(name)
     if not template:
         return False
-    least, most = arity(name)
-    counts = range(least, min(int(most), least + 2) + 1) if most < math.inf else range(2, 3)
+    smallest, largest = arity(name)
+    counts = (
+        range(smallest, min(int(largest), smallest + 2) + 1) if largest < math.inf else range(2, 3)
+    )
     return any(_compiles(template, count) for count in counts)
 
 

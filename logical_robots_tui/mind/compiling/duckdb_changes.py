@@ -16,44 +16,44 @@ def call(name: str, *arguments: exp.Expr) -> exp.Anonymous:
     return exp.Anonymous(this=name, expressions=list(arguments))
 
 
-def conform(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
+def conform(value: exp.Expr, kind: Kind, target: Kind) -> None:
     """Coerce an expression in place to the common type, also inside written records and lists."""
     if isinstance(value, exp.Paren | exp.Alias):
-        conform(value.this, kind, wanted)
-    elif types.is_whole(kind) and (wanted is Plain.REAL or isinstance(wanted, Decimal)):
+        conform(value.this, kind, target)
+    elif types.is_whole(kind) and (target is Plain.REAL or isinstance(target, Decimal)):
         is_written = isinstance(value, exp.Literal)
         value.replace(exp.Literal.number(f"{value.name}.0") if is_written else cast(value, "REAL"))
     elif isinstance(value, exp.Case):
         for arm in sql.arms(value):
-            conform(arm, kind, wanted)
-    elif isinstance(kind, Decimal) and isinstance(wanted, Decimal):
-        if kind.scale > wanted.scale:
-            value.replace(call("ROUND", value.copy(), exp.Literal.number(wanted.scale)))
-    elif sql.call_name(value) == "json_object" and isinstance(wanted, RecordOf):
-        _conform_fields(value, kind, wanted)
+            conform(arm, kind, target)
+    elif isinstance(kind, Decimal) and isinstance(target, Decimal):
+        if kind.scale > target.scale:
+            value.replace(call("ROUND", value.copy(), exp.Literal.number(target.scale)))
+    elif sql.call_name(value) == "json_object" and isinstance(target, RecordOf):
+        _conform_fields(value, kind, target)
     elif sql.call_name(value) == "json_array":
-        if isinstance(kind, ListOf) and isinstance(wanted, ListOf):
+        if isinstance(kind, ListOf) and isinstance(target, ListOf):
             for element in list(value.expressions):
-                conform(element, kind.element, wanted.element)
+                conform(element, kind.element, target.element)
     elif (
         types.is_nested(kind)
-        and kind != wanted
-        and types.is_nested(wanted)
-        and types.is_known(wanted)
+        and kind != target
+        and types.is_nested(target)
+        and types.is_known(target)
     ):
-        is_real = _as_cast(wanted, in_order=False) == wanted  # as all numbers of `try_cast`
+        is_real = _as_cast(target, in_order=False) == target  # as all numbers of `try_cast`
         if is_real:
-            value.replace(call("try_cast", value.copy(), exp.Literal.string(types.spell(wanted))))
+            value.replace(call("try_cast", value.copy(), exp.Literal.string(types.spell(target))))
 
 
-def _conform_fields(record: exp.Expr, kind: Kind, wanted: RecordOf) -> None:
+def _conform_fields(record: exp.Expr, kind: Kind, target: RecordOf) -> None:
     if not isinstance(kind, RecordOf):
         return
     for name, value in zip(record.expressions[::2], record.expressions[1::2], strict=True):
-        conform(value, kind.field(name.name), wanted.field(name.name))
+        conform(value, kind.field(name.name), target.field(name.name))
     values = {n.name: (n, v) for n, v in zip(*[iter(record.expressions)] * 2, strict=True)}
-    missing = ((exp.Literal.string(name), exp.Null()) for name, _ in wanted.fields)
-    pairs = [values.get(n.name, (n, null)) for n, null in missing]
+    nulls = ((exp.Literal.string(name), exp.Null()) for name, _ in target.fields)
+    pairs = [values.get(n.name, (n, default)) for n, default in nulls]
     if len(pairs) >= len(values) and pairs != [*values.values()]:
         record.set("expressions", [part for pair in pairs for part in pair])
 
@@ -62,71 +62,73 @@ def cast(value: exp.Expr, to: str) -> exp.Expr:
     return call("CAST", exp.Alias(this=value.copy(), alias=exp.to_identifier(to)))
 
 
-_MAKERS = frozenset({"json", "json_array", "json_extract", "json_group_array", "json_object"})
-"""Functions whose result SQLite takes for JSON, and not for a text, where it is put into JSON."""
+_JSON_FUNCTIONS = frozenset(
+    {"json", "json_array", "json_extract", "json_group_array", "json_object"}
+)
+"""Functions whose results SQLite treats as JSON, not as texts, inside JSON."""
 
-_PASSING_ON = frozenset({"coalesce", "ifnull", "iif", "if", "nullif"})
+_TRANSPARENT_FUNCTIONS = frozenset({"coalesce", "ifnull", "iif", "if", "nullif"})
 
 _EXACT_DIGITS = 15
-"""That SQLite writes of a number in JSON; DuckDB takes a decimal of no more for a real number."""
+"""The digits of a number in JSON text; DuckDB reads a decimal with no more as a real number."""
 
 
-def extract(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
-    """Return the type of the value at a path in JSON; negative places are null."""
-    whole, path = kinds[0], made.expressions[1]
+def extract(node: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
+    """Return the type of the value at a path in JSON; negative indexes give null."""
+    container, path = kinds[0], node.expressions[1]
     if isinstance(path, exp.Literal):
         name = path.name.removeprefix("$.").strip('"')
-        return whole.field(name) if isinstance(whole, RecordOf) else Plain.ANY
-    place = next(path.find_all(exp.Alias), None)
-    if place is not None and not isinstance(place.this.unnest(), exp.Literal):
-        index = place.parent
+        return container.field(name) if isinstance(container, RecordOf) else Plain.ANY
+    cast_index = next(path.find_all(exp.Alias), None)
+    if cast_index is not None and not isinstance(cast_index.this.unnest(), exp.Literal):
+        index = cast_index.parent
         assert index is not None
-        nowhere = exp.Literal.number(-1)
-        at = call("NULLIF", call("greatest", index.copy(), nowhere), nowhere.copy())
-        index.replace(at)
-    return whole.element if isinstance(whole, ListOf) else Plain.ANY
+        minus_one = exp.Literal.number(-1)
+        checked_index = call("NULLIF", call("greatest", index.copy(), minus_one), minus_one.copy())
+        index.replace(checked_index)
+    return container.element if isinstance(container, ListOf) else Plain.ANY
 
 
-def round_place(cast: exp.Expr, kind: Kind) -> None:
-    """Round a place in a list to the nearest one, halves of real numbers as DuckDB does."""
+def round_index(cast: exp.Expr, kind: Kind) -> None:
+    """Round an index into a list, halves of real numbers as DuckDB does."""
     if types.is_whole(kind) or isinstance(cast.this.unnest(), exp.Boolean):
         return
-    after = exp.Add(this=exp.Paren(this=cast.this.copy()), expression=exp.Literal.number(1))
+    successor = exp.Add(this=exp.Paren(this=cast.this.copy()), expression=exp.Literal.number(1))
     name = "ROUND" if isinstance(kind, Decimal) else "to_whole"
-    cast.set("this", exp.Sub(this=call(name, after), expression=exp.Literal.number(1)))
+    cast.set("this", exp.Sub(this=call(name, successor), expression=exp.Literal.number(1)))
 
 
 def skip_nulls(node: exp.In, listed: exp.Select) -> None:
-    """Let a value be null in no list but for being null: other nulls in the list do not count."""
+    """Make a membership test null only for a null value; nulls in the list do not count."""
     value = sql.expression("value")
     sql.restrict(listed, exp.Not(this=exp.Is(this=value, expression=exp.Null())))
     is_null = exp.Is(this=node.this.copy(), expression=exp.Null())
     node.replace(call("IIF", is_null, exp.Null(), node.copy()))
 
 
-def make_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
+def make_json(node: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     """Return the type of a record or list made of values, which are written as JSON."""
-    name = sql.call_name(made)
-    values = list(made.expressions)
+    name = sql.call_name(node)
+    values = list(node.expressions)
     if name in ("json_object", "json_group_object"):
-        names = [each.name.strip('"') for each in values[::2]]
+        names = [item.name.strip('"') for item in values[::2]]
         if name == "json_object":
-            for written, plain in zip(values[::2], names, strict=True):
-                written.replace(exp.Literal.string(plain))
+            for key, field_name in zip(values[::2], names, strict=True):
+                key.replace(exp.Literal.string(field_name))
         for value, kind in zip(values[1::2], kinds[1::2], strict=True):
             _as_json(value, kind)
         if name == "json_group_object":
             return Plain.ANY
         return RecordOf(tuple(zip(names, kinds[1::2], strict=True)))
-    parent, element = sql.call_name(made.parent), common(kinds)
+    parent, element = sql.call_name(node.parent), common(kinds)
     is_row = parent == "json_group_array"  # of a recursion
-    is_tie = parent == "json_each" and [each.name for each in values] == ["0"]  # of a subquery
+    is_tie = parent == "json_each" and [item.name for item in values] == ["0"]  # of a subquery
     if name != "json_array" or not (is_row or is_tie):
         element = _as_cast(element) if name == "json_array" else element
         for value, kind in zip(values, kinds, strict=True):
             conform(value, kind, element)
         kinds = [element] * len(kinds)
-    for value, kind in zip(list(made.expressions), kinds, strict=True):
+    for value, kind in zip(list(node.expressions), kinds, strict=True):
         _as_json(value, kind)
     return ListOf(element)
 
@@ -160,92 +162,92 @@ def _is_json(value: exp.Expr) -> bool:
     if isinstance(value, exp.Case):
         return all(map(_is_json, sql.arms(value)))
     name = sql.call_name(value)
-    if name in _PASSING_ON:
+    if name in _TRANSPARENT_FUNCTIONS:
         values = value.expressions[1:] if name in ("iif", "if") else value.expressions
         return all(map(_is_json, values[:1] if name == "nullif" else values))
-    return name in _MAKERS or isinstance(value, exp.Null)
+    return name in _JSON_FUNCTIONS or isinstance(value, exp.Null)
 
 
-def _rename(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    """Call the function that does the same with records, lists or texts."""
-    name, nested = made.name.lower(), [*map(types.is_nested, kinds)]
+def _rename(node: exp.Anonymous, kinds: Sequence[Kind], result_kind: Kind) -> Kind:
+    """Call the corresponding function for records, lists or texts."""
+    name, nested = node.name.lower(), [*map(types.is_nested, kinds)]
     if name == "any_value":
-        made.set("this", "MIN")
+        node.set("this", "MIN")
     elif name in ("max", "min") and nested == [True]:
-        made.set("this", "least_nested" if name == "min" else "greatest_nested")
+        node.set("this", "least_nested" if name == "min" else "greatest_nested")
     elif name.startswith("arg_") and nested[1:2] == [True]:
-        made.set("this", f"{name}_of_nested")
+        node.set("this", f"{name}_of_nested")
     elif name == "json_array_length" and kinds[0] is Plain.TEXT:
-        made.set("this", "length")
-    return found
+        node.set("this", "length")
+    return result_kind
 
 
-def _choice(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if made.name.lower() == "concatenate" and not isinstance(found, ListOf):
-        return found
-    values = list(zip(made.expressions, kinds, strict=True))
-    for value, kind in values[1:] if made.name.lower() in ("iif", "if") else values:
-        if kind != found:
-            conform(value, kind, found)
-    return found
+def _choice(node: exp.Anonymous, kinds: Sequence[Kind], result_kind: Kind) -> Kind:
+    if node.name.lower() == "concatenate" and not isinstance(result_kind, ListOf):
+        return result_kind
+    values = list(zip(node.expressions, kinds, strict=True))
+    for value, kind in values[1:] if node.name.lower() in ("iif", "if") else values:
+        if kind != result_kind:
+            conform(value, kind, result_kind)
+    return result_kind
 
 
-def _text(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+def _text(node: exp.Anonymous, kinds: Sequence[Kind], result_kind: Kind) -> Kind:
     (kind,) = kinds
     if kind is Plain.TRUTH:
-        made.set("this", "truth_to_text")
+        node.set("this", "truth_to_text")
     elif isinstance(kind, Decimal):
-        made.set("this", "decimal_to_text")
-        made.append("expressions", exp.Literal.number(kind.scale))
-    return found
+        node.set("this", "decimal_to_text")
+        node.append("expressions", exp.Literal.number(kind.scale))
+    return result_kind
 
 
-def _to_whole(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+def _to_whole(node: exp.Anonymous, kinds: Sequence[Kind], result_kind: Kind) -> Kind:
     """Round halves away from zero; `to_whole` rounds those of real numbers to even."""
     if kinds[0] is not Plain.REAL:
-        made.replace(cast(call("ROUND", made.expressions[0].copy()), "INTEGER"))
-    return found
+        node.replace(cast(call("ROUND", node.expressions[0].copy()), "INTEGER"))
+    return result_kind
 
 
-def _round(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    digits = made.expressions[1].unnest() if len(kinds) > 1 else exp.Literal.number(0)
+def _round(node: exp.Anonymous, kinds: Sequence[Kind], result_kind: Kind) -> Kind:
+    digits = node.expressions[1].unnest() if len(kinds) > 1 else exp.Literal.number(0)
     if not isinstance(digits, exp.Literal):
-        made.set("this", "round_to")
+        node.set("this", "round_to")
         if not isinstance(digits, exp.Neg):
-            return Plain.REAL if isinstance(kinds[0], Decimal) else found
+            return Plain.REAL if isinstance(kinds[0], Decimal) else result_kind
     elif isinstance(kinds[0], Decimal):
         return replace(kinds[0], scale=min(kinds[0].scale, int(digits.name)))
-    if types.is_whole(found):
-        made.replace(cast(made, "INTEGER"))
-    return found
+    if types.is_whole(result_kind):
+        node.replace(cast(node, "INTEGER"))
+    return result_kind
 
 
-def _cut(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if found is Plain.REAL and types.is_whole(kinds[0]):
-        made.replace(cast(made, "REAL"))
-        return found
-    return _round(made, kinds, found)
+def _round_or_cast(node: exp.Anonymous, kinds: Sequence[Kind], result_kind: Kind) -> Kind:
+    if result_kind is Plain.REAL and types.is_whole(kinds[0]):
+        node.replace(cast(node, "REAL"))
+        return result_kind
+    return _round(node, kinds, result_kind)
 
 
-def _total(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
-    if isinstance(found, Decimal):
-        made.replace(call("ROUND", made.copy(), exp.Literal.number(found.scale)))
-    return found
+def _total(node: exp.Anonymous, _: Sequence[Kind], result_kind: Kind) -> Kind:
+    if isinstance(result_kind, Decimal):
+        node.replace(call("ROUND", node.copy(), exp.Literal.number(result_kind.scale)))
+    return result_kind
 
 
-def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kind:
+def _cast_as_example(node: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kind:
     """Replace an example by its type if that is known; otherwise SQLite examines the value."""
-    wanted = _as_cast(kinds[1])
-    spell_truth(made.expressions[0], kinds[0], wanted)
-    if types.is_known(wanted):
-        made.set("this", "try_cast")
-        made.set("expressions", [made.expressions[0], exp.Literal.string(types.spell(wanted))])
-    return wanted
+    target = _as_cast(kinds[1])
+    spell_truth(node.expressions[0], kinds[0], target)
+    if types.is_known(target):
+        node.set("this", "try_cast")
+        node.set("expressions", [node.expressions[0], exp.Literal.string(types.spell(target))])
+    return target
 
 
-def spell_truth(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
-    """Let a Boolean that becomes a text be ``true`` or ``false``."""
-    if kind is Plain.TRUTH and wanted is Plain.TEXT:
+def spell_truth(value: exp.Expr, kind: Kind, target: Kind) -> None:
+    """Convert a Boolean to the text ``true`` or ``false`` where it becomes a text."""
+    if kind is Plain.TRUTH and target is Plain.TEXT:
         value.replace(call("truth_to_text", value.copy()))
 
 
@@ -254,7 +256,9 @@ def _as_cast(kind: Kind, *, in_order: bool = True) -> Kind:
     if isinstance(kind, ListOf):
         return ListOf(_as_cast(kind.element, in_order=in_order))
     if isinstance(kind, RecordOf):
-        fields = [(name, _as_cast(of, in_order=in_order)) for name, of in kind.fields]
+        fields = [
+            (name, _as_cast(field_kind, in_order=in_order)) for name, field_kind in kind.fields
+        ]
         by_name = sorted(fields, key=lambda field: field[0])
         return RecordOf(tuple(by_name if in_order else fields))
     return Plain.REAL if types.is_number(kind) else kind
@@ -263,7 +267,7 @@ def _as_cast(kind: Kind, *, in_order: bool = True) -> Kind:
 CHANGES = {
     **dict.fromkeys(("arg_max", "arg_max_k", "arg_min", "arg_min_k", "max", "min"), _rename),
     **dict.fromkeys(("any_value", "json_array_length"), _rename),
-    **dict.fromkeys(("ceil", "ceiling", "floor"), _cut),
+    **dict.fromkeys(("ceil", "ceiling", "floor"), _round_or_cast),
     **dict.fromkeys(("coalesce", "concat_some_lists", "concatenate", "greatest", "least"), _choice),
     **dict.fromkeys(("if", "ifnull", "iif"), _choice),
     "round": _round,
@@ -272,4 +276,4 @@ CHANGES = {
     "to_whole": _to_whole,
     "try_cast_like": _cast_as_example,
 }
-"""By function what writes a call as DuckDB means it, and returns the type of what it gives."""
+"""By function, what rewrites a call as DuckDB evaluates it, and returns its type."""

@@ -14,7 +14,7 @@ from logical_robots_tui.mind.compiling import duckdb_changes as changes
 from logical_robots_tui.mind.compiling.duckdb_changes import conform
 from logical_robots_tui.mind.tuning import sql
 
-_GIVE: dict[Kind, tuple[str, ...]] = {
+_NAMES_BY_RESULT: dict[Kind, tuple[str, ...]] = {
     Plain.TEXT: (
         *("character", "format", "formatted", "group_concat", "join_list", "lower_text", "ltrim"),
         *("pad_left", "pad_right", "regexp_extract", "repeat_text"),
@@ -34,9 +34,9 @@ _GIVE: dict[Kind, tuple[str, ...]] = {
     Plain.TRUTH: ("ends_with", "json_valid", "like", "list_has", "starts_with"),
 }
 
-_GIVES = {name: kind for kind, names in _GIVE.items() for name in names}
+_RESULTS = {name: kind for kind, names in _NAMES_BY_RESULT.items() for name in names}
 
-_FIRST = frozenset(
+_LIKE_FIRST_ARGUMENT = frozenset(
     {
         *("abs", "any_value", "arg_max", "arg_max_of_nested", "arg_min", "arg_min_of_nested"),
         *("first_value", "greatest_nested", "lag", "last_value", "lead", "least_nested"),
@@ -44,29 +44,29 @@ _FIRST = frozenset(
     }
 )
 
-_ONE_OF_THEM = frozenset({"coalesce", "concat_some_lists", "greatest", "ifnull", "least"})
+_LIKE_ALL_ARGUMENTS = frozenset({"coalesce", "concat_some_lists", "greatest", "ifnull", "least"})
 
 _SHORT_DIGITS = 18
-"""Decimal numbers of no more digits are multiplied to one of no more, if that holds the scale."""
+"""The product of decimals of at most so many digits has no more, if that holds the scale."""
 
-_LISTING = (
+_LIST_FUNCTIONS = (
     *("arg_max_k", "arg_max_k_of_nested", "arg_min_k", "arg_min_k_of_nested"),
     *("json_group_array", "list_of_distinct"),
 )
 
 
 def _result_of(name: str, kinds: Sequence[Kind]) -> Kind:
-    """Return the type of what a function gives."""
-    if name in _GIVES:
-        return _GIVES[name]
-    if name in _ONE_OF_THEM:
+    """Return the type of a function's result."""
+    if name in _RESULTS:
+        return _RESULTS[name]
+    if name in _LIKE_ALL_ARGUMENTS:
         return common(kinds)
     if not kinds:
         return Plain.ANY
-    if name in _FIRST:
+    if name in _LIKE_FIRST_ARGUMENT:
         return kinds[0]
-    made = _MADE.get(name)
-    return made(kinds) if made is not None else Plain.ANY
+    infer = _INFERENCE.get(name)
+    return infer(kinds) if infer is not None else Plain.ANY
 
 
 def _sum(kinds: Sequence[Kind]) -> Kind:
@@ -74,14 +74,14 @@ def _sum(kinds: Sequence[Kind]) -> Kind:
 
 
 def _product(left: Kind, right: Kind) -> Kind:
-    found = _sum((left, right))
-    if not isinstance(found, Decimal):
-        return found
+    kind = _sum((left, right))
+    if not isinstance(kind, Decimal):
+        return kind
     scale = sum(k.scale for k in (left, right) if isinstance(k, Decimal))
-    most = types.digits(left) + types.digits(right)
-    if max(types.digits(left), types.digits(right)) <= _SHORT_DIGITS < most:
-        most = _SHORT_DIGITS
-    return Decimal(scale, min(most, types.MOST_DIGITS) - scale)
+    max_digits = types.digits(left) + types.digits(right)
+    if max(types.digits(left), types.digits(right)) <= _SHORT_DIGITS < max_digits:
+        max_digits = _SHORT_DIGITS
+    return Decimal(scale, min(max_digits, types.MOST_DIGITS) - scale)
 
 
 def _total(kinds: Sequence[Kind]) -> Kind:
@@ -102,13 +102,13 @@ def _concat(kinds: Sequence[Kind]) -> Kind:
     return Plain.TEXT if Plain.TEXT in kinds else Plain.ANY
 
 
-_MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
+_INFERENCE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
     # DuckDB's floor or ceiling of a whole number is real.
     **dict.fromkeys(
         ("ceil", "ceiling", "floor", "trunc"),
         lambda kinds: Plain.REAL if types.is_whole(kinds[0]) else _round(kinds),
     ),
-    **dict.fromkeys(_LISTING, lambda kinds: ListOf(kinds[0])),
+    **dict.fromkeys(_LIST_FUNCTIONS, lambda kinds: ListOf(kinds[0])),
     "array_by": lambda kinds: ListOf(kinds[1]) if len(kinds) > 1 else Plain.ANY,
     "concat_lists": lambda kinds: kinds[0],
     "concatenate": _concat,
@@ -149,16 +149,16 @@ def as_on_duckdb(
     """
     try:
         tree = sql.parse(statement)
-        before = tree.copy()
-        columns = _Reader(tables or {}).query(tree)
+        original = tree.copy()
+        columns = _TypeInference(tables or {}).query(tree)
         sql.drop_parentheses(tree)
     except (SqlglotError, ValueError, RecursionError):
         return statement, None, {}
-    return statement if tree == before else f"{sql.render(tree, pretty=True)};", tree, columns
+    return statement if tree == original else f"{sql.render(tree, pretty=True)};", tree, columns
 
 
-class _Reader:
-    """One query. Methods that return an expression's type rewrite the expression in place."""
+class _TypeInference:
+    """The types in one query. Methods that return an expression's type rewrite it in place."""
 
     def __init__(self, tables: Tables) -> None:
         self._tables = tables
@@ -179,33 +179,33 @@ class _Reader:
 
     def _union(self, tree: exp.SetOperation) -> Columns:
         arms = []
-        waiting: list[exp.Expr] = [tree]
-        while waiting:
-            node = waiting.pop()
+        pending: list[exp.Expr] = [tree]
+        while pending:
+            node = pending.pop()
             if isinstance(node, exp.SetOperation):
-                waiting += [node.expression, node.this]
+                pending += [node.expression, node.this]
             else:
                 arms.append((node, list(self.query(node).items())))
         columns: Columns = {}
-        for place, (name, _) in enumerate(arms[0][1]):
-            kinds = [found[place][1] for _, found in arms]
+        for index, (name, _) in enumerate(arms[0][1]):
+            kinds = [arm_columns[index][1] for _, arm_columns in arms]
             columns[name] = common(kinds)
             for (arm, _), kind in zip(arms, kinds, strict=True):
                 if kind != columns[name] and isinstance(arm, exp.Select) and not arm.is_star:
-                    item = arm.expressions[place]
+                    item = arm.expressions[index]
                     conform(item.unalias(), kind, columns[name])
         return columns
 
     def _select(self, select: exp.Select) -> Columns:
-        here: dict[str, Columns] = {}
-        self._scopes.append(here)
+        source_columns: dict[str, Columns] = {}
+        self._scopes.append(source_columns)
         for alias, table in sql.sources(select).items():
-            here[alias] = self._source(table)
+            source_columns[alias] = self._source(table)
         columns: Columns = {}
         for item in select.expressions:
             if isinstance(item, exp.Star):
-                for given in here.values():
-                    columns |= given
+                for table_columns in source_columns.values():
+                    columns |= table_columns
             else:
                 columns[item.alias_or_name] = self.kind(
                     item.this if isinstance(item, exp.Alias) else item
@@ -225,13 +225,13 @@ class _Reader:
         if isinstance(table, exp.Subquery):
             return self.query(table.this)
         if sql.call_name(table.this) == "json_each":
-            (listed, *_) = table.this.expressions
-            found = self.kind(listed)
-            return {"value": found.element if isinstance(found, ListOf) else Plain.ANY}
+            (list_expression, *_) = table.this.expressions
+            list_kind = self.kind(list_expression)
+            return {"value": list_kind.element if isinstance(list_kind, ListOf) else Plain.ANY}
         if table.name in self._named:
             return self._named[table.name]
-        known = self._tables.get(table.name) or _INPUTS.get(table.name.lower(), {})
-        return dict(known)
+        columns = self._tables.get(table.name) or _INPUTS.get(table.name.lower(), {})
+        return dict(columns)
 
     # -- expressions ---------------------------------------------------------------------------
 
@@ -295,39 +295,39 @@ class _Reader:
         return Plain.ANY
 
     def _case(self, case: exp.Case) -> Kind:
-        for tested in (case.this, *(branch.this for branch in case.args["ifs"])):
-            if tested is not None:
-                self.kind(tested)
+        for test in (case.this, *(branch.this for branch in case.args["ifs"])):
+            if test is not None:
+                self.kind(test)
         kinds = [self.kind(value) for value in sql.arms(case)]
-        chosen = common(kinds)  # null, as without ELSE, has any type
+        result_kind = common(kinds)  # null, as without ELSE, has any type
         for value, kind in zip(sql.arms(case), kinds, strict=True):
-            if kind != chosen:
-                conform(value, kind, chosen)
-        return chosen
+            if kind != result_kind:
+                conform(value, kind, result_kind)
+        return result_kind
 
     def _arithmetic(self, node: exp.Binary) -> Kind:
         left, right = self.kind(node.this), self.kind(node.expression)
-        found = _product(left, right) if isinstance(node, exp.Mul) else _sum((left, right))
-        if not isinstance(found, Decimal):
-            return found
-        if found.scale > _MOST_DIGITS:
+        result_kind = _product(left, right) if isinstance(node, exp.Mul) else _sum((left, right))
+        if not isinstance(result_kind, Decimal):
+            return result_kind
+        if result_kind.scale > _MOST_DIGITS:
             return Plain.REAL
-        # It has no digits that decimals would not have.
+        # Rounded, so that it has only the digits of the decimal.
         for side in (node.this.unnest(), node.expression.unnest()):
             if sql.call_name(side) == "round":
                 side.replace(side.expressions[0])
-        node.replace(changes.call("ROUND", node.copy(), exp.Literal.number(found.scale)))
-        return found
+        node.replace(changes.call("ROUND", node.copy(), exp.Literal.number(result_kind.scale)))
+        return result_kind
 
     def _in(self, node: exp.In) -> Kind:
-        looked_for = self.kind(node.this)
+        element_kind = self.kind(node.this)
         if (query := node.args.get("query")) is not None:
-            listed = sql.sources(query.this)
+            tables = sql.sources(query.this)
             self.query(query.this)
-            calls = [t.this for t in listed.values() if sql.call_name(t.this) == "json_each"]
-            if types.is_nested(looked_for) and calls:
-                listed_values = calls[0].expressions[0].copy()
-                node.replace(changes.call("list_has", listed_values, node.this.copy()))
+            calls = [t.this for t in tables.values() if sql.call_name(t.this) == "json_each"]
+            if types.is_nested(element_kind) and calls:
+                list_expression = calls[0].expressions[0].copy()
+                node.replace(changes.call("list_has", list_expression, node.this.copy()))
             elif calls and not sql.is_condition(node):
                 changes.skip_nulls(node, query.this)
         for item in list(node.expressions):
@@ -339,7 +339,7 @@ class _Reader:
         if name == "cast":
             (cast,) = call.expressions
             if (kind := self.kind(cast.this)) is not Plain.TEXT and cast.alias == "INTEGER":
-                changes.round_place(cast, kind)
+                changes.round_index(cast, kind)
             return {"REAL": Plain.REAL, "INTEGER": Plain.WHOLE}.get(cast.alias, Plain.ANY)
         kinds = [self.kind(argument) for argument in call.expressions]
         arguments = call.expressions  # after they were rewritten
@@ -348,13 +348,13 @@ class _Reader:
         if name == "json_extract":
             return changes.extract(call, kinds)
         if name == "try_cast":
-            wanted = types.parse_spelling(arguments[1].name)
-            if wanted is Plain.WHOLE and isinstance(kinds[0], Decimal):
+            target = types.parse_spelling(arguments[1].name)
+            if target is Plain.WHOLE and isinstance(kinds[0], Decimal):
                 arguments[0].replace(changes.call("ROUND", arguments[0].copy()))
-            changes.spell_truth(arguments[0], kinds[0], wanted)
-            return wanted
-        found, change = _result_of(name, kinds), changes.CHANGES.get(name)
-        return found if change is None else change(call, kinds, found)
+            changes.spell_truth(arguments[0], kinds[0], target)
+            return target
+        result_kind, change = _result_of(name, kinds), changes.CHANGES.get(name)
+        return result_kind if change is None else change(call, kinds, result_kind)
 
 
 def _literal(node: exp.Literal) -> Kind:
@@ -364,5 +364,5 @@ def _literal(node: exp.Literal) -> Kind:
         return Plain.SMALL if int(node.this) <= _MOST_SMALL else Plain.WHOLE
     if "e" in node.this.lower():
         return Plain.REAL
-    whole, _, rest = node.this.partition(".")
-    return Decimal(len(rest), len(whole))
+    whole, _, fraction = node.this.partition(".")
+    return Decimal(len(fraction), len(whole))

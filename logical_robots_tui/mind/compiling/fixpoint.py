@@ -40,7 +40,7 @@ DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 
 @dataclass(frozen=True, slots=True)
 class Fixpoint:
-    """Predicates that are computed together by iterating.
+    """Predicates that are iterated together.
 
     Attributes:
         names: The predicates whose rows are passed from step to step.
@@ -55,7 +55,7 @@ class Fixpoint:
     orders: tuple[tuple[str, str], ...] = ()
 
     @property
-    def asked(self) -> tuple[str, ...]:
+    def step_predicates(self) -> tuple[str, ...]:
         """The predicates whose queries a step needs: one per name, and one for the stop."""
         return (*map(_next, self.names), *([_next(self.stop)] if self.stop else []))
 
@@ -80,14 +80,14 @@ def fixpoints(program: Sequence[tree.Statement]) -> tuple[list[tree.Statement], 
     Returns:
         The program, with rules for one step in place of each recursion; and the recursions.
     """
-    own: dict[str, list[tree.Rule]] = {}
+    rules: dict[str, list[tree.Rule]] = {}
     for rule in rules_of(program):
-        own.setdefault(str(rule.name), []).append(rule)
-    search = _Search(program, own)
-    annotated = {each.subject for each in program if isinstance(each, tree.Annotation)}
-    for name in sorted(own, key=lambda name: name not in annotated):  # those may have satellites
-        search.extract(name)
-    return search.statements, search.found
+        rules.setdefault(str(rule.name), []).append(rule)
+    extractor = _RecursionExtractor(program, rules)
+    annotated = {s.subject for s in program if isinstance(s, tree.Annotation)}
+    for name in sorted(rules, key=lambda name: name not in annotated):  # these may have satellites
+        extractor.extract(name)
+    return extractor.statements, extractor.fixpoints
 
 
 def _alternative_rules(rule: tree.Rule) -> list[tree.Rule]:
@@ -98,111 +98,120 @@ def _alternative_rules(rule: tree.Rule) -> list[tree.Rule]:
     return [replace(rule, body=tree.Conjunction(tuple(parts))) for parts, _ in choices]
 
 
-class _Search:
-    """Extracts recursions one after the other; `statements` is what is left of the program."""
+class _RecursionExtractor:
+    """Extracts recursions in turn; `statements` holds the rest of the program."""
 
-    def __init__(self, program: Sequence[tree.Statement], own: dict[str, list[tree.Rule]]) -> None:
+    def __init__(
+        self, program: Sequence[tree.Statement], rules_by_name: dict[str, list[tree.Rule]]
+    ) -> None:
         self.statements = list(program)
-        self.found: list[Fixpoint] = []
-        self._own = own
-        self._uses = {n: {str(c) for c in names_used(mine) if c in own} for n, mine in own.items()}
-        self._annotations = [each for each in program if isinstance(each, tree.Annotation)]
-        self._done: set[str] = set()
-        made = functor_names(program)
-        times = Counter((each.name, each.subject) for each in self._annotations)
-        limited = {each.subject for each in self._annotations if each.name == "@Limit"}
-        repeated = {subject for (_, subject), number in times.items() if number > 1}  # an error
-        self._excluded = made | limited | repeated
+        self.fixpoints: list[Fixpoint] = []
+        self._rules = rules_by_name
+        self._uses = {
+            n: {str(c) for c in names_used(rules) if c in rules_by_name}
+            for n, rules in rules_by_name.items()
+        }
+        self._annotations = [a for a in program if isinstance(a, tree.Annotation)]
+        self._extracted: set[str] = set()
+        functors = functor_names(program)
+        counts = Counter((a.name, a.subject) for a in self._annotations)
+        limited_names = {a.subject for a in self._annotations if a.name == "@Limit"}
+        repeated_names = {subject for (_, subject), n in counts.items() if n > 1}  # an error
+        self._excluded = functors | limited_names | repeated_names
 
     def extract(self, name: str) -> None:
         # The predicates mutually recursive with it, itself included.
-        circle = {other for other in _below(name, self._uses) if name in _below(other, self._uses)}
-        if not circle or circle & (self._done | self._excluded):
+        circle = {
+            callee
+            for callee in _reachable(name, self._uses)
+            if name in _reachable(callee, self._uses)
+        }
+        if not circle or circle & (self._extracted | self._excluded):
             return
-        recursive = [
-            each
-            for each in self._annotations
-            if each.name == "@Recursive" and each.subject in circle
-        ]
-        options = [argument for each in recursive for argument in each.arguments[1:]]
+        recursive = [a for a in self._annotations if a.name == "@Recursive" and a.subject in circle]
+        options = [argument for annotation in recursive for argument in annotation.arguments[1:]]
         stops = (o.value for o in options if o.field == "stop")
         stop = next((str(v.name) for v in stops if isinstance(v, tree.PredicateName)), "")
-        beside = {
-            str(each.name)
+        satellites = {
+            str(element.name)
             for option in options
             if option.field == "satellites" and isinstance(option.value, tree.List)
-            for each in option.value.elements
-            if isinstance(each, tree.PredicateName) and each.name in self._own
+            for element in option.value.elements
+            if isinstance(element, tree.PredicateName) and element.name in self._rules
         }
-        # These are read from the step before, so that a stop can compare a step with it.
-        beside |= {
-            other
-            for other in _below(stop, self._uses) - circle - {stop}
-            if circle & _below(other, self._uses)
+        # These are read from the previous step, so that a stop can compare steps.
+        satellites |= {
+            callee
+            for callee in _reachable(stop, self._uses) - circle - {stop}
+            if circle & _reachable(callee, self._uses)
         }
-        together = circle | beside
-        for other in together:
-            self._own[other] = [*chain.from_iterable(map(_alternative_rules, self._own[other]))]
-        if not any(not together & _needs(rule) for each in together for rule in self._own[each]):
+        iterated = circle | satellites
+        for member in iterated:
+            self._rules[member] = [
+                *chain.from_iterable(map(_alternative_rules, self._rules[member]))
+            ]
+        rules = [rule for member in iterated for rule in self._rules[member]]
+        if all(iterated & _needs(rule) for rule in rules):
             return  # nothing to begin with
-        names = (*self._cuts(circle), *sorted(beside - circle))
-        given = (o.value for o in options if o.field == 1 and isinstance(o.value, tree.Number))
-        depth = next((int(float(each.value)) for each in given), -1 if stop else DEPTH)
-        depth = min(depth, MOST_STEPS) if depth >= 0 else MOST_STEPS  # -1: as many as it takes
+        names = (*self._cuts(circle), *sorted(satellites - circle))
+        depths = (o.value for o in options if o.field == 1 and isinstance(o.value, tree.Number))
+        depth = next((int(float(number.value)) for number in depths), -1 if stop else DEPTH)
+        depth = min(depth, MOST_STEPS) if depth >= 0 else MOST_STEPS  # -1: no limit of its own
         orders = tuple(
-            (each.subject, ", ".join(filter(None, map(tree.text_of, each.values))))
-            for each in self._annotations
-            if each.name == "@OrderBy" and each.subject in names
+            (annotation.subject, ", ".join(filter(None, map(tree.text_of, annotation.values))))
+            for annotation in self._annotations
+            if annotation.name == "@OrderBy" and annotation.subject in names
         )
         fixpoint = Fixpoint(names, depth, stop, orders)
         self.statements = [
-            each
-            for each in self.statements
-            if each not in recursive
-            and (each.subject if isinstance(each, tree.Annotation) else each.name) not in names
+            statement
+            for statement in self.statements
+            if statement not in recursive
+            and (statement.subject if isinstance(statement, tree.Annotation) else statement.name)
+            not in names
         ]
         self.statements += self._step(fixpoint, circle)
-        self.found.append(fixpoint)
-        self._done |= together
+        self.fixpoints.append(fixpoint)
+        self._extracted |= iterated
 
     def _cuts(self, circle: Collection[str]) -> list[str]:
-        """Return members without which there is no circle, as few as are easily found."""
-        ordered = [name for name in self._own if name in circle]
-        annotated = {each.subject for each in self._annotations if each.name == "@Recursive"}
+        """Return members whose removal breaks every circle, few of them, by a greedy search."""
+        ordered = [name for name in self._rules if name in circle]
+        annotated = {a.subject for a in self._annotations if a.name == "@Recursive"}
         candidates = sorted(ordered, key=lambda name: name not in annotated)
         for name in candidates:
-            if not self._left(ordered, [name]):
+            if not self._in_circle(ordered, [name]):
                 return [name]
         cuts: list[str] = []
-        while left := self._left(candidates, cuts):
-            cuts.append(left[0])
+        while remaining := self._in_circle(candidates, cuts):
+            cuts.append(remaining[0])
         return cuts
 
-    def _left(self, names: Sequence[str], cuts: Collection[str]) -> list[str]:
+    def _in_circle(self, names: Sequence[str], cuts: Collection[str]) -> list[str]:
         """Return the names that still are in a circle."""
-        return [n for n in names if n not in cuts and n in _below(n, self._uses, cuts)]
+        return [n for n in names if n not in cuts and n in _reachable(n, self._uses, cuts)]
 
     def _step(self, fixpoint: Fixpoint, circle: set[str]) -> Iterator[tree.Rule]:
-        copies = {name: f"{name}_For_{fixpoint.asked[0]}" for name in circle}
+        copies = {name: f"{name}_For_{fixpoint.step_predicates[0]}" for name in circle}
         calls = {**copies, **{name: _last(name) for name in fixpoint.names}}
-        heads = {**copies, **dict(zip(fixpoint.names, fixpoint.asked, strict=False))}
+        heads = {**copies, **dict(zip(fixpoint.names, fixpoint.step_predicates, strict=False))}
         if fixpoint.stop:
-            heads[fixpoint.stop] = fixpoint.asked[-1]
+            heads[fixpoint.stop] = fixpoint.step_predicates[-1]
         for name, head in heads.items():
-            for rule in self._own.get(name, ()):
-                copied = rename(rule, calls)
-                yield replace(copied, head=replace(copied.head, name=head))
+            for rule in self._rules.get(name, ()):
+                copy = rename(rule, calls)
+                yield replace(copy, head=replace(copy.head, name=head))
 
 
-def _below(name: str, uses: Mapping[str, set[str]], without: Collection[str] = ()) -> set[str]:
-    seen: set[str] = set()
-    waiting = [*uses.get(name, ())]
-    while waiting:
-        other = waiting.pop()
-        if other not in seen and other not in without:
-            seen.add(other)
-            waiting += uses[other]
-    return seen
+def _reachable(name: str, uses: Mapping[str, set[str]], excluded: Collection[str] = ()) -> set[str]:
+    visited: set[str] = set()
+    pending = [*uses.get(name, ())]
+    while pending:
+        callee = pending.pop()
+        if callee not in visited and callee not in excluded:
+            visited.add(callee)
+            pending += uses[callee]
+    return visited
 
 
 def _needs(rule: tree.Rule) -> set[str]:
@@ -226,66 +235,71 @@ def with_fixpoints(statement: str, steps: Mapping[Fixpoint, Sequence[str]]) -> s
     return f"{sql.render(_with_steps(query, steps), pretty=True)};"
 
 
-def grows(fixpoint: Fixpoint, steps: Mapping[Fixpoint, Sequence[str]]) -> str:
+def growth_query(fixpoint: Fixpoint, steps: Mapping[Fixpoint, Sequence[str]]) -> str:
     """Return a query for 1 if the last step of a recursion still changed something, else 0."""
     name = f"{STEPS}{fixpoint.names[0]}"
-    last = f"step > {fixpoint.depth} AND {_found(fixpoint, name)} IS NOT before"
+    last = f"step > {fixpoint.depth} AND {_step_state(fixpoint, name)} IS NOT before"
     query = f"SELECT EXISTS (SELECT 1 FROM {name} WHERE {last})"  # noqa: S608 - our own SQL
     return sql.render(_with_steps(sql.parse(query), steps), pretty=True)
 
 
 def _with_steps(query: exp.Query, steps: Mapping[Fixpoint, Sequence[str]]) -> exp.Query:
     queries = [
-        each
+        named_query
         for fixpoint, statements in steps.items()
-        for each in _queries(fixpoint, [*map(sql.parse, statements)])
+        for named_query in _queries(fixpoint, [*map(sql.parse, statements)])
     ]
-    both = [*queries, *sql.named_queries(query)]
-    query.set("with_", exp.With(expressions=both, recursive=True))
+    named_queries = [*queries, *sql.named_queries(query)]
+    query.set("with_", exp.With(expressions=named_queries, recursive=True))
     for fixpoint in steps:
         for name in fixpoint.names:
-            _read_instead(query, name, f"t_0_{name}")
+            _replace_table(query, name, f"t_0_{name}")
     return query
 
 
-def _read_instead(query: exp.Query, name: str, other: str) -> bool:
+def _replace_table(query: exp.Query, name: str, replacement: str) -> bool:
     tables = [table for table in query.find_all(exp.Table) if table.name == name]
     for table in tables:
-        table.replace(exp.alias_(exp.to_table(other), table.alias_or_name, table=True))
+        table.replace(exp.alias_(exp.to_table(replacement), table.alias_or_name, table=True))
     return bool(tables)
 
 
-def _found(fixpoint: Fixpoint, table: str) -> str:
+def _step_state(fixpoint: Fixpoint, table: str) -> str:
     """Return all lists of a step as one value; two steps with the same one are equal."""
     return " || ".join(f"{table}.found{number}" for number, _ in enumerate(fixpoint.names))
 
 
-def _queries(fixpoint: Fixpoint, asked: Sequence[exp.Query]) -> list[exp.CTE]:
+def _queries(fixpoint: Fixpoint, queries: Sequence[exp.Query]) -> list[exp.CTE]:
     """Return the common table expressions for a recursion's steps and its final rows."""
     name = f"{STEPS}{fixpoint.names[0]}"
-    columns = {each: _columns(query) for each, query in zip(fixpoint.names, asked, strict=False)}
-    for query in asked:
+    columns = {
+        predicate: _columns(query)
+        for predicate, query in zip(fixpoint.names, queries, strict=False)
+    }
+    for query in queries:
         _read_last_step(query, name, columns)
     lists = ", ".join(
-        f"{_as_list(query, columns[each])} AS found{number}"
-        for number, (each, query) in enumerate(zip(fixpoint.names, asked, strict=False))
+        f"{_as_list(query, columns[predicate])} AS found{number}"
+        for number, (predicate, query) in enumerate(zip(fixpoint.names, queries, strict=False))
     )
-    nothing = ", ".join(f"'[]' AS found{number}" for number, _ in enumerate(fixpoint.names))
-    goes_on = f"{name}.step <= {fixpoint.depth} AND ({_found(fixpoint, name)}) IS NOT {name}.before"
+    initial_lists = ", ".join(f"'[]' AS found{number}" for number, _ in enumerate(fixpoint.names))
+    condition = (
+        f"{name}.step <= {fixpoint.depth} AND ({_step_state(fixpoint, name)}) IS NOT {name}.before"
+    )
     if fixpoint.stop:
-        stopped = f"EXISTS (SELECT 1 FROM ({sql.render(asked[-1])}) AS stop)"  # noqa: S608 - our own SQL
-        goes_on += f" AND ({name}.step = 0 OR NOT {stopped})"
-    last = f"FROM {name} ORDER BY step DESC LIMIT 1"
+        stop_test = f"EXISTS (SELECT 1 FROM ({sql.render(queries[-1])}) AS stop)"  # noqa: S608 - our own SQL
+        condition += f" AND ({name}.step = 0 OR NOT {stop_test})"
+    last_step = f"FROM {name} ORDER BY step DESC LIMIT 1"
     rows = ", ".join(
-        f"t_0_{each} AS ({_rows(columns[each], f'(SELECT found{number} {last})')})"
-        for number, each in enumerate(fixpoint.names)
+        f"t_0_{predicate} AS ({_rows(columns[predicate], f'(SELECT found{number} {last_step})')})"
+        for number, predicate in enumerate(fixpoint.names)
     )
     text = f"""
     WITH {name} AS (
-      SELECT 0 AS step, {nothing}, NULL AS before
+      SELECT 0 AS step, {initial_lists}, NULL AS before
       UNION ALL
-      SELECT {name}.step + 1 AS step, {lists}, {_found(fixpoint, name)} AS before
-      FROM {name} WHERE {goes_on}),
+      SELECT {name}.step + 1 AS step, {lists}, {_step_state(fixpoint, name)} AS before
+      FROM {name} WHERE {condition}),
     {rows}
     SELECT 1"""  # noqa: S608 - the compiler's own SQL
     return sql.named_queries(sql.parse(text))
@@ -294,12 +308,12 @@ def _queries(fixpoint: Fixpoint, asked: Sequence[exp.Query]) -> list[exp.CTE]:
 def _read_last_step(query: exp.Query, steps: str, columns: Mapping[str, list[str]]) -> None:
     """Let a query read the rows of the last step from its lists."""
     tables: list[exp.Expr] = []
-    for number, (name, own) in enumerate(columns.items()):
-        before = f"t_0_before_{name}"
-        if _read_instead(query, _last(name), before):
+    for number, (name, column_names) in enumerate(columns.items()):
+        previous_table = f"t_0_before_{name}"
+        if _replace_table(query, _last(name), previous_table):
             rows = exp.CTE(
-                this=sql.parse(_rows(own, f"{steps}.found{number}")),
-                alias=exp.TableAlias(this=exp.to_identifier(before)),
+                this=sql.parse(_rows(column_names, f"{steps}.found{number}")),
+                alias=exp.TableAlias(this=exp.to_identifier(previous_table)),
                 materialized=True,  # or it would be evaluated again for each joined row
             )
             tables.append(rows)
@@ -308,15 +322,15 @@ def _read_last_step(query: exp.Query, steps: str, columns: Mapping[str, list[str
 
 
 def _as_list(query: exp.Query, columns: Sequence[str]) -> str:
-    made = ", ".join(f"made.{column}" for column in columns)
+    values = ", ".join(f"made.{column}" for column in columns)
     order = ", ".join(map(str, range(1, len(columns) + 1)))
     ordered = f"SELECT * FROM ({sql.render(query)}) AS step ORDER BY {order}"  # noqa: S608 - our own SQL
-    return f"(SELECT json_group_array(json_array({made})) FROM ({ordered}) AS made)"  # noqa: S608 - our own SQL
+    return f"(SELECT json_group_array(json_array({values})) FROM ({ordered}) AS made)"  # noqa: S608 - our own SQL
 
 
-def _rows(columns: list[str], listed: str) -> str:
+def _rows(columns: list[str], rows_list: str) -> str:
     values = (f"json_extract(listed.value, '$[{n}]') AS {c}" for n, c in enumerate(columns))
-    return f"SELECT {', '.join(values)} FROM json_each({listed}) AS listed"  # noqa: S608 - our own SQL
+    return f"SELECT {', '.join(values)} FROM json_each({rows_list}) AS listed"  # noqa: S608 - our own SQL
 
 
 def _columns(query: Any) -> list[str]:
@@ -332,21 +346,21 @@ def growth_check(statement: str, predicate: str, steps: int) -> str:
     """Return a query for whether the last unrolled step changed anything, or "" if unknown."""
     if not statement.startswith("WITH "):
         return ""
-    before = rf"\b(t_\d+_{re.escape(predicate)}_f?r{steps - 1}) AS \("
-    step, last = re.search(before, statement), _last_query(statement)
+    step_pattern = rf"\b(t_\d+_{re.escape(predicate)}_f?r{steps - 1}) AS \("
+    step, last = re.search(step_pattern, statement), _last_query(statement)
     if step is None or last is None:
         return ""
-    named, query = statement[:last].rstrip(), statement[last:].strip().rstrip(";")
-    changed = f"SELECT * FROM the_last_step EXCEPT SELECT * FROM {step.group(1)}"  # noqa: S608 - the compiler's own SQL
-    return f"{named},\nthe_last_step AS ({query})\nSELECT EXISTS ({changed})"
+    queries, query = statement[:last].rstrip(), statement[last:].strip().rstrip(";")
+    difference = f"SELECT * FROM the_last_step EXCEPT SELECT * FROM {step.group(1)}"  # noqa: S608 - the compiler's own SQL
+    return f"{queries},\nthe_last_step AS ({query})\nSELECT EXISTS ({difference})"
 
 
 def _last_query(statement: str) -> int | None:
     """Return the offset of the final SELECT, after all named queries."""
     depth = 0
-    for found in _PIECE.finditer(statement):
-        piece = found.group()
+    for match in _PIECE.finditer(statement):
+        piece = match.group()
         depth += (piece == "(") - (piece == ")")
         if piece == "SELECT" and depth == 0:
-            return found.start()
+            return match.start()
     return None

@@ -37,13 +37,13 @@ from logical_robots_tui.mind.asking import in_plain_words
 from logical_robots_tui.mind.compilation import (
     NO_MEMORY,
     CompileProgram,
+    CompileProgress,
     CompileQuestion,
     Failure,
-    Progress,
     Refusal,
-    Result,
     SetConstants,
     Task,
+    TaskResult,
 )
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
@@ -58,9 +58,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compilation import Report
 
 _LONGEST_MESSAGE = 1_000
-_MOST_SQL = 4_000_000  # characters of all statements of a program
+_MAX_SQL = 4_000_000  # characters of all statements of a program
 _PREPARE_SECONDS = 1.0
-_LEAST_SECONDS = 0.001  # none would be without a limit
+_MIN_SECONDS = 0.001  # none would be without a limit
 
 _SAMPLE = "Robot(robot_name: x, desire: Snesor(x));"
 """A program whose mistake loads what messages need; all else is loaded with this module."""
@@ -97,7 +97,7 @@ def serve(jobs: Mapping[type[Task], Job]) -> None:
         limit(resource.RLIMIT_NPROC, 0)
     while True:
         task = read_task(tasks.get())
-        signal.setitimer(signal.ITIMER_PROF, max(seconds, _LEAST_SECONDS))  # ends the process
+        signal.setitimer(signal.ITIMER_PROF, max(seconds, _MIN_SECONDS))  # ends the process
         try:
             answer = do(task, jobs, partial(_report, answers))
             signal.setitimer(signal.ITIMER_PROF, 0)
@@ -106,13 +106,13 @@ def serve(jobs: Mapping[type[Task], Job]) -> None:
             os._exit(NO_MEMORY)
 
 
-def _write(answers: IO[bytes], answer: Progress | Result | Refusal | Failure) -> None:
+def _write(answers: IO[bytes], answer: CompileProgress | TaskResult | Refusal | Failure) -> None:
     answers.write(msgspec.json.encode(answer) + b"\n")
     answers.flush()
 
 
 def _report(answers: IO[bytes], compiled: int, total: int) -> None:
-    _write(answers, Progress(compiled, total))
+    _write(answers, CompileProgress(compiled, total))
 
 
 def warm_up() -> None:
@@ -130,11 +130,11 @@ def _read(lines: IO[bytes], tasks: queue.Queue[bytes]) -> None:
 
 def do(
     task: Task, jobs: Mapping[type[Task], Job], report: Report | None = None
-) -> Result | Refusal | Failure:
+) -> TaskResult | Refusal | Failure:
     """Return the result of a task, the diagnostics of its program, or the trace of a bug."""
     try:
         job = jobs[type(task)] if type(task) in jobs else partial(_compile, report=report)
-        return Result(msgspec.Raw(_encode(job(task))))
+        return TaskResult(msgspec.Raw(_encode(job(task))))
     except ProgramError as error:
         return Refusal(tuple(map(_shortened, error.diagnostics[: MOST_DIAGNOSTICS + 1])))
     except MemoryError:
@@ -167,7 +167,7 @@ def _shortened(diagnostic: Diagnostic) -> Diagnostic:
 
 def _compile(task: CompileProgram, report: Report | None) -> Program:
     program, trees = compiler.compile_text(task.text, report)
-    _try_out(program)
+    _check_preparable(program)
     order = sorted(program.statements, key=lambda name: name not in program.needed)
     statements = {
         MAIN: program.statements[MAIN],
@@ -181,8 +181,8 @@ def _compile_question(task: CompileQuestion) -> CompiledQuery:
     """Raises ProgramError if it has errors, or SQLite can't prepare it in reasonable time."""
     question = compile_question(task.text, task.query)
     with closing(Database()) as database:
-        if trouble := _trouble(database, question.sql):
-            message = f"The query can't be computed: {trouble}"
+        if failure := _failure_of(database, question.sql):
+            message = f"The query can't be computed: {failure}"
             hint = "Check it, and the predicates that it uses."
             raise ProgramError((Diagnostic(1, 1, message, hint),))
     # For a table with the columns that there are already.
@@ -197,65 +197,69 @@ JOBS: Mapping[type[Task], Job] = {
 }
 
 
-def _try_out(program: Program) -> None:
+def _check_preparable(program: Program) -> None:
     """Refuse a program whose statements SQLite can't prepare in reasonable time.
 
     SQLite inlines named subqueries before it checks for interrupts, so this is done here, where
     the process can be killed.
     """
-    if sum(map(len, program.statements.values())) > _MOST_SQL:
+    if sum(map(len, program.statements.values())) > _MAX_SQL:
         raise _too_large()
-    failed: dict[str, str] = {}
+    failures: dict[str, str] = {}
     with closing(Database()) as database:
         checks = [("", sql) for _, sql in program.recursions.values()]
         for name, sql in (*program.statements.items(), *checks):
-            if trouble := _trouble(database, sql):
-                failed[name] = trouble
+            if failure := _failure_of(database, sql):
+                failures[name] = failure
     # Errors in predicates that Robot does not use are reported when they are queried.
-    culprit = next((name for name in program.needed if name in failed), None)
-    for predicate in program.predicates if MAIN in failed else ():
+    culprit = next((name for name in program.needed if name in failures), None)
+    for predicate in program.predicates if MAIN in failures else ():
         if predicate.name == culprit:
-            if "aggregate" in failed[culprit]:
-                called = (w for w in program.warnings if w.message.endswith(CALLED_AGGREGATE))
-                wrong = tuple(replace(each, severity="error") for each in called)
-                if wrong:
-                    raise ProgramError(wrong)
-            message = f"{predicate.name} can't be computed: {failed[predicate.name]}"
+            if "aggregate" in failures[culprit]:
+                misused = (w for w in program.warnings if w.message.endswith(CALLED_AGGREGATE))
+                errors = tuple(replace(warning, severity="error") for warning in misused)
+                if errors:
+                    raise ProgramError(errors)
+            message = f"{predicate.name} can't be computed: {failures[predicate.name]}"
             hint = "Check its rules and the annotations that name it."
             raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))
 
 
-def keep_preparable(every: dict[str, Tuned]) -> dict[str, Tuned]:
+def keep_preparable(queries: dict[str, Tuned]) -> dict[str, Tuned]:
     """Return the tuned queries that SQLite can prepare in reasonable time."""
-    kept = {}
+    preparable = {}
     with closing(Database(layout=COLUMNS_LAYOUT)) as database:
         database.register(WHOLE_RAY, lambda _: None)
-        for name, tuned in every.items():
+        for name, tuned in queries.items():
             if is_prepared_soon(database, tuned.sql, tuned.bounds):
-                jointly = (tuned.for_all(alike=alike) for alike in (False, True))
-                good = all(not sql or is_prepared_soon(database, sql, n) for sql, n in jointly)
-                kept[name] = tuned if good else replace(tuned, together="", together_alike="")
-    return kept
+                joint_queries = (tuned.for_all(alike=alike) for alike in (False, True))
+                is_joint = all(
+                    not sql or is_prepared_soon(database, sql, n) for sql, n in joint_queries
+                )
+                preparable[name] = (
+                    tuned if is_joint else replace(tuned, together="", together_alike="")
+                )
+    return preparable
 
 
 def is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
     """Return whether SQLite can prepare a query with so many parameters in reasonable time."""
     try:
-        return not _trouble(database, sql, bounds)
+        return not _failure_of(database, sql, bounds)
     except ProgramError:
         return False
 
 
-def _trouble(database: Database, sql: str, bounds: int = 0) -> str:
+def _failure_of(database: Database, sql: str, bounds: int = 0) -> str:
     """Return why SQLite can't prepare a query, or ""; raise ProgramError if it takes too long."""
-    trouble, began = "", process_time()
+    failure, start = "", process_time()
     try:
         database.prepare(sql, (0,) * bounds)
     except (sqlite3.Error, sqlite3.Warning) as error:
-        trouble = in_plain_words(error)
-    if process_time() - began > _PREPARE_SECONDS:
+        failure = in_plain_words(error)
+    if process_time() - start > _PREPARE_SECONDS:
         raise _too_large()
-    return trouble
+    return failure
 
 
 def _too_large() -> ProgramError:
