@@ -64,9 +64,9 @@ async def search_rows(screen: MainScreen) -> None:
 
     if (table := _table(screen)) is not None:
         question = "Only rows with this text (empty: all rows)"
-        text = await screen.ui.ask(LinePrompt(question, table.how.search))
+        text = await screen.ui.ask(LinePrompt(question, table.row_order.search))
         if text is not None:
-            table.rearrange(replace(table.how, search=text))
+            table.rearrange(replace(table.row_order, search=text))
 
 
 @of_table

@@ -64,12 +64,12 @@ class LinesView(ScrollView, can_focus=True):
         self.redraw()
 
     def paint(self, lines: Sequence[Content]) -> None:
-        before, self._painted = self._painted, list(lines)
-        if len(before) != len(lines):
+        old_lines, self._painted = self._painted, list(lines)
+        if len(old_lines) != len(lines):
             self.virtual_size = Size(self.columns, len(lines))
             self.refresh()
         else:
-            pairs = enumerate(zip(before, lines, strict=True))
+            pairs = enumerate(zip(old_lines, lines, strict=True))
             self.repaint(*(number for number, (old, new) in pairs if not old.is_same(new)))
 
     def repaint(self, *numbers: int) -> None:
@@ -118,14 +118,14 @@ class CursorView(LinesView):
     def item_at(self, line: int) -> int | None:
         return next((n for n in range(self.count) if line in self.span(n)), None)
 
-    def paint_items(self, items: Sequence[Sequence[Content]], after: Sequence[Content]) -> None:
+    def paint_items(self, items: Sequence[Sequence[Content]], footer: Sequence[Content]) -> None:
         lines: list[Content] = []
         self._spans = []
         for item in items:
             self._spans.append(range(len(lines), len(lines) + len(item)))
             lines += item
         self._at = max(0, min(self._at, len(items) - 1))
-        self.paint([*lines, *after])
+        self.paint([*lines, *footer])
 
     def cursor_moved(self) -> None:
         """Follow the cursor, which the player has put on an item."""
@@ -157,8 +157,8 @@ class CursorView(LinesView):
 
     def action_move(self, down: int) -> None:
         if self.count:
-            before, self._at = self._at, max(0, min(self._at + down, self.count - 1))
-            self._repaint_item(before)
+            old_item, self._at = self._at, max(0, min(self._at + down, self.count - 1))
+            self._repaint_item(old_item)
             self._repaint_item(self._at)
             lines = self.span(self._at)
             # The last item is shown with the lines below it.

@@ -21,7 +21,7 @@ from logical_robots_tui.tui.inspector.questions import (
     NO_PROGRAM,
     BackgroundQuery,
     Cancelled,
-    Questions,
+    InspectorQuestions,
     Survey,
 )
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Inquiry, Path, Pin
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.inspector.table import ValueTable
-    from logical_robots_tui.tui.inspector.value_tree import Branch
+    from logical_robots_tui.tui.inspector.value_tree import ValueBranch
     from logical_robots_tui.values import Value
 
 T = TypeVar("T")
@@ -71,9 +71,9 @@ class PageEntry(NamedTuple):
     def is_listed(self) -> bool:
         return self.scope in ("always", "robot")
 
-    def load(self) -> Callable[[PageEntry, Questions], Page]:
+    def load(self) -> Callable[[PageEntry, InspectorQuestions], Page]:
         module = import_module(f"logical_robots_tui.tui.inspector.pages.{self.id}")
-        widget: Callable[[PageEntry, Questions], Page] = getattr(module, self.widget)
+        widget: Callable[[PageEntry, InspectorQuestions], Page] = getattr(module, self.widget)
         return widget
 
 
@@ -115,7 +115,7 @@ class Page(Vertical):
         """The page has something else to show for the same tick."""
 
     @dataclass
-    class Opened(Message):
+    class LinkOpened(Message):
         """The player followed a link to a predicate or a query."""
 
         name: str
@@ -129,7 +129,7 @@ class Page(Vertical):
     def __init__(
         self,
         entry: PageEntry,
-        questions: Questions,
+        questions: InspectorQuestions,
         view: Widget,
         *,
         above: Sequence[Widget] = (),
@@ -188,11 +188,11 @@ class Page(Vertical):
         """The player has cancelled a query; return what to say about it."""
         return f"Stopped after {self.pending.seconds:.1f} s."
 
-    def head(self, tick: int, more: str = "", title: str = "") -> None:
+    def head(self, tick: int, remark: str = "", title: str = "") -> None:
         name = Content.styled(one_line(title or self.entry.title), f"bold {INK.title}")
         # While robots run, the number at the top of the screen is the newer one.
-        at = [] if self._session.running else [Content(f"tick {tick}")]
-        parts = [name, *at, *([Content(more)] if more else [])]
+        tick_part = [] if self._session.running else [Content(f"tick {tick}")]
+        parts = [name, *tick_part, *([Content(remark)] if remark else [])]
         if self.replays and self._questions.is_by_another_program(tick):
             parts.append(Content.styled("by the current program", INK.warn))
         self._heading.update(Content(" · ").join(parts), layout=False)
@@ -206,10 +206,10 @@ class Page(Vertical):
         if self.table is not None:
             self.table.redraw()
 
-    def caption(self, what: Content) -> None:
+    def caption(self, content: Content) -> None:
         """Say above everything else what it is about."""
-        self._about.update(what, layout=not self._about.display)
-        self._about.display = bool(what)
+        self._about.update(content, layout=not self._about.display)
+        self._about.display = bool(content)
 
     def say(self, words: Content | str) -> None:
         """Say why there is nothing else to see; "" for nothing."""
@@ -233,26 +233,26 @@ class Page(Vertical):
 
         return Pin("Memory", "memory", (("robot_name", self.robot),))
 
-    def values_here(self) -> tuple[str, Sequence[Branch]]:
+    def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
         """Return a title and what to open as a tree."""
         if self.entry.scope != "robot":
             return "", ()
         from logical_robots_tui.game import Pin
-        from logical_robots_tui.tui.inspector.value_tree import Branch
+        from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 
         frame, robot, whose = self._session.frame, self.robot, (("robot_name", self.robot),)
         sensor = next(row["sensor"] for row in frame.sensors if row["robot_name"] == robot)
-        before, decision = frame.memories_before.get(robot), frame.decision_of(robot)
+        memory_before, decision = frame.memories_before.get(robot), frame.decision_of(robot)
         branches = [
-            Branch("sensor", sensor, Pin("Sensor", "sensor", whose)),
-            Branch("memory before", before, Pin("Memory", "memory", whose)),
+            ValueBranch("sensor", sensor, Pin("Sensor", "sensor", whose)),
+            ValueBranch("memory before", memory_before, Pin("Memory", "memory", whose)),
         ]
-        if decision is not None and (given := decision.desire) is not None:
-            desire = {"left_engine": given.left_engine, "right_engine": given.right_engine}
-            branches.append(Branch("desire", desire, Pin("Robot", "desire", whose)))
+        if decision is not None and (desire := decision.desire) is not None:
+            engines = {"left_engine": desire.left_engine, "right_engine": desire.right_engine}
+            branches.append(ValueBranch("desire", engines, Pin("Robot", "desire", whose)))
         if decision is not None:
-            after = Branch("memory after", decision.memory, Pin("Robot", "memory", whose))
-            branches.append(after)
+            pin = Pin("Robot", "memory", whose)
+            branches.append(ValueBranch("memory after", decision.memory, pin))
         return f"Decision of {robot}", branches
 
     def traced_here(self) -> Traced | None:
@@ -268,8 +268,8 @@ class Page(Vertical):
 
     def breakpoint_at(self, predicate: str, robot: str, column: str = "") -> Breakpoint | None:
         """Return one at which rows of a predicate change; None if it has no rows of its own."""
-        known = (each for each in self._session.predicates if each.name == predicate)
-        if not any(each.has_rows for each in known):
+        matches = (entry for entry in self._session.predicates if entry.name == predicate)
+        if not any(entry.has_rows for entry in matches):
             return None
         from logical_robots_tui.game import Breakpoint
 
@@ -323,5 +323,5 @@ def traced_value(
         return Traced(whose, subject, max(0, tick - 1)) if column == "memory" else None
     if predicate == "Robot" and column == "memory":
         return Traced(whose, subject, tick)
-    asked = Ask(predicate, {name: value for name, value in row.items() if name != MIND})
-    return Traced(whose, replace(subject, query=asked, column=column), tick)
+    call = Ask(predicate, {name: value for name, value in row.items() if name != MIND})
+    return Traced(whose, replace(subject, query=call, column=column), tick)

@@ -18,7 +18,7 @@ from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, traced_pin
-from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
+from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, InspectorQuestions, Survey
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.layout.arrangement import HIGHEST_TABLE, Pane
 from logical_robots_tui.tui.layout.dialogs import Listing
@@ -78,7 +78,7 @@ class InspectorPane(Pane):
     def __init__(self, session: Session, reveal: Callable[[], None], briefing: Widget) -> None:
         """`reveal` brings the pane into view, which `briefing` may cover."""
         self._session, self._reveal = session, reveal
-        self.questions = Questions(session)
+        self.questions = InspectorQuestions(session)
         self._list = PredicateList()
         first = PAGES[0]
         self._pages = {first.id: first.load()(first, self.questions)}
@@ -131,11 +131,11 @@ class InspectorPane(Pane):
         """Make the pages that are missing, all at once, because mounting takes a layout."""
         missing = [entry for entry in PAGES if entry.id not in self._pages]
         if missing:
-            made = [entry.load()(entry, self.questions) for entry in missing]
-            for page in made:
+            pages = [entry.load()(entry, self.questions) for entry in missing]
+            for page in pages:
                 page.display = False
                 self._pages[page.entry.id] = page
-            self._row.mount(*sorted(made, key=lambda page: page.entry.id == Page.beside))
+            self._row.mount(*sorted(pages, key=lambda page: page.entry.id == Page.beside))
 
     def _page(self, name: str) -> Page:
         if name not in self._pages:
@@ -163,7 +163,7 @@ class InspectorPane(Pane):
 
     def choose(self, robot_name: str) -> None:
         self.questions.chosen = robot_name
-        if any(page.depends_on_robot for page in self._wanted):
+        if any(page.depends_on_robot for page in self._visible_pages):
             self._cancel()
         self.follow()
 
@@ -199,9 +199,9 @@ class InspectorPane(Pane):
     # -- what commands do ----------------------------------------------------------------------
 
     def why(self) -> None:
-        own = {p.name for p in self._session.predicates if p.kind == "program"}
+        program_names = {p.name for p in self._session.predicates if p.kind == "program"}
         page = cast("WhyPage", self._page("why"))
-        page.begin(self._selected if self._selected in own else "Robot")
+        page.begin(self._selected if self._selected in program_names else "Robot")
         self.go_to("why")
 
     def ask(self, query: str = "") -> None:
@@ -209,11 +209,11 @@ class InspectorPane(Pane):
         cast("AskPage", self._page("ask")).put(query)
 
     def pin(self) -> None:
-        found = self.active.pin_here()
-        if found is None:
+        pin = self.active.pin_here()
+        if pin is None:
             self.notify(_NO_PIN, markup=False)
         else:
-            self._toggle_pin(found)
+            self._toggle_pin(pin)
 
     def _toggle_pin(self, pin: Pin) -> None:
         if cast("WatchPage", self._page("watch")).view.toggle(pin):
@@ -234,25 +234,25 @@ class InspectorPane(Pane):
             self.notify("Put the cursor on a value, or choose Decision.", markup=False)
 
     def _trace_pin(self, pin: Pin) -> bool:
-        asked = traced_pin(pin, self.robot, self._session.frame.tick)
-        if asked is not None:
-            self.trace(asked)
-        return asked is not None
+        target = traced_pin(pin, self.robot, self._session.frame.tick)
+        if target is not None:
+            self.trace(target)
+        return target is not None
 
     def origin(self) -> None:
         """Trace the value under the cursor, or return to the last one."""
-        asked = self.active.traced_here()
+        target = self.active.traced_here()
         if self._session.game is None:
             self.notify(NO_PROGRAM, markup=False)
-        elif asked is not None:
-            self.trace(asked)
-        elif self._origin.asked is not None:
+        elif target is not None:
+            self.trace(target)
+        elif self._origin.target is not None:
             self.go_to("origin")
         else:
             self.notify(with_keys(_NOT_TRACED), markup=False)
 
-    def trace(self, asked: Traced) -> None:
-        self._origin.trace(asked, self._selected)
+    def trace(self, target: Traced) -> None:
+        self._origin.trace(target, self._selected)
         self.go_to("origin")
 
     @property
@@ -292,8 +292,8 @@ class InspectorPane(Pane):
         while self._stale and self.display:
             self._stale = False
             frame = self._following = self._session.frame
-            wanted = self._wanted  # which may have to be loaded
-            for page in wanted:
+            pages = self._visible_pages  # which may have to be loaded
+            for page in pages:
                 await page.show(frame)
             if self._session.running:
                 self._is_unmeasured = True
@@ -312,7 +312,7 @@ class InspectorPane(Pane):
 
     def _measure(self) -> None:
         rows = [min(self._list.virtual_size.height, _LISTED)]
-        for page in self._wanted:
+        for page in self._visible_pages:
             view = page.table_here or page.view
             if page.display and view.display:
                 rows.append(page.size.height - view.size.height + view.virtual_size.height)
@@ -328,21 +328,21 @@ class InspectorPane(Pane):
         if survey is not self._survey and survey.frame is self._session.frame:
             self._survey = survey
             self._list.count(survey)
-            for page in self._wanted:
+            for page in self._visible_pages:
                 page.show_survey(survey)
 
     @property
-    def _wanted(self) -> tuple[Page, ...]:
+    def _visible_pages(self) -> tuple[Page, ...]:
         """The pages to show, the one that may be slow last."""
         return (self.page,) if self.beside is None else (self.beside, self.page)
 
     def _show_pages(self) -> None:
         """Hide unwanted pages once all others have something to show."""
-        if all(page.display for page in self._wanted):
+        if all(page.display for page in self._visible_pages):
             for page in self._row.query_children(Page):
-                page.display = page in self._wanted
+                page.display = page in self._visible_pages
         self.screen.refresh(layout=True)
-        for page in self._wanted:
+        for page in self._visible_pages:
             self.screen.call_after_refresh(page.redraw)
 
     def _select(self, name: str) -> None:
@@ -366,7 +366,7 @@ class InspectorPane(Pane):
 
     @on(Page.Ready)
     def _page_ready(self, event: Page.Ready) -> None:
-        if event.page in self._wanted:
+        if event.page in self._visible_pages:
             event.page.display = True
             self._show_pages()
 
@@ -375,8 +375,8 @@ class InspectorPane(Pane):
         self._cancel()
         self.follow()
 
-    @on(Page.Opened)
-    def _page_opened(self, event: Page.Opened) -> None:
+    @on(Page.LinkOpened)
+    def _page_opened(self, event: Page.LinkOpened) -> None:
         (self.open if event.name.isidentifier() else self.ask)(event.name)
 
     @on(Page.Left)
@@ -418,7 +418,7 @@ class PredicateList(Listing):
     def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
         self.predicates, self._survey = predicates, None
         self._counted.clear()
-        listed = [each for each in predicates if each.is_listed]
+        listed = [predicate for predicate in predicates if predicate.is_listed]
         pages = [page for page in PAGES if page.is_listed]
         self.names = [page.id for page in pages] + [predicate.name for predicate in listed]
         self.clear_options()
@@ -440,10 +440,10 @@ class PredicateList(Listing):
         width = max(self.scrollable_content_region.width, _NARROWEST)
         for predicate in self.predicates or ():
             name = predicate.name
-            told = (self._survey.count(name), self._survey.differs(name), width)
-            if predicate.has_rows and self._counted.get(name) != told:
-                self._counted[name] = told
-                self.replace_option_prompt(name, _with_count(_entry(predicate), *told))
+            counts = (self._survey.count(name), self._survey.differs(name), width)
+            if predicate.has_rows and self._counted.get(name) != counts:
+                self._counted[name] = counts
+                self.replace_option_prompt(name, _with_count(_entry(predicate), *counts))
 
 
 def _entry(predicate: Predicate) -> Content:

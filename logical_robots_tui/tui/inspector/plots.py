@@ -94,38 +94,38 @@ def radar_plot(radar: Sequence[Mapping[str, Any]], rows: int) -> list[Content]:
     dots[rows - 1, columns // 2] = 0xC0
     places = [[(row, column) for column in range(columns)] for row in range(rows)]
     signs = [
-        [(chr(_BRAILLE + dots.get(at, 0)), colours.get(at, INK.faint)) for at in line]
+        [(chr(_BRAILLE + dots.get(place, 0)), colours.get(place, INK.faint)) for place in line]
         for line in places
     ]
     return [Content.assemble(*line) for line in signs]
 
 
-class Sample(NamedTuple):
+class PlotSample(NamedTuple):
     """The value at one tick; `likeness` is equal for equal values, None for no value."""
 
     number: float | None
     likeness: int | None
 
 
-def sparkline(samples: Sequence[Sample | None], *, counts: bool, plain: bool = False) -> str:
+def sparkline(samples: Sequence[PlotSample | None], *, counts: bool, plain: bool = False) -> str:
     """One character per tick: a bar (from 0 with `counts`), or whether other values change.
 
     Unknown values are None; `plain` means ASCII only.
     """
-    found = scale(samples, counts=counts)
+    bounds = scale(samples, counts=counts)
     bars = _PLAIN_BARS if plain else BARS
     line = []
-    for before, sample in pairwise((None, *samples)):
-        if sample is not None and sample.number is not None and found is not None:
-            line.append(bars[_height(sample.number, *found)])
+    for previous, sample in pairwise((None, *samples)):
+        if sample is not None and sample.number is not None and bounds is not None:
+            line.append(bars[_height(sample.number, *bounds)])
         else:
-            sign = _sign(before, sample)
+            sign = _sign(previous, sample)
             line.append(_PLAIN.get(sign, sign) if plain else sign)
     return "".join(line)
 
 
-def scale(samples: Sequence[Sample | None], *, counts: bool) -> tuple[float, float] | None:
-    numbers = [each.number for each in samples if each is not None and each.number is not None]
+def scale(samples: Sequence[PlotSample | None], *, counts: bool) -> tuple[float, float] | None:
+    numbers = [point.number for point in samples if point is not None and point.number is not None]
     if not numbers:
         return None
     return min([0.0, *numbers] if counts else numbers), max(numbers)
@@ -141,9 +141,9 @@ def _height(number: float, low: float, high: float) -> int:
     return min(int(share * len(BARS)), len(BARS) - 1)
 
 
-def _sign(before: Sample | None, sample: Sample | None) -> str:
+def _sign(previous: PlotSample | None, sample: PlotSample | None) -> str:
     if sample is None:
         return _UNKNOWN
     if sample.likeness is None:
         return _NONE
-    return _OTHER if before is not None and before.likeness != sample.likeness else _SAME
+    return _OTHER if previous is not None and previous.likeness != sample.likeness else _SAME

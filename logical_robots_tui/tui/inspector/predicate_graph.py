@@ -100,11 +100,11 @@ class GraphView(LinesView):
         labels = [[self._label(name) for name in names] for names in self._columns]
         labels[_USERS] = labels[_USERS] or [Content.styled(_NOBODY, INK.dim)]
         labels[_USED] = labels[_USED] or [Content.styled(_NOTHING, INK.dim)]
-        most = (self.columns - _ARROWS) // 3
+        limit = (self.columns - _ARROWS) // 3
         height = max(map(len, labels))
-        self._tops = tuple((height - len(each)) // 2 for each in labels)  # type: ignore[assignment] # three
+        self._tops = tuple((height - len(side)) // 2 for side in labels)  # type: ignore[assignment] # three
         self._widths = tuple(  # type: ignore[assignment] # three again
-            min(most, max(label.cell_length for label in each)) for each in labels
+            min(limit, max(label.cell_length for label in side)) for side in labels
         )
         self.paint([self._line(row, labels) for row in range(height)])
         column, row = self._at
@@ -126,16 +126,16 @@ class GraphView(LinesView):
             top = self._tops[column]
             ends = range(top, top + len(self._columns[column]))
             sides = joint(row, ends, self._tops[_MIDDLE], to_right=column == _USERS)
-            way = f" {'─' if 'w' in sides else ' '}{_JOINTS[sides]}{'▶' if 'e' in sides else ' '} "
-            parts.insert(max(column, _MIDDLE), Content.styled(way, INK.faint))
+            link = f" {'─' if 'w' in sides else ' '}{_JOINTS[sides]}{'▶' if 'e' in sides else ' '} "
+            parts.insert(max(column, _MIDDLE), Content.styled(link, INK.faint))
         return Content("").join(parts)
 
     def _label(self, name: str) -> Content:
-        known = self._program.predicate(name)
-        mark, colour = MARKS[known.kind] if known is not None else (" ", INK.dim)
+        predicate = self._program.predicate(name)
+        mark, colour = MARKS[predicate.kind] if predicate is not None else (" ", INK.dim)
         style = f"bold {INK.title}" if name == self.middle else INK.text
-        shown = clip(one_line(name), self.columns)
-        return Content.assemble((f"{mark} ", colour), (shown, style))
+        text = clip(one_line(name), self.columns)
+        return Content.assemble((f"{mark} ", colour), (text, style))
 
 
 def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
@@ -180,32 +180,32 @@ class Graph(Dialog[str]):
 _BAR = 24  # columns of the longest bar
 
 
-def query_plan_text(found: Sequence[QueryPlan], predicate: str) -> Static:
+def query_plan_text(plans: Sequence[QueryPlan], predicate: str) -> Static:
     """How long each predicate takes, and SQL and plan of one, otherwise the slowest."""
-    chosen = next((each for each in found if each.predicate == predicate), found[0])
-    return Static(Content("\n").join([*_times(found, chosen), *_in_full(chosen)]))
+    main_plan = next((plan for plan in plans if plan.predicate == predicate), plans[0])
+    return Static(Content("\n").join([*_times(plans, main_plan), *_in_full(main_plan)]))
 
 
-def _times(found: Sequence[QueryPlan], chosen: QueryPlan) -> Iterator[Content]:
+def _times(plans: Sequence[QueryPlan], main_plan: QueryPlan) -> Iterator[Content]:
     yield Content.styled("Milliseconds, including dependencies", f"bold {INK.title}")
-    longest = max(each.milliseconds for each in found) or 1.0
-    for each in found:
-        bar = "▇" * max(1, round(each.milliseconds / longest * _BAR))
+    longest = max(plan.milliseconds for plan in plans) or 1.0
+    for plan in plans:
+        bar = "▇" * max(1, round(plan.milliseconds / longest * _BAR))
         yield Content.assemble(
-            (f"{each.milliseconds:8.2f}  ", INK.number),
+            (f"{plan.milliseconds:8.2f}  ", INK.number),
             (f"{bar:<{_BAR}}  ", INK.faint),
-            (one_line(each.predicate), f"bold {INK.key}" if each is chosen else INK.text),
+            (one_line(plan.predicate), f"bold {INK.key}" if plan is main_plan else INK.text),
         )
 
 
-def _in_full(chosen: QueryPlan) -> Iterator[Content]:
-    name = one_line(chosen.predicate)
-    yield from _titled(f"SQLite's plan for {name}", chosen.plan, INK.record)
-    if chosen.tuned:
-        yield from _titled("Optimised SQL, which is run", chosen.tuned.splitlines(), INK.text)
-        yield from _titled("Generated SQL", chosen.generated.splitlines(), INK.dim)
+def _in_full(plan: QueryPlan) -> Iterator[Content]:
+    name = one_line(plan.predicate)
+    yield from _titled(f"SQLite's plan for {name}", plan.plan, INK.record)
+    if plan.tuned:
+        yield from _titled("Optimised SQL, which is run", plan.tuned.splitlines(), INK.text)
+        yield from _titled("Generated SQL", plan.generated.splitlines(), INK.dim)
     else:
-        yield from _titled("Generated SQL, which is run", chosen.generated.splitlines(), INK.text)
+        yield from _titled("Generated SQL, which is run", plan.generated.splitlines(), INK.text)
 
 
 def _titled(title: str, lines: Sequence[str], colour: str) -> Iterator[Content]:

@@ -50,17 +50,17 @@ class ProofTree:
     def __init__(self) -> None:
         self.lines: list[ProofLine] = []
         self._roots: tuple[ProofNode, ...] = ()
-        self._rest: tuple[ProofNode, ...] = ()
+        self._alternatives: tuple[ProofNode, ...] = ()
         self._open: set[int] = set()
         self._chosen: dict[int, bool] = {}
         self._unfolded: dict[int, tuple[ProofNode, ...]] = {}
-        self._made: dict[int, list[ProofLine]] = {}
+        self._child_lines: dict[int, list[ProofLine]] = {}
         self._keys: dict[tuple[int, str, str, int], int] = {}
 
     def show(
         self,
         roots: Sequence[ProofNode],
-        rest: Sequence[ProofNode],
+        alternatives: Sequence[ProofNode],
         room: int,
         *,
         anew: bool = False,
@@ -70,17 +70,17 @@ class ProofTree:
         `roots` are expanded as far as there is `room` (lines), `rest` stays collapsed below them.
         """
         self._unfolded.clear()
-        self._made.clear()
+        self._child_lines.clear()
         if anew:
             self._chosen.clear()
             self._keys.clear()
-        self._roots, self._rest = tuple(roots), tuple(rest)
+        self._roots, self._alternatives = tuple(roots), tuple(alternatives)
         self.fit(room)
 
     def fit(self, room: int) -> None:
-        lines = self._siblings((*self._roots, *self._rest), 0, 0)
+        lines = self._siblings((*self._roots, *self._alternatives), 0, 0)
         self._open = self._fitting(lines, len(self._roots), room)
-        self.lines = [each for line in lines for each in (line, *self._below(line))]
+        self.lines = [descendant for line in lines for descendant in (line, *self._below(line))]
 
     def is_open(self, line: ProofLine) -> bool:
         return line.key in self._open
@@ -108,12 +108,12 @@ class ProofTree:
 
     def unfold(self, key: int, nodes: Sequence[ProofNode]) -> None:
         self._unfolded[key] = tuple(nodes)
-        self._made.clear()
+        self._child_lines.clear()
         number = self.number(key)
         if number is not None:
             line = self.lines[number]
-            known = self._line(line.node, line.depth, key)
-            self.lines[number : self._end(number)] = [known, *self._below(known)]
+            new_line = self._line(line.node, line.depth, key)
+            self.lines[number : self._end(number)] = [new_line, *self._below(new_line)]
 
     def _end(self, number: int) -> int:
         """Return the number of the first line after a line's descendants."""
@@ -122,93 +122,93 @@ class ProofTree:
         return next((n for n in later if self.lines[n].depth <= depth), len(self.lines))
 
     def _fitting(self, lines: Sequence[ProofLine], roots: int, room: int) -> set[int]:
-        found: set[int] = set()
-        shown = len(lines)
+        open_keys: set[int] = set()
+        line_count = len(lines)
         waiting = deque((line, number < roots) for number, line in enumerate(lines))
         while waiting:
             line, is_wanted = waiting.popleft()
-            fits = is_wanted and bool(line.children) and shown + len(line.children) <= room
+            fits = is_wanted and bool(line.children) and line_count + len(line.children) <= room
             if line.folds and self._chosen.get(line.key, fits):
-                found.add(line.key)
+                open_keys.add(line.key)
                 below = self._children(line)
-                shown += len(below)
-                failed_first = sorted(below, key=lambda each: each.node.holds is not False)
-                waiting.extend((each, True) for each in failed_first)
-        return found
+                line_count += len(below)
+                failed_first = sorted(below, key=lambda child: child.node.holds is not False)
+                waiting.extend((child, True) for child in failed_first)
+        return open_keys
 
     def _below(self, line: ProofLine) -> list[ProofLine]:
-        found: list[ProofLine] = []
+        subtree: list[ProofLine] = []
         waiting = [line]
         while waiting:
-            each = waiting.pop()
-            found.append(each)
-            if self.is_open(each):
-                waiting += reversed(self._children(each))
-        return found[1:]
+            child = waiting.pop()
+            subtree.append(child)
+            if self.is_open(child):
+                waiting += reversed(self._children(child))
+        return subtree[1:]
 
     def _children(self, line: ProofLine) -> list[ProofLine]:
-        found = self._made.get(line.key)
-        if found is None:
-            found = self._siblings(line.children, line.depth + 1, line.key)
-            self._made[line.key] = found
-        return found
+        children = self._child_lines.get(line.key)
+        if children is None:
+            children = self._siblings(line.children, line.depth + 1, line.key)
+            self._child_lines[line.key] = children
+        return children
 
     def _siblings(self, nodes: Sequence[ProofNode], depth: int, above: int) -> list[ProofLine]:
-        keys, alike, found = self._keys, dict[tuple[str, str], int](), []
+        keys, alike, siblings = self._keys, dict[tuple[str, str], int](), []
         for node in nodes:
             about = node.kind, node.text
             alike[about] = which = alike.get(about, 0) + 1
             key = keys.setdefault((above, *about, which), len(keys) + 1)
-            found.append(self._line(node, depth, key))
-        return found
+            siblings.append(self._line(node, depth, key))
+        return siblings
 
     def _line(self, node: ProofNode, depth: int, key: int) -> ProofLine:
         if node.query is None:
             return ProofLine(node, depth, key, node.children, lacks=False)
-        more = self._unfolded.get(key, ())
-        is_proved = more or any(
+        extra_nodes = self._unfolded.get(key, ())
+        is_proved = extra_nodes or any(
             child.kind in ("rule", "note", "instance") for child in node.children
         )
-        return ProofLine(node, depth, key, (*node.children, *more), lacks=not is_proved)
+        return ProofLine(node, depth, key, (*node.children, *extra_nodes), lacks=not is_proved)
 
 
 def _guides(depth: int, width: int) -> str:
     """Return a line's indentation: a guide per ancestor, or their number if there are many."""
-    most = max(1, width // (_GUIDES_SHARE * len(_GUIDE)))
-    if depth <= most:
+    limit = max(1, width // (_GUIDES_SHARE * len(_GUIDE)))
+    if depth <= limit:
         return _GUIDE * depth
     number = f"{depth} "
-    return (_GUIDE * most)[: -len(number)] + number
+    return (_GUIDE * limit)[: -len(number)] + number
 
 
 def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
     """Return a coloured line cut to a width; the remark at its end is never cut off."""
     node = line.node
     marker = (_EXPANDED if is_open else _COLLAPSED) if line.folds else _LEAF
-    before = Content.assemble(
+    head = Content.assemble(
         (_guides(line.depth, width), INK.faint), (marker, INK.key), _MARKS[node.holds]
     )
     if node.kind == "rule" and node.span is not None:
-        before = before.append(Content.styled(f"{node.span.line}: ", INK.faint))
-    said = f"  {one_line(node.remark)}" if node.remark else ""
-    after = Content.assemble(
-        (said, INK.bad if node.holds is False else INK.dim),
+        head = head.append(Content.styled(f"{node.span.line}: ", INK.faint))
+    remark = f"  {one_line(node.remark)}" if node.remark else ""
+    tail = Content.assemble(
+        (remark, INK.bad if node.holds is False else INK.dim),
         (_DEEPER if node.query is not None else "", INK.key),
     )
     text = one_line(node.text)
-    room = max(_NARROWEST_TEXT, width - before.cell_length - after.cell_length)
+    room = max(_NARROWEST_TEXT, width - head.cell_length - tail.cell_length)
     values = _values(node, max(room - len(text), room // 2))
     text = clip(text, max(_NARROWEST_TEXT, room - values.cell_length))
     named = Content.styled(text, _INKS.get(node.kind, INK.text))
-    return before.append(named).append(values).append(after).truncate(width)
+    return head.append(named).append(values).append(tail).truncate(width)
 
 
 def _values(node: ProofNode, room: int) -> Content:
     parts: list[Content] = []
-    rest = ""
+    ending = ""
     for number, value in enumerate(node.values):
-        more = len(node.values) - number - 1 + node.excess
-        words = f" (and {more:,} more)" if more else ""
+        remainder = len(node.values) - number - 1 + node.excess
+        words = f" (and {remainder:,} more)" if remainder else ""
         glue = " or " if parts else " = "
         left = room - sum(part.cell_length for part in parts) - len(glue) - len(words)
         widest = _WIDEST_VALUE if parts else min(max(4, left), _WIDEST_VALUE)
@@ -216,8 +216,8 @@ def _values(node: ProofNode, room: int) -> Content:
         if parts and len(text) > left:
             break
         parts.append(Content.assemble((glue, INK.dim), (text, colour)))
-        rest = words
-    return Content("").join([*parts, Content.styled(rest, INK.warn)])
+        ending = words
+    return Content("").join([*parts, Content.styled(ending, INK.warn)])
 
 
 class WhyView(CursorView):
@@ -266,12 +266,12 @@ class WhyView(CursorView):
     @property
     def path(self) -> Sequence[ProofNode]:
         """The node under the cursor, then those above it, the nearest first."""
-        found: list[ProofNode] = []
-        at: int | None = self._at if self.lines else None
-        while at is not None:
-            found.append(self.lines[at].node)
-            at = self._tree.parent(at)
-        return found
+        nodes: list[ProofNode] = []
+        number: int | None = self._at if self.lines else None
+        while number is not None:
+            nodes.append(self.lines[number].node)
+            number = self._tree.parent(number)
+        return nodes
 
     @property
     def has_room_for_proofs(self) -> bool:
@@ -299,7 +299,7 @@ class WhyView(CursorView):
     def show(
         self,
         roots: Sequence[ProofNode],
-        rest: Sequence[ProofNode] = (),
+        alternatives: Sequence[ProofNode] = (),
         *,
         anew: bool = False,
         has_way_back: bool = False,
@@ -307,7 +307,7 @@ class WhyView(CursorView):
         """Show a proof. Cursor and expansions stay, unless `anew`; `rest` is collapsed."""
         was_empty = not self.lines
         self._has_way_back = has_way_back
-        self._tree.show(roots, rest, self.size.height, anew=anew)
+        self._tree.show(roots, alternatives, self.size.height, anew=anew)
         if anew:
             self._at, self._key = 0, 0
             self.scroll_to(y=0, animate=False)
@@ -386,8 +386,8 @@ class WhyView(CursorView):
             self.toggle_fold(self._at)
 
     def _restore_cursor(self) -> None:
-        at = self._tree.number(self._key)
-        self._at = max(0, min(self._at, len(self.lines) - 1)) if at is None else at
+        number = self._tree.number(self._key)
+        self._at = max(0, min(self._at, len(self.lines) - 1)) if number is None else number
         if self.lines:
             self._key = self.lines[self._at].key
         self.virtual_size = Size(self.columns, len(self.lines))

@@ -36,7 +36,7 @@ class Survey:
     program: Program
     frame: Frame
     tables: dict[str, ResultTable | QueryError]
-    before: dict[str, ResultTable | QueryError]
+    previous_tables: dict[str, ResultTable | QueryError]
 
     def count(self, predicate: str) -> str:
         table = self.tables.get(predicate)
@@ -45,11 +45,15 @@ class Survey:
         return f"{len(table.rows)}{'+' if table.truncated else ''}"
 
     def differs(self, predicate: str) -> bool:
-        now, before = self.tables.get(predicate), self.before.get(predicate)
-        return isinstance(now, ResultTable) and isinstance(before, ResultTable) and now != before
+        table, old_table = self.tables.get(predicate), self.previous_tables.get(predicate)
+        return (
+            isinstance(table, ResultTable)
+            and isinstance(old_table, ResultTable)
+            and table != old_table
+        )
 
 
-class Questions:
+class InspectorQuestions:
     """Queries the robots' program; raises `Superseded` without one or after newer ones."""
 
     def __init__(self, session: Session) -> None:
@@ -93,8 +97,8 @@ class Questions:
         return bool(decided and program and decided.texts != program.texts)
 
     def is_function(self, name: str) -> bool:
-        known = (each for each in self.session.predicates if each.name == name)
-        return any(each.kind == "program" and each.is_function for each in known)
+        matches = (predicate for predicate in self.session.predicates if predicate.name == name)
+        return any(predicate.kind == "program" and predicate.is_function for predicate in matches)
 
     async def rows(self, predicate: str, robot: str, frame: Frame) -> ResultTable:
         """A predicate's rows, or a function's calls for a robot, or raise QueryError."""
@@ -107,17 +111,17 @@ class Questions:
 
     async def survey(self, frame: Frame) -> Survey:
         program, last = self.program, self._surveyed
-        if known := self.surveyed(frame):
-            return known
+        if stored_survey := self.surveyed(frame):
+            return stored_survey
         inquiry = self._inquiry()
-        before: dict[str, ResultTable | QueryError] = {}
+        previous_tables: dict[str, ResultTable | QueryError] = {}
         earlier = self._frame_before(frame)
         if last is not None and last.program is program and last.frame is earlier:
-            before = last.tables
+            previous_tables = last.tables
         elif earlier is not None:
-            before = await inquiry.survey(program, earlier)
+            previous_tables = await inquiry.survey(program, earlier)
         tables = await inquiry.survey(program, frame)
-        self._surveyed = Survey(program, frame, tables, before)
+        self._surveyed = Survey(program, frame, tables, previous_tables)
         return self._surveyed
 
     def surveyed(self, frame: Frame) -> Survey | None:
@@ -197,10 +201,10 @@ class BackgroundQuery:
             if self._task is task:
                 self._task = None
 
-    def _progress(self, what: str) -> Content:
+    def _progress(self, activity: str) -> Content:
         return Content.assemble(
             (f"{_SPINNER[int(self.seconds / _INTERVAL) % len(_SPINNER)]} ", INK.key),
-            (one_line(what), INK.text),
+            (one_line(activity), INK.text),
             (f"  {self.seconds:.1f} s", INK.number),
             ("  esc here stops it", INK.dim),
         )

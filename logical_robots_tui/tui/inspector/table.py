@@ -48,60 +48,62 @@ class RowOrder:
 
     @property
     def words(self) -> str:
-        way = "descending" if self.descending else "ascending"
+        direction = "descending" if self.descending else "ascending"
         parts = [
             f"only {self.robot}" if self.robot else "",
             f"with “{self.search}”" if self.search else "",
-            f"{way} by {self.sort}" if self.sort else "",
+            f"{direction} by {self.sort}" if self.sort else "",
         ]
         return ", ".join(part for part in parts if part)
 
 
 @dataclass(frozen=True, slots=True)
-class Rows:
+class TableRows:
     """Columns and rows; `changed` are (row, column), `left_out` rows of a transposed table."""
 
     columns: tuple[str, ...]
     rows: tuple[Row, ...]
     changed: frozenset[tuple[int, int]] = frozenset()
-    left_out: int = 0
+    hidden_count: int = 0
 
 
-def arrange(rows: Rows, how: RowOrder) -> Rows:
+def arrange(rows: TableRows, order: RowOrder) -> TableRows:
     columns = rows.columns
-    kept = list(range(len(rows.rows)))
+    numbers = list(range(len(rows.rows)))
     place = next((columns.index(name) for name in ROBOT_COLUMNS if name in columns), None)
-    if how.robot and place is not None:
-        kept = [n for n in kept if rows.rows[n][place] == how.robot]
-    if wanted := how.search.casefold():
-        kept = [n for n in kept if any(wanted in format_value(v).casefold() for v in rows.rows[n])]
-    if how.sort in columns:
-        by = columns.index(how.sort)
-        kept.sort(key=lambda n: _rank(rows.rows[n][by]), reverse=how.descending)
-    places = {number: at for at, number in enumerate(kept)}
+    if order.robot and place is not None:
+        numbers = [n for n in numbers if rows.rows[n][place] == order.robot]
+    if text := order.search.casefold():
+        numbers = [
+            n for n in numbers if any(text in format_value(v).casefold() for v in rows.rows[n])
+        ]
+    if order.sort in columns:
+        sort_column = columns.index(order.sort)
+        numbers.sort(key=lambda n: _rank(rows.rows[n][sort_column]), reverse=order.descending)
+    places = {number: index for index, number in enumerate(numbers)}
     changed = frozenset((places[row], column) for row, column in rows.changed if row in places)
-    found = Rows(columns, tuple(rows.rows[number] for number in kept), changed)
-    return _transpose(found) if how.sideways else found
+    selection = TableRows(columns, tuple(rows.rows[number] for number in numbers), changed)
+    return _transpose(selection) if order.sideways else selection
 
 
-def changed_cells(rows: Sequence[Row], before: Sequence[Row]) -> frozenset[tuple[int, int]]:
+def changed_cells(rows: Sequence[Row], old_rows: Sequence[Row]) -> frozenset[tuple[int, int]]:
     """Row and column of each change; rows in both are unchanged, others compared in order."""
-    now, then = [repr(row) for row in rows], [repr(row) for row in before]
-    known, kept = set(then), set(now)
-    left = [row for row, told in zip(before, then, strict=True) if told not in kept]
-    found: set[tuple[int, int]] = set()
-    for number, (row, told) in enumerate(zip(rows, now, strict=True)):
-        if told not in known:
-            other = left.pop(0) if left else ()
-            found.update(
+    texts, old_texts = [repr(row) for row in rows], [repr(row) for row in old_rows]
+    old_set, new_set = set(old_texts), set(texts)
+    left = [row for row, text in zip(old_rows, old_texts, strict=True) if text not in new_set]
+    cells: set[tuple[int, int]] = set()
+    for number, (row, text) in enumerate(zip(rows, texts, strict=True)):
+        if text not in old_set:
+            old_row = left.pop(0) if left else ()
+            cells.update(
                 (number, column)
                 for column, value in enumerate(row)
-                if column >= len(other) or value != other[column]
+                if column >= len(old_row) or value != old_row[column]
             )
-    return frozenset(found)
+    return frozenset(cells)
 
 
-def as_csv(rows: Rows) -> str:
+def as_csv(rows: TableRows) -> str:
     """Return the rows as CSV with a header; records and lists become JSON."""
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
@@ -110,18 +112,18 @@ def as_csv(rows: Rows) -> str:
     return file.getvalue()
 
 
-def as_json(rows: Rows) -> str:
+def as_json(rows: TableRows) -> str:
     records = [dict(zip(rows.columns, row, strict=True)) for row in rows.rows]
     return json.dumps(records, ensure_ascii=False, indent=1) + "\n"
 
 
-def _transpose(rows: Rows) -> Rows:
+def _transpose(rows: TableRows) -> TableRows:
     """Turn each column into a line, with the first rows side by side."""
-    shown = rows.rows[:_SIDEWAYS]
-    lines = tuple((name, *(row[at] for row in shown)) for at, name in enumerate(rows.columns))
-    names = ("", *(str(number + 1) for number in range(len(shown))))
+    head = rows.rows[:_SIDEWAYS]
+    lines = tuple((name, *(row[n] for row in head)) for n, name in enumerate(rows.columns))
+    names = ("", *(str(number + 1) for number in range(len(head))))
     changed = ((column, row + 1) for row, column in rows.changed if row < _SIDEWAYS)
-    return Rows(names, lines, frozenset(changed), len(rows.rows) - len(shown))
+    return TableRows(names, lines, frozenset(changed), len(rows.rows) - len(head))
 
 
 def _rank(value: Value) -> tuple[int, Any]:
@@ -171,7 +173,7 @@ class ValueTable(ScrollView, can_focus=True):
         ("enter", "open"),
     ]
 
-    class Pointed(Message):
+    class CellPointed(Message):
         """The cursor is on another value, or the value under it has been replaced."""
 
     class Rearranged(Message):
@@ -179,18 +181,18 @@ class ValueTable(ScrollView, can_focus=True):
 
     def __init__(self, id: str = "rows") -> None:  # noqa: A002 - the name that widgets have
         super().__init__(id=id)
-        self.all = Rows((), ())
+        self.all = TableRows((), ())
         self.shown = self.all
         self._are_all = True
-        self.how = RowOrder()
+        self.row_order = RowOrder()
         self._widths: list[int] = []
         self._at = (0, 0)
 
     @property
     def missing(self) -> str:
-        if self.shown.left_out:
-            more = f"and {self.shown.left_out:,} more rows side by side"
-            return with_keys(f"{more}; {{transpose}} shows them one below the other")
+        if self.shown.hidden_count:
+            note = f"and {self.shown.hidden_count:,} more rows side by side"
+            return with_keys(f"{note}; {{transpose}} shows them one below the other")
         if self._are_all:
             return ""
         first = f"there are more rows than these first {len(self.all.rows):,}"
@@ -199,57 +201,57 @@ class ValueTable(ScrollView, can_focus=True):
     @property
     def column(self) -> str:
         pointed = self.pointed
-        return pointed[0] if pointed is not None and not self.how.sideways else ""
+        return pointed[0] if pointed is not None and not self.row_order.sideways else ""
 
     @property
     def pointed(self) -> tuple[str, Value] | None:
-        (row, column), shown = self._at, self.shown
-        has_any = shown.rows and shown.columns
-        return (shown.columns[column], shown.rows[row][column]) if has_any else None
+        (row, column), rows = self._at, self.shown
+        has_any = rows.rows and rows.columns
+        return (rows.columns[column], rows.rows[row][column]) if has_any else None
 
     @property
     def place(self) -> tuple[int, str] | None:
         row = self.shown.rows[self._at[0]] if self.column else None
-        number = next((n for n, each in enumerate(self.all.rows) if each is row), None)
+        number = next((n for n, candidate in enumerate(self.all.rows) if candidate is row), None)
         return None if number is None else (number, self.column)
 
-    def show(self, table: ResultTable | None, before: ResultTable | None = None) -> None:
+    def show(self, table: ResultTable | None, previous: ResultTable | None = None) -> None:
         """Replace the rows, marking differences from the tick before; the cursor stays."""
         columns, rows = _named_rows(table) if table is not None else ((), ())
         self._are_all = table is None or not table.truncated
         changed = frozenset[tuple[int, int]]()
-        if before is not None:
-            changed = changed_cells(rows, _named_rows(before)[1])
+        if previous is not None:
+            changed = changed_cells(rows, _named_rows(previous)[1])
         if columns != self.all.columns:
             self._at = (self._at[0], 0)
-        self.all = Rows(columns, rows, changed)
+        self.all = TableRows(columns, rows, changed)
         self._arrange()
 
-    def rearrange(self, how: RowOrder) -> None:
-        self.how = how
+    def rearrange(self, order: RowOrder) -> None:
+        self.row_order = order
         self._arrange()
         self.post_message(self.Rearranged())
 
     def toggle_robot(self, robot: str) -> None:
         """Show only the rows of a robot, or all again."""
-        self.rearrange(replace(self.how, robot="" if self.how.robot else robot))
+        self.rearrange(replace(self.row_order, robot="" if self.row_order.robot else robot))
 
     def transpose(self) -> None:
-        self.rearrange(replace(self.how, sideways=not self.how.sideways))
+        self.rearrange(replace(self.row_order, sideways=not self.row_order.sideways))
 
     def sort(self) -> None:
         """Sort by the cursor's column: ascending, then descending, then not at all."""
-        how, column = self.how, self.column
+        order, column = self.row_order, self.column
         if not column:
             message = "Put the cursor on a column of a table that is not transposed."
             self.notify(message, markup=False)
-        elif how.sort == column and how.descending:
-            self.rearrange(replace(how, sort="", descending=False))
+        elif order.sort == column and order.descending:
+            self.rearrange(replace(order, sort="", descending=False))
         else:
-            self.rearrange(replace(how, sort=column, descending=how.sort == column))
+            self.rearrange(replace(order, sort=column, descending=order.sort == column))
 
     def _arrange(self) -> None:
-        self.shown = arrange(self.all, self.how)
+        self.shown = arrange(self.all, self.row_order)
         self._measure()
         self.action_go(0, 0)
         self.refresh()
@@ -281,7 +283,7 @@ class ValueTable(ScrollView, can_focus=True):
             area = Region(x, row, self._widths[column] + _GAP, height)
             self.scroll_to_region(area, animate=False, force=True)
         self.refresh()
-        self.post_message(self.Pointed())
+        self.post_message(self.CellPointed())
 
     def action_open(self) -> None:
         if self.pointed is not None:
@@ -330,7 +332,7 @@ class ValueTable(ScrollView, can_focus=True):
     def _measure(self) -> None:
         """Give each column the width it needs, or a fair share if there is too little room."""
         sample = self.shown.rows[:_MEASURED_ROWS]
-        wanted = [
+        widths = [
             max(
                 _NARROWEST,
                 len(clip(visible(name), _WIDEST)),
@@ -338,13 +340,13 @@ class ValueTable(ScrollView, can_focus=True):
             )
             for number, name in enumerate(self.shown.columns)
         ]
-        spare = self.size.width - _GAP * len(wanted)
-        while wanted and sum(wanted) > spare and max(wanted) > 12:
-            widest = wanted.index(max(wanted))
-            wanted[widest] = max(12, wanted[widest] - (sum(wanted) - spare))
-        self._widths = wanted
+        spare = self.size.width - _GAP * len(widths)
+        while widths and sum(widths) > spare and max(widths) > 12:
+            widest = widths.index(max(widths))
+            widths[widest] = max(12, widths[widest] - (sum(widths) - spare))
+        self._widths = widths
         lines = len(self.shown.rows) + 1 + bool(self.missing)
-        self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), lines)
+        self.virtual_size = Size(sum(widths) + _GAP * len(widths), lines)
 
 
 def _fit(text: str, width: int, value: Value) -> str:
@@ -362,8 +364,8 @@ def _named_rows(table: ResultTable) -> tuple[tuple[str, ...], tuple[Row, ...]]:
     return (MIND, *table.columns), rows
 
 
-def row_count(table: ResultTable, what: str = "row", more: str = "") -> str:
+def row_count(table: ResultTable, noun: str = "row", suffix: str = "") -> str:
     count = len(table.rows)
     if table.truncated:
-        return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")
-    return count_of(count, what) + more
+        return with_keys(f"first {count:,} {noun}s{suffix}, there are more: {{ask}} narrows down")
+    return count_of(count, noun) + suffix

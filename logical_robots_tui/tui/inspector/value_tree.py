@@ -32,7 +32,7 @@ _PICTURE_ROWS = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class ValueBranch:
     """A value with its name, and a pin for it if it can be pinned."""
 
     title: str
@@ -41,11 +41,11 @@ class Branch:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _ValuePart:
     """A node: a value, or the parts `within` a range of a long list or record."""
 
     value: Value
-    branch: Branch
+    branch: ValueBranch
     path: Path
     within: range | None = None
     radar: Sequence[Mapping[str, Any]] | None = None
@@ -69,14 +69,14 @@ class ValueTree(Dialog[None]):
     def __init__(
         self,
         title: str,
-        branches: Sequence[Branch],
+        branches: Sequence[ValueBranch],
         pin: Callable[[Pin], None],
         follow: Callable[[Pin], bool],
     ) -> None:
         super().__init__(title)
         self._branches = branches
         self._pin, self._follow = pin, follow
-        self._tree: Tree[_Part] = Tree("", id="tree")
+        self._tree: Tree[_ValuePart] = Tree("", id="tree")
         self._tree.show_root = False
         self._tree.guide_depth = 2
         self._picture = Static(id="radar")
@@ -88,7 +88,7 @@ class ValueTree(Dialog[None]):
 
     def on_mount(self) -> None:
         for branch in self._branches:
-            part = _Part(branch.value, branch, (), radar=_radar(branch.value))
+            part = _ValuePart(branch.value, branch, (), radar=_radar(branch.value))
             node = self._add(self._tree.root, branch.title, part)
             if len(self._branches) == 1 or _size(branch.value) <= _OPEN:
                 node.expand()
@@ -118,7 +118,7 @@ class ValueTree(Dialog[None]):
         return part.branch.pin.deeper(part.path)
 
     @on(Tree.NodeExpanded)
-    def _grow(self, event: Tree.NodeExpanded[_Part]) -> None:
+    def _grow(self, event: Tree.NodeExpanded[_ValuePart]) -> None:
         event.stop()
         node = event.node
         if node.data is not None and not node.children:
@@ -126,14 +126,14 @@ class ValueTree(Dialog[None]):
                 self._add(node, name, part)
 
     @on(Tree.NodeHighlighted)
-    def _moved(self, event: Tree.NodeHighlighted[_Part]) -> None:
+    def _moved(self, event: Tree.NodeHighlighted[_ValuePart]) -> None:
         event.stop()
         radar = event.node.data.radar if event.node.data is not None else None
         self._picture.display = radar is not None and self.size.width >= 10 * _PICTURE_ROWS
         if radar is not None:
             self._picture.update(Content("\n").join(radar_plot(radar, _PICTURE_ROWS)))
 
-    def _add(self, node: TreeNode[_Part], name: str, part: _Part) -> TreeNode[_Part]:
+    def _add(self, node: TreeNode[_ValuePart], name: str, part: _ValuePart) -> TreeNode[_ValuePart]:
         has_parts = bool(_size(part.value))
         label = Text.assemble(
             (one_line(name), rich_style(INK.text if has_parts else INK.dim)), "  "
@@ -148,7 +148,7 @@ def _size(value: Value) -> int:
     return len(value) if isinstance(value, Mapping | list | tuple) else 0
 
 
-def _inside(part: _Part) -> Iterator[tuple[str, _Part]]:
+def _inside(part: _ValuePart) -> Iterator[tuple[str, _ValuePart]]:
     value = part.value
     if not isinstance(value, Mapping | list | tuple):
         return
@@ -160,12 +160,12 @@ def _inside(part: _Part) -> Iterator[tuple[str, _Part]]:
             yield f"{group[0]} to {group[-1]}", replace(part, within=group)
         return
     among = part.within or range(len(items))
-    for step, each in items[among.start : among.stop]:
-        radar = _radar(each) or part.radar
-        yield str(step), _Part(each, part.branch, (*part.path, step), radar=radar)
+    for step, member in items[among.start : among.stop]:
+        radar = _radar(member) or part.radar
+        yield str(step), _ValuePart(member, part.branch, (*part.path, step), radar=radar)
 
 
 def _radar(value: Value) -> Sequence[Mapping[str, Any]] | None:
     if not isinstance(value, list | tuple) or not value:
         return None
-    return None if any(ray_angle(each) is None for each in value) else value
+    return None if any(ray_angle(ray) is None for ray in value) else value

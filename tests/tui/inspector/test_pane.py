@@ -16,7 +16,7 @@ from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.proof import WhyView
-from logical_robots_tui.tui.inspector.questions import Questions
+from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, STILL, Awaited, Opened, Size, at_both_sizes, opened
@@ -177,14 +177,16 @@ async def test_a_table_is_walked_by_key_and_click_and_shows_whole_values(data_di
 
 
 async def test_slow_rows_hold_up_nothing(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = Questions.rows
+    rows = InspectorQuestions.rows
 
-    async def late(questions: Questions, predicate: str, robot: str, frame: Frame) -> ResultTable:
+    async def late(
+        questions: InspectorQuestions, predicate: str, robot: str, frame: Frame
+    ) -> ResultTable:
         if predicate == "Robot":
             await asyncio.Event().wait()
         return await rows(questions, predicate, robot, frame)
 
-    monkeypatch.setattr(Questions, "rows", late)
+    monkeypatch.setattr(InspectorQuestions, "rows", late)
     async with opened(data_dir, text=f"Big(x) :- x in Range(1500);\n{STILL}") as game:
         await run_beside(game, "Robot")
         await game.press("space")
@@ -300,7 +302,7 @@ async def test_a_run_is_scanned_and_a_finding_leads_to_its_tick(data_dir: Path, 
         await game.run_until(4)
         await game.command("diagnose", until=lambda: page(game).view.has_focus)
         await game.sees("Scan the run up to tick 4", "enter Scan")
-        await game.press("enter", until=lambda: page(game).found is not None)
+        await game.press("enter", until=lambda: page(game).diagnosis is not None)
         assert game.inspector.inspected == "diagnosis"
         await game.sees("warning, line 3, tick 3", "Ticks 1 to 4, not won.")
         await game.press("down")

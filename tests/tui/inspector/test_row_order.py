@@ -7,11 +7,11 @@ from pathlib import Path
 from textual.widgets import Input
 
 from logical_robots_tui.tui.inspector import table as tables
-from logical_robots_tui.tui.inspector.table import RowOrder, Rows, ValueTable, arrange, as_csv
+from logical_robots_tui.tui.inspector.table import RowOrder, TableRows, ValueTable, arrange, as_csv
 from tests.short import AHEAD
 from tests.tui.conftest import Opened, opened
 
-ROWS = Rows(
+ROWS = TableRows(
     ("robot_name", "n", "what"),
     (("Ada", 2, {"a": [1]}), ("Bo", 1, "x,y"), ("Ada", None, "Zed")),
     frozenset({(1, 1)}),

@@ -11,7 +11,7 @@ from textual.widgets import Tree
 from logical_robots_tui.game import Pin
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.inspector.plots import BARS, Sample, sparkline
+from logical_robots_tui.tui.inspector.plots import BARS, PlotSample, sparkline
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, Opened, opened
 
@@ -24,13 +24,17 @@ Robot(robot_name:, desire: {left_engine: 0.2, right_engine: 0.2},
 """
 
 SAMPLES = st.builds(
-    Sample, st.none() | st.floats(allow_nan=False, allow_infinity=False), st.none() | st.integers()
+    PlotSample,
+    st.none() | st.floats(allow_nan=False, allow_infinity=False),
+    st.none() | st.integers(),
 )
 
 
-@example([Sample(0.0, None), Sample(5e-324, None)], False, False)
+@example([PlotSample(0.0, None), PlotSample(5e-324, None)], False, False)
 @given(st.lists(st.none() | SAMPLES), st.booleans(), st.booleans())
-def test_each_tick_has_a_character(samples: list[Sample | None], counts: bool, plain: bool) -> None:
+def test_each_tick_has_a_character(
+    samples: list[PlotSample | None], counts: bool, plain: bool
+) -> None:
     line = sparkline(samples, counts=counts, plain=plain)
     assert len(line) == len(samples)
     assert not plain or line.isascii()
@@ -45,12 +49,18 @@ def test_each_tick_has_a_character(samples: list[Sample | None], counts: bool, p
 
 
 def test_what_is_not_a_number_shows_where_it_changes() -> None:
-    told = [Sample(None, 1), Sample(None, 1), Sample(None, 2), None, Sample(None, None)]
+    told = [
+        PlotSample(None, 1),
+        PlotSample(None, 1),
+        PlotSample(None, 2),
+        None,
+        PlotSample(None, None),
+    ]
     assert sparkline(told, counts=False) == "──┼ ·"
     assert sparkline(told, counts=False, plain=True) == "--| ."
-    assert sparkline([Sample(3, 1)] * 2, counts=True) == "██"
-    assert sparkline([Sample(3, 1)] * 2, counts=False) == "▄▄"
-    assert sparkline([Sample(0, 1), Sample(1, 2)], counts=False) == "▁█"
+    assert sparkline([PlotSample(3, 1)] * 2, counts=True) == "██"
+    assert sparkline([PlotSample(3, 1)] * 2, counts=False) == "▄▄"
+    assert sparkline([PlotSample(0, 1), PlotSample(1, 2)], counts=False) == "▁█"
 
 
 def view(game: Opened) -> WatchView:

@@ -13,9 +13,9 @@ from textual.widgets import Input
 from logical_robots_tui.game import Breakpoint, Frame, Pin
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
-from logical_robots_tui.tui.inspector.questions import Questions
+from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.inspector.table import ValueTable, row_count
-from logical_robots_tui.tui.inspector.value_tree import Branch
+from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
@@ -34,7 +34,7 @@ class QueryLine(Input):
 
     def __init__(self, leave: Callable[[], None]) -> None:
         self._leave = leave
-        self._completion = _Completion()
+        self._completion = _WordSuggester()
         super().__init__(
             placeholder="Ask, such as  sensor.forward_distance < 60  or  Robot",
             suggester=self._completion,
@@ -60,7 +60,7 @@ class QueryLine(Input):
 
     def remember(self, query: str) -> None:
         if query:
-            self._history = [each for each in self._history if each != query][-_HISTORY_SIZE:]
+            self._history = [line for line in self._history if line != query][-_HISTORY_SIZE:]
             self._history.append(query)
         self._place = len(self._history)
 
@@ -78,8 +78,8 @@ class AskPage(Page):
 
     table: ValueTable
 
-    def __init__(self, entry: PageEntry, questions: Questions) -> None:
-        self._query = self._refused = self._told = ""
+    def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
+        self._query = self._refused = self._answered_query = ""
         self.line = QueryLine(self._leave)
         self.table = ValueTable(id="answer")
         super().__init__(entry, questions, self.line, above=(self.line,), below=(self.table,))
@@ -100,7 +100,7 @@ class AskPage(Page):
 
         def say(words: Content | str) -> None:
             self.head(frame.tick)
-            self._tell_asked(query)
+            self._caption_query(query)
             self._say_instead(words)
 
         try:
@@ -109,20 +109,20 @@ class AskPage(Page):
             )
         except ProgramError as error:
             self.head(frame.tick)
-            self._tell_asked("")
+            self._caption_query("")
             self._refuse(query, error)
             return
         if table is not None:
             self.head(frame.tick, row_count(table))
-            self._tell_asked(query)
+            self._caption_query(query)
             self.say(Content.styled("" if table.rows else "No rows.", INK.dim))
             self.table.show(table)
 
-    def _tell_asked(self, query: str) -> None:
+    def _caption_query(self, query: str) -> None:
         """Say what was asked, unless the line still holds it."""
-        self._told = query
-        told = "" if query == self.line.value.strip() else one_line(query)
-        self.caption(Content.styled(told, INK.title))
+        self._answered_query = query
+        text = "" if query == self.line.value.strip() else one_line(query)
+        self.caption(Content.styled(text, INK.title))
 
     def stopped(self) -> str:
         self._query = ""
@@ -131,9 +131,9 @@ class AskPage(Page):
     def pin_here(self) -> Pin | None:
         return Pin(self._valid) if self._valid else None
 
-    def values_here(self) -> tuple[str, Sequence[Branch]]:
+    def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
         pointed = self.table_here and self.table_here.pointed
-        return ("Answer", (Branch(*pointed),)) if pointed else ("", ())
+        return ("Answer", (ValueBranch(*pointed),)) if pointed else ("", ())
 
     def breakpoint_here(self) -> Breakpoint | None:
         return Breakpoint("rows", self._valid) if self._valid else None
@@ -168,8 +168,8 @@ class AskPage(Page):
     @on(Input.Changed)
     def _changed(self, event: Input.Changed) -> None:
         event.stop()
-        if self._told:
-            self._tell_asked(self._told)
+        if self._answered_query:
+            self._caption_query(self._answered_query)
         if self._refused and event.value.strip() != self._refused:
             self._query = self._refused = ""
             self.say("")
@@ -182,15 +182,15 @@ class AskPage(Page):
         self.post_message(self.Changed())
 
 
-class _Completion(Suggester):
+class _WordSuggester(Suggester):
     def __init__(self) -> None:
         super().__init__(use_cache=False, case_sensitive=True)
         self.words: list[str] = []
 
     async def get_suggestion(self, value: str) -> str | None:
-        found = _LAST_WORD.search(value)
-        if found is None or len(found[0]) < _SHORTEST:
+        match = _LAST_WORD.search(value)
+        if match is None or len(match[0]) < _SHORTEST:
             return None
-        longer = (word for word in self.words if word.startswith(found[0]) and word != found[0])
+        longer = (word for word in self.words if word.startswith(match[0]) and word != match[0])
         word = next(longer, None)
-        return None if word is None else value[: found.start()] + word
+        return None if word is None else value[: match.start()] + word

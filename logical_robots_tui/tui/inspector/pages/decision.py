@@ -13,7 +13,7 @@ from logical_robots_tui.mind import ResultTable
 from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
 from logical_robots_tui.tui.inspector.plots import format_value, inked, radar_plot
-from logical_robots_tui.tui.inspector.questions import Questions, Survey
+from logical_robots_tui.tui.inspector.questions import InspectorQuestions, Survey
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
 from logical_robots_tui.wording import clip, one_line
@@ -32,7 +32,7 @@ class DecisionPage(Page):
     beside = "robots"
     view: LinesView
 
-    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         super().__init__(entry, questions, LinesView(id="decision"))
 
     async def show(self, frame: Frame) -> None:
@@ -50,11 +50,11 @@ class DecisionPage(Page):
 def decision_lines(
     program: Program | None, frame: Frame, robot: str, survey: Survey | None, width: int
 ) -> list[Content]:
-    at = next(i for i, row in enumerate(frame.sensors) if row["robot_name"] == robot)
-    sensor = frame.sensors[at]["sensor"]
+    index = next(i for i, row in enumerate(frame.sensors) if row["robot_name"] == robot)
+    sensor = frame.sensors[index]["sensor"]
     picture = radar_plot(sensor["radar"], _RADAR_ROWS) if width >= _ROOM_FOR_RADAR else []
     room = width - (4 * _RADAR_ROWS + 2 if picture else 0)
-    lines = [line for each in _told(program, frame, at, survey) for line in each.wrap(room)]
+    lines = [line for part in _parts(program, frame, index, survey) for line in part.wrap(room)]
     lines += [Content("")] * (len(picture) - len(lines))
     for number, drawn in enumerate(picture):
         gap = max(0, room + 2 - lines[number].cell_length)
@@ -62,22 +62,22 @@ def decision_lines(
     return lines
 
 
-def _told(
+def _parts(
     program: Program | None, frame: Frame, number: int, survey: Survey | None
 ) -> Iterator[Content]:
     row = frame.sensors[number]
     robot, sensor = row["robot_name"], row["sensor"]
     yield _titled("sensor in")
-    own = sensor["self"]
-    seen = sensor["forward_object"]
-    label = "" if seen in ("wall", "none") else f" {one_line(sensor['forward_label'])}"
-    yield _named("front", f"{sensor['forward_distance']}, {seen}{label}")
-    if own["has_battery"]:
-        yield _named("battery", f"{own['battery_level']:.1f} of {own['battery_capacity']:g}")
+    body = sensor["self"]
+    front_object = sensor["forward_object"]
+    label = "" if front_object in ("wall", "none") else f" {one_line(sensor['forward_label'])}"
+    yield _named("front", f"{sensor['forward_distance']}, {front_object}{label}")
+    if body["has_battery"]:
+        yield _named("battery", f"{body['battery_level']:.1f} of {body['battery_capacity']:g}")
     yield _named("clock", str(sensor["clock"]))
     yield _titled("memory before")
-    before, after = frame.memories_before.get(robot), frame.memories.get(robot)
-    yield _valued("memory", before)
+    memory_before, memory_after = frame.memories_before.get(robot), frame.memories.get(robot)
+    yield _valued("memory", memory_before)
     yield from _on_the_way(program, robot, survey)
     decision = frame.decision_of(robot)
     if decision is None:
@@ -85,12 +85,12 @@ def _told(
         return
     yield _titled("desire")
     if decision.desire is not None:
-        given = decision.desire
-        yield _named("as given", f"left {given.left_engine:.6g}, right {given.right_engine:.6g}")
+        desire = decision.desire
+        yield _named("as given", f"left {desire.left_engine:.6g}, right {desire.right_engine:.6g}")
     state = frame.after.robots[number]
     yield _named("as driven", f"left {state.left_engine:.6g}, right {state.right_engine:.6g}")
     yield _titled("memory after")
-    yield from _difference(before, after)
+    yield from _difference(memory_before, memory_after)
     for notice in decision.notices:
         yield Content.assemble(
             ("! ", f"bold {INK.warn}"), (clip(one_line(notice.message), _LONGEST), INK.warn)
@@ -108,16 +108,16 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
             yield _named(name, "failed" if table is not None else "not known")
             continue
         rows = _rows_of(robot, table)
-        more = "+" if table.truncated else ""
-        words = f"{len(rows):,}{more} {'rows' if more or len(rows) != 1 else 'row'}"
-        said = Content.styled(words, INK.dim)
-        if len(rows) == 1 and not more:
+        plus = "+" if table.truncated else ""
+        words = f"{len(rows):,}{plus} {'rows' if plus or len(rows) != 1 else 'row'}"
+        text = Content.styled(words, INK.dim)
+        if len(rows) == 1 and not plus:
             pairs = zip(table.columns, rows[0], strict=True)
-            shown = [
+            cells = [
                 ((f"{one_line(c)} ", INK.dim), inked(v, 60)) for c, v in pairs if c != "robot_name"
             ]
-            said = Content("  ").join(Content.assemble(*each) for each in shown) if shown else said
-        yield Content.assemble("  ", (f"{one_line(name)}  ", INK.title)).append(said)
+            text = Content("  ").join(Content.assemble(*pair) for pair in cells) if cells else text
+        yield Content.assemble("  ", (f"{one_line(name)}  ", INK.title)).append(text)
 
 
 def _rows_of(robot: str, table: ResultTable) -> list[tuple[Value, ...]]:
@@ -130,16 +130,16 @@ def _rows_of(robot: str, table: ResultTable) -> list[tuple[Value, ...]]:
     ]
 
 
-def _difference(before: Value, after: Value) -> Iterator[Content]:
+def _difference(old_memory: Value, new_memory: Value) -> Iterator[Content]:
     """Compare two memories, field by field if they are records; mark what changed."""
-    if isinstance(after, Mapping) and isinstance(before, Mapping):
-        for name, value in after.items():
-            yield _valued(name, value, changed=name not in before or before[name] != value)
-        for name in before:
-            if name not in after:
+    if isinstance(new_memory, Mapping) and isinstance(old_memory, Mapping):
+        for name, value in new_memory.items():
+            yield _valued(name, value, changed=name not in old_memory or old_memory[name] != value)
+        for name in old_memory:
+            if name not in new_memory:
                 yield Content.assemble("  ", (f"{one_line(name)} is gone", INK.key))
     else:
-        yield _valued("memory", after, changed=before != after)
+        yield _valued("memory", new_memory, changed=old_memory != new_memory)
 
 
 def _titled(title: str) -> Content:

@@ -14,7 +14,7 @@ from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed
-from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions
+from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, InspectorQuestions
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -36,9 +36,9 @@ class DiagnosisPage(Page):
 
     view: _Findings
 
-    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         super().__init__(entry, questions, _Findings(id="findings", markup=False))
-        self.found: Diagnosis | None = None
+        self.diagnosis: Diagnosis | None = None
         self._scanned: tuple[Game, int, Program] | None = None
         self._worker: Worker[None] | None = None
         self._shown: tuple[object, ...] | None = None
@@ -55,32 +55,34 @@ class DiagnosisPage(Page):
     def _list(self) -> None:
         game = self._session.game
         last = 0 if game is None else game.history.last
-        findings = self.found.findings if self.found is not None else ()
-        shown = (findings, self.is_diagnosing, last, self._questions.played)
-        if shown == self._shown:
+        diagnosis = self.diagnosis
+        findings = diagnosis.findings if diagnosis is not None else ()
+        state = (findings, self.is_diagnosing, last, self._questions.played)
+        if state == self._shown:
             return
-        self._shown = shown
-        at = self.view.highlighted
+        self._shown = state
+        index = self.view.highlighted
         self.view.clear_options()
-        offer = f"Scan {'the run' if self.found is None else 'again'} up to tick {last}"
+        offer = f"Scan {'the run' if diagnosis is None else 'again'} up to tick {last}"
         offer = "Stop scanning" if self.is_diagnosing else offer
         options = [Option(Content.styled(offer, f"bold {INK.key}"), id=_START)]
-        options += [Option(_describe(each), id=str(n)) for n, each in enumerate(findings)]
+        options += [Option(_describe(finding), id=str(n)) for n, finding in enumerate(findings)]
         self.view.add_options(options)
-        self.view.highlighted = min(at or 0, len(options) - 1)
+        self.view.highlighted = min(index or 0, len(options) - 1)
         if not self.is_diagnosing:
-            self._describe("" if self.found is None else f"{self._age()}{extent(self.found)}")
+            self._describe("" if diagnosis is None else f"{self._age()}{extent(diagnosis)}")
 
     def _age(self) -> str:
         """Return a sentence if the findings are no longer about what is played, or ""."""
-        was, now = self._scanned, self._questions.played
-        if was is None or was == now:
+        former, current = self._scanned, self._questions.played
+        if former is None or former == current:
             return ""
-        is_same = now is not None and now[2].texts == was[2].texts
+        is_same = current is not None and current[2].texts == former[2].texts
         return f"This is about an earlier {'run' if is_same else 'program'}. "
 
     def _describe(self, text: str) -> None:
-        nothing = self.found is not None and not self.found.findings and not self.is_diagnosing
+        findings = self.diagnosis.findings if self.diagnosis is not None else None
+        nothing = findings is not None and not findings and not self.is_diagnosing
         text = f"{text} Nothing stands out." if nothing else text
         self.caption(Content(one_line(text) or " "))  # the line stays, so that the list does
 
@@ -91,7 +93,7 @@ class DiagnosisPage(Page):
             self._describe(NO_PROGRAM)
             return
         try:
-            self.found = await diagnose(game, report=self._report, show=self._fill)
+            self.diagnosis = await diagnose(game, report=self._report, show=self._fill)
         except QueryError as error:
             self._describe(str(error))
         except Superseded:
@@ -101,13 +103,13 @@ class DiagnosisPage(Page):
             self._shown = None
         self._list()
 
-    def _fill(self, found: Diagnosis) -> None:
-        self.found = found
+    def _fill(self, diagnosis: Diagnosis) -> None:
+        self.diagnosis = diagnosis
         self._list()
 
-    def _report(self, done: int, of_all: int) -> None:
-        if not done % _EVERY:
-            self._describe(f"Scanning: {done} of {of_all} ticks")
+    def _report(self, count: int, total: int) -> None:
+        if not count % _EVERY:
+            self._describe(f"Scanning: {count} of {total} ticks")
 
     @on(OptionList.OptionSelected)
     def _chosen(self, event: OptionList.OptionSelected) -> None:
@@ -119,10 +121,10 @@ class DiagnosisPage(Page):
             self._worker.cancel()
             self._worker = self._shown = None
             self._list()
-            if self.found is None:
+            if self.diagnosis is None:
                 self._describe("Stopped.")
         else:
-            self.found = None
+            self.diagnosis = None
             self._worker = in_background(self, self._look, "diagnose", exclusive=True)
             self._describe("Scanning…")
             self._list()
@@ -136,9 +138,9 @@ class DiagnosisPage(Page):
             self.post_message(Placed(self._scanned[2].text, place))
 
     def _finding(self, option: str | None) -> Finding | None:
-        if self.found is None or option in (None, _START):
+        if self.diagnosis is None or option in (None, _START):
             return None
-        return self.found.findings[int(option)]
+        return self.diagnosis.findings[int(option)]
 
 
 def _describe(finding: Finding) -> Content:

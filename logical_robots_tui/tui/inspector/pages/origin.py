@@ -15,7 +15,7 @@ from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.line_views import CursorView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed
 from logical_robots_tui.tui.inspector.plots import format_value, inked
-from logical_robots_tui.tui.inspector.questions import Questions
+from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.layout.command_bar import CommandChosen, RobotChosen
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -56,13 +56,13 @@ class LinksView(CursorView):
 
     def draw(self) -> None:
         links = self._origin.links if self._origin is not None else ()
-        after: list[Content] = []
+        footer: list[Content] = []
         if self._origin is not None:
             if not self._origin.complete:
-                after += Content.styled(INCOMPLETE, INK.warn).wrap(max(1, self.columns))
-            after += [Content(""), Content.styled(_KEYS, INK.dim).truncate(self.columns)]
+                footer += Content.styled(INCOMPLETE, INK.warn).wrap(max(1, self.columns))
+            footer += [Content(""), Content.styled(_KEYS, INK.dim).truncate(self.columns)]
         items = [list(lines_of(n, link, self.columns)) for n, link in enumerate(links)]
-        self.paint_items(items, after)
+        self.paint_items(items, footer)
 
     def cursor_moved(self) -> None:
         if self.pointed is not None:
@@ -82,23 +82,23 @@ class LinksView(CursorView):
 class OriginPage(Page):
     view: LinksView
 
-    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         super().__init__(entry, questions, LinksView(self))
-        self.asked: Traced | None = None
+        self.target: Traced | None = None
         self._branch: tuple[Game, int] | None = None
         self._at = 0
         self._came_from = "", 0
 
-    def trace(self, asked: Traced, came_from: str) -> None:
+    def trace(self, target: Traced, came_from: str) -> None:
         """Trace a value; escape returns to the page or predicate that the player came from."""
         if came_from != self.entry.id:
             self._came_from = came_from, self._session.frame.tick
-        self.asked, self._branch = asked, self._questions.branch
-        name = one_line(subject_name(asked.robot, asked.subject))
-        when = "after" if is_memory(asked.subject) else "in"
-        self.caption(Content.assemble((name, INK.title), f" {when} tick {asked.tick} comes from"))
+        self.target, self._branch = target, self._questions.branch
+        name = one_line(subject_name(target.robot, target.subject))
+        when = "after" if is_memory(target.subject) else "in"
+        self.caption(Content.assemble((name, INK.title), f" {when} tick {target.tick} comes from"))
         self._say_instead("")
-        in_background(self, partial(self._answer, asked, self._branch), "origin", exclusive=True)
+        in_background(self, partial(self._answer, target, self._branch), "origin", exclusive=True)
 
     async def show(self, frame: Frame) -> None:
         """Show a note if the traced ticks were abandoned for others."""
@@ -108,15 +108,15 @@ class OriginPage(Page):
             self.workers.cancel_group(self, "origin")
             self._say_instead(with_keys(_STALE))
 
-    async def _answer(self, asked: Traced, branch: tuple[Game, int] | None) -> None:
+    async def _answer(self, target: Traced, branch: tuple[Game, int] | None) -> None:
         if branch is None:
             return
-        self._at = asked.tick
+        self._at = target.tick
         origin = await self.answer(
             lambda *_: origin_in_game(
-                branch[0], asked.robot, asked.subject, asked.tick, self._reached
+                branch[0], target.robot, target.subject, target.tick, self._reached
             ),
-            lambda: f"at tick {self._at}, {count_of(asked.tick - self._at, 'tick')} back",
+            lambda: f"at tick {self._at}, {count_of(target.tick - self._at, 'tick')} back",
             self._say_instead,
         )
         if origin is not None:

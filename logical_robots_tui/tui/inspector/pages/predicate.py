@@ -13,9 +13,9 @@ from logical_robots_tui.game import ROBOT_COLUMNS, Breakpoint, Frame, Pin, Super
 from logical_robots_tui.mind import QueryError, ResultTable
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Traced, traced_value
 from logical_robots_tui.tui.inspector.plots import format_value
-from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
+from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, InspectorQuestions, Survey
 from logical_robots_tui.tui.inspector.table import ValueTable, row_count
-from logical_robots_tui.tui.inspector.value_tree import Branch
+from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 
@@ -29,7 +29,7 @@ class PredicatePage(Page):
 
     view: ValueTable
 
-    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
         super().__init__(entry, questions, ValueTable(), below=(self._value_box,))
@@ -64,16 +64,16 @@ class PredicatePage(Page):
         if table.has_focus and table.place is not None:
             return self._pin_of_cell(table)
         named = next((name for name in ROBOT_COLUMNS if name in table.all.columns), "")
-        only = table.how.robot if named else ""
+        only = table.row_order.robot if named else ""
         return Pin(self.predicate, where=((named, only),) if only else ())
 
-    def values_here(self) -> tuple[str, Sequence[Branch]]:
+    def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
         table = self.table_here
         if table is None or table.pointed is None:
             return "", ()
         # A call can't be found again in another tick.
         pin = None if self.depends_on_robot else self._pin_of_cell(table)
-        return self.predicate, (Branch(*table.pointed, pin),)
+        return self.predicate, (ValueBranch(*table.pointed, pin),)
 
     def traced_here(self) -> Traced | None:
         table = self.table_here
@@ -85,7 +85,7 @@ class PredicatePage(Page):
 
     def breakpoint_here(self) -> Breakpoint | None:
         column = self.view.column if self.view.has_focus else ""
-        return self.breakpoint_at(self.predicate, self.view.how.robot, column)
+        return self.breakpoint_at(self.predicate, self.view.row_order.robot, column)
 
     def _pin_of_cell(self, table: ValueTable) -> Pin | None:
         if table.place is None:
@@ -94,29 +94,29 @@ class PredicatePage(Page):
         return pin_of_cell(self.predicate, table.all.columns, table.all.rows, number, column)
 
     def _show_table(self, frame: Frame, table: ResultTable) -> None:
-        what = ("call", f" of {self.robot}") if self.depends_on_robot else ("row", "")
-        words = (row_count(table, *what), self.view.how.words)
+        nouns = ("call", f" of {self.robot}") if self.depends_on_robot else ("row", "")
+        words = (row_count(table, *nouns), self.view.row_order.words)
         self.head(frame.tick, ", ".join(filter(None, words)), self.predicate)
         self.say("")
         self.view.display = True
         survey = self._questions.surveyed(frame)
-        before = survey.before.get(self.predicate) if survey is not None else None
-        self.view.show(table, before if isinstance(before, ResultTable) else None)
+        previous = survey.previous_tables.get(self.predicate) if survey is not None else None
+        self.view.show(table, previous if isinstance(previous, ResultTable) else None)
 
     def _say_instead(self, frame: Frame, message: str) -> None:
         self.head(frame.tick, title=self.predicate)
         self.say(message)
         self.view.display = self._value_box.display = False
 
-    @on(ValueTable.Pointed)
-    def _pointed(self, event: ValueTable.Pointed) -> None:
+    @on(ValueTable.CellPointed)
+    def _pointed(self, event: ValueTable.CellPointed) -> None:
         event.stop()
         pointed = self.view.pointed
         self._value_box.display = self.view.display and pointed is not None
         if pointed is not None:
-            shown = Content.assemble(
+            content = Content.assemble(
                 (f"{one_line(pointed[0])} = ", INK.dim), format_value(pointed[1])
             )
-            if shown != self._value_shown:
-                self._value_shown = shown
-                self._value.update(shown)
+            if content != self._value_shown:
+                self._value_shown = content
+                self._value.update(content)

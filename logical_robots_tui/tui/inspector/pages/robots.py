@@ -16,7 +16,7 @@ from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
 from logical_robots_tui.tui.inspector.plots import BARS, OBJECT_INKS, format_value
-from logical_robots_tui.tui.inspector.questions import Questions
+from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
@@ -35,18 +35,18 @@ class RobotsView(LinesView):
     def __init__(self) -> None:
         super().__init__(id="robots")
         self._names: list[str] = []
-        self._chosen: str | None = None
+        self._robot_name: str | None = None
 
-    def show(self, level: Level, frame: Frame, chosen: str | None) -> None:
+    def show(self, level: Level, frame: Frame, name: str | None) -> None:
         def lines(width: int) -> list[Content]:
             palette = palette_of(self.app.current_theme)
-            shown, others = _columns(level, width)
+            columns, hidden = _columns(level, width)
             robots = _robots(level, frame, palette)
-            found = [*_left_out(robots, others, chosen), *_notes(level, frame, chosen)]
-            notes = [line for note in found for line in note.wrap(width)]
-            return [*_table(shown, robots, chosen), Content(""), *notes]
+            remarks = [*_hidden_cells(robots, hidden, name), *_notes(level, frame, name)]
+            notes = [line for note in remarks for line in note.wrap(width)]
+            return [*_table(columns, robots, name), Content(""), *notes]
 
-        self._names, self._chosen = [robot.name for robot in level.robots], chosen
+        self._names, self._robot_name = [robot.name for robot in level.robots], name
         self.show_lines(lines)
 
     def on_mount(self) -> None:
@@ -56,15 +56,15 @@ class RobotsView(LinesView):
         self._post_chosen(event.y + self.scroll_offset.y - 1)
 
     def action_choose(self, down: int) -> None:
-        at = (
-            self._names.index(self._chosen)
-            if self._chosen in self._names
+        index = (
+            self._names.index(self._robot_name)
+            if self._robot_name in self._names
             else -1
             if down > 0
             else 0
         )
         if self._names:
-            self._post_chosen((at + down) % len(self._names))
+            self._post_chosen((index + down) % len(self._names))
 
     def _post_chosen(self, number: int) -> None:
         if 0 <= number < len(self._names):
@@ -75,7 +75,7 @@ class RobotsPage(Page):
     replays = False
     view: RobotsView
 
-    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         super().__init__(entry, questions, RobotsView())
 
     async def show(self, frame: Frame) -> None:
@@ -83,7 +83,7 @@ class RobotsPage(Page):
         self.view.show(self._session.level, frame, self._questions.chosen)
 
 
-class _Robot(NamedTuple):
+class _RobotRow(NamedTuple):
     name: str
     colour: str
     state: RobotState
@@ -92,21 +92,21 @@ class _Robot(NamedTuple):
     desire: Desire | None
 
 
-class _Column(NamedTuple):
+class _RobotColumn(NamedTuple):
     """A column; if there is little room, those with the highest rank come first."""
 
     title: str
     width: int
     rank: int
-    cell: Callable[[_Robot], Content]
+    cell: Callable[[_RobotRow], Content]
     right: bool = False
 
 
-def _robots(level: Level, frame: Frame, palette: Palette) -> list[_Robot]:
+def _robots(level: Level, frame: Frame, palette: Palette) -> list[_RobotRow]:
     sensors = {row["robot_name"]: row["sensor"] for row in frame.sensors}
     desires = {decision.robot_name: decision.desire for decision in frame.decisions}
     return [
-        _Robot(
+        _RobotRow(
             start.name,
             robot_ink(start.color, palette),
             state,
@@ -119,30 +119,32 @@ def _robots(level: Level, frame: Frame, palette: Palette) -> list[_Robot]:
 
 
 def _table(
-    columns: Sequence[_Column], robots: Sequence[_Robot], chosen: str | None
+    columns: Sequence[_RobotColumn], robots: Sequence[_RobotRow], robot_name: str | None
 ) -> Iterator[Content]:
     """Yield the titles of the columns, then a line for each robot."""
-    titles = [each.title if each.right else clip(each.title, each.width) for each in columns]
+    titles = [
+        column.title if column.right else clip(column.title, column.width) for column in columns
+    ]
     yield _line(columns, [Content.styled(title, INK.dim) for title in titles])
     for robot in robots:
         line = _line(columns, [column.cell(robot) for column in columns])
-        yield line.stylize_before(_CHOSEN) if robot.name == chosen else line
+        yield line.stylize_before(_CHOSEN) if robot.name == robot_name else line
 
 
-def _left_out(
-    robots: Sequence[_Robot], columns: Sequence[_Column], chosen: str | None
+def _hidden_cells(
+    robots: Sequence[_RobotRow], columns: Sequence[_RobotColumn], robot_name: str | None
 ) -> Iterator[Content]:
     """Yield what the table has no room for, of the robot that is chosen or the only one."""
     for robot in robots:
-        if columns and (robot.name == chosen or len(robots) == 1):
+        if columns and (robot.name == robot_name or len(robots) == 1):
             parts = [
-                Content.styled(f"{each.title} ", INK.dim).append(each.cell(robot))
-                for each in columns
+                Content.styled(f"{column.title} ", INK.dim).append(column.cell(robot))
+                for column in columns
             ]
             yield Content("   ").join(parts)
 
 
-def _line(columns: Sequence[_Column], cells: Sequence[Content]) -> Content:
+def _line(columns: Sequence[_RobotColumn], cells: Sequence[Content]) -> Content:
     parts = []
     for column, cell in zip(columns, cells, strict=True):
         missing = max(column.width - cell.cell_length, 0)
@@ -151,8 +153,8 @@ def _line(columns: Sequence[_Column], cells: Sequence[Content]) -> Content:
     return Content("").join(parts)
 
 
-def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
-    found = [
+def _notes(level: Level, frame: Frame, robot_name: str | None) -> list[Content]:
+    notes = [
         Content.assemble(
             ("! ", f"bold {INK.warn}"),
             (f"{one_line(decision.robot_name)}: ", INK.warn),
@@ -162,21 +164,21 @@ def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
         for notice in decision.notices
     ]
     names = [robot.name for robot in level.robots]
-    if chosen is None and len(names) == 1:
-        chosen = names[0]
-    if chosen is not None and chosen in names:
-        words = format_value(frame.memories.get(chosen), 4000)
-        who = f"{one_line(chosen)} remembers "
-        found.append(Content.assemble((who, INK.dim), (words, INK.text)))
-    return found
+    if robot_name is None and len(names) == 1:
+        robot_name = names[0]
+    if robot_name is not None and robot_name in names:
+        words = format_value(frame.memories.get(robot_name), 4000)
+        who = f"{one_line(robot_name)} remembers "
+        notes.append(Content.assemble((who, INK.dim), (words, INK.text)))
+    return notes
 
 
 def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
     """Draw the rays from left to right as bars: height by distance, colour by object."""
     return Content.assemble(
         *(
-            ("".join(map(_bar, rays)), OBJECT_INKS.get(what, INK.nothing))
-            for what, rays in groupby(radar, itemgetter("object"))
+            ("".join(map(_bar, rays)), OBJECT_INKS.get(kind, INK.nothing))
+            for kind, rays in groupby(radar, itemgetter("object"))
         )
     )
 
@@ -186,31 +188,31 @@ def _bar(ray: Mapping[str, Any]) -> str:
     return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
 
 
-def _columns(level: Level, width: int) -> tuple[list[_Column], list[_Column]]:
+def _columns(level: Level, width: int) -> tuple[list[_RobotColumn], list[_RobotColumn]]:
     """Return the columns that fit, and the others."""
     longest = max(len(one_line(robot.name)) for robot in level.robots)
     columns = [
-        _Column("robot", min(max(longest, 5), 12) + 3, 0, _name),
-        _Column("x", 5, 6, lambda robot: _number(robot.state.x), right=True),
-        _Column("y", 5, 6, lambda robot: _number(robot.state.y), right=True),
-        _Column("head", 5, 4, _heading, right=True),
-        _Column("front", 16, 3, _front),
-        _Column("radar, left to right", 31, 1, lambda robot: radar_strip(robot.sensor["radar"])),
-        _Column("left", 6, 2, lambda robot: _engine(robot, "left_engine"), right=True),
-        _Column("right", 6, 2, lambda robot: _engine(robot, "right_engine"), right=True),
+        _RobotColumn("robot", min(max(longest, 5), 12) + 3, 0, _name),
+        _RobotColumn("x", 5, 6, lambda row: _number(row.state.x), right=True),
+        _RobotColumn("y", 5, 6, lambda row: _number(row.state.y), right=True),
+        _RobotColumn("head", 5, 4, _heading, right=True),
+        _RobotColumn("front", 16, 3, _front),
+        _RobotColumn("radar, left to right", 31, 1, lambda row: radar_strip(row.sensor["radar"])),
+        _RobotColumn("left", 6, 2, lambda row: _engine(row, "left_engine"), right=True),
+        _RobotColumn("right", 6, 2, lambda row: _engine(row, "right_engine"), right=True),
     ]
     if any(robot.has_battery for robot in level.robots):
-        columns.append(_Column("charge", 6, 5, _charge, right=True))
-    known = columns
-    while (room := width - sum(each.width + 1 for each in columns)) < 0 and len(columns) > 1:
+        columns.append(_RobotColumn("charge", 6, 5, _charge, right=True))
+    all_columns = columns
+    while (room := width - sum(column.width + 1 for column in columns)) < 0 and len(columns) > 1:
         last = max(column.rank for column in columns)
         columns = [column for column in columns if column.rank != last]
     if room >= 16:
-        columns.append(_Column(" memory", room - 2, 7, lambda robot: _memory(robot, room - 3)))
-    return columns, [column for column in known if column not in columns]
+        columns.append(_RobotColumn(" memory", room - 2, 7, lambda row: _memory(row, room - 3)))
+    return columns, [column for column in all_columns if column not in columns]
 
 
-def _name(robot: _Robot) -> Content:
+def _name(robot: _RobotRow) -> Content:
     mark = "✕" if robot.state.dead else "!" if robot.state.blocked else " "
     mark_style = INK.bad if robot.state.dead else INK.warn
     return Content.assemble(
@@ -220,23 +222,23 @@ def _name(robot: _Robot) -> Content:
     )
 
 
-def _heading(robot: _Robot) -> Content:
+def _heading(robot: _RobotRow) -> Content:
     angle = robot.state.angle
     text = f"{round(math.degrees(angle)) % 360}°" if math.isfinite(angle) else "?"
     return Content.styled(text, INK.text)
 
 
-def _front(robot: _Robot) -> Content:
-    what, label = robot.sensor["forward_object"], robot.sensor["forward_label"]
-    if what == "none":
+def _front(robot: _RobotRow) -> Content:
+    kind, label = robot.sensor["forward_object"], robot.sensor["forward_label"]
+    if kind == "none":
         return Content.styled("nothing", INK.dim)
-    name = "wall" if what == "wall" and label == "wall" else one_line(str(label))
+    name = "wall" if kind == "wall" and label == "wall" else one_line(str(label))
     distance = f"{robot.sensor['forward_distance']:g}"
     text = f"{clip(name, 15 - len(distance))} {distance}"
-    return Content.styled(text, OBJECT_INKS.get(what, INK.text))
+    return Content.styled(text, OBJECT_INKS.get(kind, INK.text))
 
 
-def _engine(robot: _Robot, side: str) -> Content:
+def _engine(robot: _RobotRow, side: str) -> Content:
     value: float | None = getattr(robot.desire, side, None)
     if value is None:
         return Content.styled("-", INK.dim)
@@ -244,7 +246,7 @@ def _engine(robot: _Robot, side: str) -> Content:
     return Content.styled(text, INK.number if -1 <= value <= 1 else INK.warn)
 
 
-def _charge(robot: _Robot) -> Content:
+def _charge(robot: _RobotRow) -> Content:
     capacity = robot.sensor["self"]["battery_capacity"]
     if not robot.sensor["self"]["has_battery"] or not capacity:
         return Content.styled("-", INK.dim)
@@ -252,7 +254,7 @@ def _charge(robot: _Robot) -> Content:
     return Content.styled(f"{share:.0%}", INK.good if share > 0.25 else INK.bad)
 
 
-def _memory(robot: _Robot, width: int) -> Content:
+def _memory(robot: _RobotRow, width: int) -> Content:
     return Content.styled(f" {format_value(robot.memory, width)}", INK.dim)
 
 

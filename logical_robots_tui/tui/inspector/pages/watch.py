@@ -15,8 +15,8 @@ from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.line_views import CursorView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Traced, traced_pin
-from logical_robots_tui.tui.inspector.plots import Sample, inked, scale, sparkline
-from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS, Questions
+from logical_robots_tui.tui.inspector.plots import PlotSample, inked, scale, sparkline
+from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS, InspectorQuestions
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.theme.themes import INK
@@ -25,7 +25,7 @@ from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin, Reading
-    from logical_robots_tui.tui.inspector.value_tree import Branch
+    from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 
 _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
@@ -69,8 +69,8 @@ class WatchView(CursorView):
 
     def toggle(self, pin: Pin) -> bool:
         is_new = pin not in self.pins
-        others = tuple(each for each in self.pins if each != pin)
-        self.pins = (*others, pin) if is_new else others
+        pins = tuple(old_pin for old_pin in self.pins if old_pin != pin)
+        self.pins = (*pins, pin) if is_new else pins
         self.redraw()
         return is_new
 
@@ -89,22 +89,22 @@ class WatchView(CursorView):
         if line and 0 <= place < len(self.ticks):
             self.post_message(Timeline.TickPointed(self.ticks[place]))
 
-    def action_change(self, way: int) -> None:
+    def action_change(self, step: int) -> None:
         if self.pointed is None:
             return
         samples = self._samples.of(self.pointed, self.ticks)
-        known = {tick: sample for tick, sample in zip(self.ticks, samples, strict=True) if sample}
+        by_tick = {tick: sample for tick, sample in zip(self.ticks, samples, strict=True) if sample}
         tick = self._tick
-        while tick + way in known:
-            tick += way
-            if tick - 1 in known and known[tick] != known[tick - 1]:
+        while tick + step in by_tick:
+            tick += step
+            if tick - 1 in by_tick and by_tick[tick] != by_tick[tick - 1]:
                 break
         if tick != self._tick:
             self.post_message(Timeline.TickPointed(tick))
 
     def action_open(self) -> None:
         if self.pointed is not None:
-            self.post_message(Page.Opened(self.pointed.predicate))
+            self.post_message(Page.LinkOpened(self.pointed.predicate))
 
     def action_remove(self) -> None:
         if self.pointed is not None:
@@ -113,17 +113,17 @@ class WatchView(CursorView):
     def draw(self) -> None:
         if self.pins and self.ticks:
             words = f"{with_keys(_KEYS)}  ticks {self.ticks[0]} to {self.ticks[-1]}"
-            after = [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
+            footer = [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
         else:
-            after = Content.styled(with_keys(_NOTHING), INK.dim).wrap(self.columns)
-        self.paint_items([(self._value(pin), self._plot(pin)) for pin in self.pins], after)
+            footer = Content.styled(with_keys(_NOTHING), INK.dim).wrap(self.columns)
+        self.paint_items([(self._value(pin), self._plot(pin)) for pin in self.pins], footer)
 
     def _value(self, pin: Pin) -> Content:
         reading, half = self._readings.get(pin), self.columns // 2
         value = Content("")
         if reading is not None:
-            said = clip(one_line(reading.problem), half), INK.warn
-            value = Content.styled(*(said if reading.problem else inked(reading.value, half)))
+            problem = clip(one_line(reading.problem), half), INK.warn
+            value = Content.styled(*(problem if reading.problem else inked(reading.value, half)))
         room = max(1, self.columns - value.cell_length - 1)
         name = Content.styled(one_line(pin.words), INK.text).truncate(room, ellipsis=True)
         return name.pad_right(room + 1 - name.cell_length).append(value)
@@ -131,21 +131,21 @@ class WatchView(CursorView):
     def _plot(self, pin: Pin) -> Content:
         samples, counts = self._samples.of(pin, self.ticks), not pin.column
         line = sparkline(samples, counts=counts, plain=self._plain)
-        here = self._tick - self.ticks.start
-        found = scale(samples, counts=counts)
-        words = " to ".join(f"{number:.4g}" for number in dict.fromkeys(found or ()))
+        index = self._tick - self.ticks.start
+        bounds = scale(samples, counts=counts)
+        words = " to ".join(f"{number:.4g}" for number in dict.fromkeys(bounds or ()))
         return Content.assemble(
             " " * _INDENT,
-            (line[:here], INK.number),
-            (line[here : here + 1], f"{INK.key} reverse"),
-            (f"{line[here + 1 :]} ", INK.number),
+            (line[:index], INK.number),
+            (line[index : index + 1], f"{INK.key} reverse"),
+            (f"{line[index + 1 :]} ", INK.number),
             (words, INK.dim),
         )
 
 
-def _window(before: range, width: int, tick: int, last: int) -> range:
+def _window(old_ticks: range, width: int, tick: int, last: int) -> range:
     """Return the ticks to plot; they stay the same while they include the current tick."""
-    stop = max(before.stop, tick + 1)
+    stop = max(old_ticks.stop, tick + 1)
     if tick < stop - width:
         stop = tick + width // 2
     stop = max(min(stop, last + 1), tick + 1)
@@ -155,23 +155,23 @@ def _window(before: range, width: int, tick: int, last: int) -> range:
 class _PinHistory:
     """Reads pins at ticks; caches the values until the program or the run changes."""
 
-    def __init__(self, questions: Questions) -> None:
+    def __init__(self, questions: InspectorQuestions) -> None:
         self._session, self._questions = questions.session, questions
         self._about: object = None
-        self._ticks: dict[int, dict[Pin, Sample]] = {}
+        self._ticks: dict[int, dict[Pin, PlotSample]] = {}
 
-    def of(self, pin: Pin, ticks: range) -> list[Sample | None]:
+    def of(self, pin: Pin, ticks: range) -> list[PlotSample | None]:
         return [self._ticks.get(tick, {}).get(pin) for tick in ticks]
 
     def missing(self, pins: Sequence[Pin], ticks: range) -> tuple[int, list[Pin]] | None:
-        game, here = self._session.game, self._session.frame.tick
+        game, current_tick = self._session.game, self._session.frame.tick
         if game is None or len(self._session.level.robots) > MOST_ROBOTS:
             return None
-        for tick in sorted(ticks, key=lambda tick: abs(tick - here)):
-            known = self._ticks.get(tick, {})
-            wanted = [pin for pin in pins if pin not in known]
-            if wanted and game.history.first <= tick <= game.history.last:
-                return tick, wanted
+        for tick in sorted(ticks, key=lambda tick: abs(tick - current_tick)):
+            stored_samples = self._ticks.get(tick, {})
+            missing_pins = [pin for pin in pins if pin not in stored_samples]
+            if missing_pins and game.history.first <= tick <= game.history.last:
+                return tick, missing_pins
         return None
 
     async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, Reading]:
@@ -182,17 +182,17 @@ class _PinHistory:
         inquiry, program = self._questions.about()
         readings = await inquiry.readings(program, frame, list(pins))
         if about == self._about:
-            known = self._ticks.setdefault(frame.tick, {})
-            known.update({pin: _sample(reading) for pin, reading in readings.items()})
+            stored_samples = self._ticks.setdefault(frame.tick, {})
+            stored_samples.update({pin: _sample(reading) for pin, reading in readings.items()})
             if len(self._ticks) > _MOST_TICKS:
                 del self._ticks[next(iter(self._ticks))]
         return readings
 
 
-def _sample(reading: Reading) -> Sample:
+def _sample(reading: Reading) -> PlotSample:
     if reading.problem:
-        return Sample(None, None)
-    return Sample(reading.number, hash(repr(reading.value)))
+        return PlotSample(None, None)
+    return PlotSample(reading.number, hash(repr(reading.value)))
 
 
 class WatchPage(Page):
@@ -200,7 +200,7 @@ class WatchPage(Page):
 
     view: WatchView
 
-    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         self.samples = _PinHistory(questions)
         super().__init__(entry, questions, WatchView(self))
         self._shown: tuple[int, Mapping[Pin, Reading]] = 0, {}
@@ -223,7 +223,7 @@ class WatchPage(Page):
     def pin_here(self) -> Pin | None:
         return self.view.pointed if self.view.has_focus else None
 
-    def values_here(self) -> tuple[str, Sequence[Branch]]:
+    def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
         return "", ()
 
     def traced_here(self) -> Traced | None:

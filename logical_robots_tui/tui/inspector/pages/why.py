@@ -21,8 +21,8 @@ from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed, Sighted, Traced
 from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.inspector.proof import WhyView
-from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.value_tree import Branch
+from logical_robots_tui.tui.inspector.questions import InspectorQuestions
+from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.tui.layout.dialogs import Prompt
 from logical_robots_tui.tui.theme.themes import INK
@@ -36,7 +36,7 @@ _DEPTH = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Question:
+class _WhyQuestion:
     """A question at a tick: the last of the steps that led here."""
 
     robot: str
@@ -44,11 +44,11 @@ class _Question:
     frame: Frame
 
     @property
-    def asked(self) -> Ask:
+    def call(self) -> Ask:
         return self.steps[-1]
 
-    def is_like(self, other: _Question | None) -> bool:
-        return other is not None and (self.robot, self.steps) == (other.robot, other.steps)
+    def is_like(self, question: _WhyQuestion | None) -> bool:
+        return question is not None and (self.robot, self.steps) == (question.robot, question.steps)
 
 
 class WhyPage(Page):
@@ -57,16 +57,16 @@ class WhyPage(Page):
     fills = True
     view: WhyView
 
-    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         view = WhyView(
             pointed=self._pointed, deeper=self.ask, lacking=self._unfold, back=self._back
         )
         super().__init__(entry, questions, view)
         self._steps: list[Ask] = [Ask("Robot", {})]
-        self._shown: _Question | None = None
-        self._answered: _Question | None = None
+        self._shown: _WhyQuestion | None = None
+        self._answered: _WhyQuestion | None = None
         self._roots: Sequence[ProofNode] = ()
-        self._lacking: list[tuple[_Question, int, Ask]] = []
+        self._lacking: list[tuple[_WhyQuestion, int, Ask]] = []
         self._is_proving = False
         self._depth = _FIRST_DEPTH
 
@@ -74,39 +74,39 @@ class WhyPage(Page):
         self._steps = [Ask(predicate, {})]
         self.post_message(self.Changed())
 
-    def ask(self, asked: Ask) -> None:
+    def ask(self, call: Ask) -> None:
         """Go on with another question; backspace leads back."""
-        self._steps.append(asked)
+        self._steps.append(call)
         self.post_message(self.Changed())
 
     async def show(self, frame: Frame) -> None:
         """Answer the question at a tick; while the game runs, only with the first level."""
-        question = _Question(self.robot, tuple(self._steps), frame)
+        question = _WhyQuestion(self.robot, tuple(self._steps), frame)
         if not question.is_like(self._shown):
             self._depth = _FIRST_DEPTH
-        robot, asked = question.robot, question.asked
-        found = await self.answer(
-            lambda inquiry, program: inquiry.why(program, robot, frame, asked),
-            lambda: f"taking the rules of {asked.predicate} apart",
+        robot, call = question.robot, question.call
+        explanation = await self.answer(
+            lambda inquiry, program: inquiry.why(program, robot, frame, call),
+            lambda: f"taking the rules of {call.predicate} apart",
             partial(self._say_instead, question),
         )
-        if found is None:
+        if explanation is None:
             return
         if self._session.running:
-            self._show(question, found, _proving(found))
-            self._name_way(question, Content.styled("a pause unfolds it", INK.dim))
+            self._show(question, explanation, _proving(explanation))
+            self._show_caption(question, Content.styled("a pause unfolds it", INK.dim))
         else:
-            await self._prove(question, found)
-            await self._suggest(question, found)
+            await self._prove(question, explanation)
+            await self._suggest(question, explanation)
 
-    def values_here(self) -> tuple[str, Sequence[Branch]]:
+    def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
         node = self.view.pointed if self.view.has_focus else None
         if node is None or not node.values:
             return super().values_here()
         title = f"{node.text} (and {node.excess:,} more)" if node.excess else node.text
         if len(node.values) == 1:
-            return title, (Branch(node.text, node.values[0]),)
-        return title, [Branch(f"{number}", each) for number, each in enumerate(node.values, 1)]
+            return title, (ValueBranch(node.text, node.values[0]),)
+        return title, [ValueBranch(f"{n}", value) for n, value in enumerate(node.values, 1)]
 
     def traced_here(self) -> Traced | None:
         tick = self._session.frame.tick
@@ -116,14 +116,14 @@ class WhyPage(Page):
         return self.breakpoint_at(self._steps[-1].predicate, self.robot)
 
     async def change_values_here(self) -> None:
-        here, program = self._question_here(), self._session.program
-        if here is None or program is None:
+        target, program = self._question_here(), self._session.program
+        if target is None or program is None:
             await super().change_values_here()
             return
         program = program.for_team(self._session.level.team_of(self.robot))
-        found = await self.app.push_screen_wait(ValuesPrompt(program, *here))
-        if found is not None:
-            self.ask(found)
+        call = await self.app.push_screen_wait(ValuesPrompt(program, *target))
+        if call is not None:
+            self.ask(call)
 
     def _question_here(self) -> tuple[Ask, str] | None:
         """The question that the line under the cursor belongs to, and its column of it, or ""."""
@@ -131,23 +131,23 @@ class WhyPage(Page):
         if self._answered is None or line is None:
             return None
         above = (node.query for node in self.view.path if node.query is not None)
-        asked = next(above, self._answered.asked)
-        own: tuple[ProofNode, ...] = ()
+        call = next(above, self._answered.call)
+        nodes: tuple[ProofNode, ...] = ()
         if line.kind == "column" and line.query is None:
-            own = (line,)
+            nodes = (line,)
         elif line.kind == "rule" and line.holds:
-            own = tuple(n for n in line.children if n.kind == "column" and _is_short(n))
+            nodes = tuple(n for n in line.children if n.kind == "column" and _is_short(n))
         program = self._questions.program
-        columns = {program.label(asked.predicate, column): column for column in asked.given}
-        values = {node.text.split(":")[0]: node.values[0] for node in own if len(node.values) == 1}
-        own_given = {columns.get(label, label): value for label, value in values.items()}
+        columns = {program.label(call.predicate, column): column for column in call.given}
+        values = {n.text.split(":")[0]: n.values[0] for n in nodes if len(n.values) == 1}
+        line_arguments = {columns.get(label, label): value for label, value in values.items()}
         label = line.text.split(":")[0]
-        here, given = columns.get(label, label), {**asked.given, **own_given}
-        if here not in (VALUE, "value"):  # with other arguments a function has another value
-            given.pop(VALUE, None)
-        return replace(asked, given=given), here
+        column_name, arguments = columns.get(label, label), {**call.given, **line_arguments}
+        if column_name not in (VALUE, "value"):  # with other arguments a function has another value
+            arguments.pop(VALUE, None)
+        return replace(call, given=arguments), column_name
 
-    async def _prove(self, question: _Question, found: Explanation) -> None:
+    async def _prove(self, question: _WhyQuestion, explanation: Explanation) -> None:
         """Show the first level of a proof until it is as deep as there is room for.
 
         It is as deep as possible after the player has expanded what it ended with.
@@ -158,13 +158,13 @@ class WhyPage(Page):
             nonlocal trouble
             trouble = words if isinstance(words, str) else ""
             if self._answered is not question:
-                self._show(question, found, _proving(found))
-            self._name_way(question, words)
+                self._show(question, explanation, _proving(explanation))
+            self._show_caption(question, words)
 
         self._is_proving = True
         try:
             for depth in (self._depth, _DEPTH):
-                work = partial(self._proof, question, question.asked, depth)
+                work = partial(self._proof, question, question.call, depth)
                 proof = await self.answer(work, lambda: "unfolding", say)
                 if proof is None:  # calls are then proved one by one, as they are expanded
                     say(trouble)
@@ -176,27 +176,30 @@ class WhyPage(Page):
         finally:
             self._is_proving = False
 
-    async def _suggest(self, question: _Question, found: Explanation) -> None:
-        if found.row is not None or self._answered is not question:
+    async def _suggest(self, question: _WhyQuestion, explanation: Explanation) -> None:
+        if explanation.row is not None or self._answered is not question:
             return
         try:
             inquiry, program = self._questions.about()
             robot, frame = question.robot, question.frame
-            misses = await inquiry.nearest(program, robot, frame, question.asked)
+            misses = await inquiry.nearest(program, robot, frame, question.call)
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:
-            notes = [_suggested(line, miss) for line, miss in misses]
-            said = "This change" if len(misses) == 1 else "Each of these changes"
-            head = ProofNode("note", f"{said} would give a row", children=tuple(notes))
+            notes = [_suggestion_node(line, miss) for line, miss in misses]
+            subject = "This change" if len(misses) == 1 else "Each of these changes"
+            head = ProofNode("note", f"{subject} would give a row", children=tuple(notes))
             self._show_nodes(question, (*self._roots, head), ())
 
-    def _show(self, question: _Question, found: Explanation, roots: Sequence[ProofNode]) -> None:
+    def _show(
+        self, question: _WhyQuestion, explanation: Explanation, roots: Sequence[ProofNode]
+    ) -> None:
         self._answered, self._roots = question, roots
         self.say("")
-        self._show_nodes(question, roots, () if found.row is None else _others(found))
+        alternatives = () if explanation.row is None else _alternatives(explanation)
+        self._show_nodes(question, roots, alternatives)
 
-    def _say_instead(self, question: _Question, words: Content | str) -> None:
+    def _say_instead(self, question: _WhyQuestion, words: Content | str) -> None:
         """Show a message instead of a proof; the view keeps the focus, and can go back."""
         self._answered = None
         self.say(words)
@@ -204,50 +207,50 @@ class WhyPage(Page):
         self.post_message(Sighted(None, question.frame))
 
     def _show_nodes(
-        self, question: _Question, roots: Sequence[ProofNode], rest: Sequence[ProofNode]
+        self, question: _WhyQuestion, roots: Sequence[ProofNode], alternatives: Sequence[ProofNode]
     ) -> None:
         anew = not question.is_like(self._shown)
         self._shown = question
         tick = question.frame.tick
         self.head(tick, "" if tick or self._session.game is None else "what it will decide")
-        self._name_way(question)
-        self.view.show(roots, rest, anew=anew, has_way_back=len(question.steps) > 1)
+        self._show_caption(question)
+        self.view.show(roots, alternatives, anew=anew, has_way_back=len(question.steps) > 1)
 
-    def _name_way(self, question: _Question, more: Content | str = "") -> None:
+    def _show_caption(self, question: _WhyQuestion, note: Content | str = "") -> None:
         names = [
             f"{step.predicate}({_arguments(step)})" if step.given else step.predicate
             for step in question.steps
         ]
-        way = Content.assemble(
+        line = Content.assemble(
             (f"{one_line(question.robot)}: ", INK.robot), (one_line(names[-1]), INK.title)
         )
-        if more:
-            words = more if isinstance(more, Content) else Content.styled(one_line(more), INK.warn)
-            way = way.append("  ").append(words)
+        if note:
+            words = note if isinstance(note, Content) else Content.styled(one_line(note), INK.warn)
+            line = line.append("  ").append(words)
         if len(names) > 1:
-            before = " ← ".join(map(one_line, reversed(names[:-1])))
-            way = way.append(Content.styled(f"  ← {before}", INK.faint))
-        self.caption(way)
+            previous_names = " ← ".join(map(one_line, reversed(names[:-1])))
+            line = line.append(Content.styled(f"  ← {previous_names}", INK.faint))
+        self.caption(line)
 
     def _back(self) -> None:
         if len(self._steps) > 1:
             self._steps.pop()
             self.post_message(self.Changed())
 
-    def _unfold(self, key: int, asked: Ask) -> None:
+    def _unfold(self, key: int, call: Ask) -> None:
         self._depth = _DEPTH
         if self._answered is not None and not self._is_proving:
-            self._lacking.append((self._answered, key, asked))
+            self._lacking.append((self._answered, key, call))
             if len(self._lacking) == 1:
                 in_background(self, self._unfold_all, "unfold")
 
     async def _unfold_all(self) -> None:
         """Prove the lines one by one: a newer query would cancel an older one."""
         while self._lacking:
-            question, key, asked = self._lacking[0]
+            question, key, call = self._lacking[0]
             try:
                 if self._answered is question:
-                    nodes = await self._proved(question, asked)
+                    nodes = await self._proved(question, call)
                     if self._answered is question:
                         self.view.unfold(key, nodes)
             except Superseded:
@@ -256,13 +259,13 @@ class WhyPage(Page):
                 del self._lacking[:1]
 
     async def _proof(
-        self, question: _Question, asked: Ask, depth: int, inquiry: Inquiry, program: Program
+        self, question: _WhyQuestion, call: Ask, depth: int, inquiry: Inquiry, program: Program
     ) -> Proof:
-        return await inquiry.proof(program, question.robot, question.frame, asked, depth=depth)
+        return await inquiry.proof(program, question.robot, question.frame, call, depth=depth)
 
-    async def _proved(self, question: _Question, asked: Ask) -> Sequence[ProofNode]:
+    async def _proved(self, question: _WhyQuestion, call: Ask) -> Sequence[ProofNode]:
         try:
-            proof = await self._proof(question, asked, _DEPTH, *self._questions.about())
+            proof = await self._proof(question, call, _DEPTH, *self._questions.about())
         except QueryError as error:
             return (ProofNode("note", str(error)),)
         return proof.nodes
@@ -278,32 +281,32 @@ class WhyPage(Page):
             self.post_message(Placed(self._questions.program.text, place))
 
 
-def _suggested(rule: int, miss: Suggestion) -> ProofNode:
+def _suggestion_node(rule: int, miss: Suggestion) -> ProofNode:
     """Return a change of a rule, in a line, with its reason below; together they are cut off."""
     reason = ProofNode("note", f"{miss.reason}.", span=miss.span)
-    said = f"rule in line {rule}"
-    return ProofNode("note", miss.advice, said, span=miss.span, children=(reason,))
+    place = f"rule in line {rule}"
+    return ProofNode("note", miss.advice, place, span=miss.span, children=(reason,))
 
 
 def _is_short(node: ProofNode) -> bool:
     return all(len(spell(value, _LONGEST_VALUE)) <= _LONGEST_VALUE for value in node.values)
 
 
-def _proving(found: Explanation) -> Sequence[ProofNode]:
+def _proving(explanation: Explanation) -> Sequence[ProofNode]:
     """Return the rule that derives the row, or all rules if none does."""
-    if found.row is None:
-        return found.nodes
-    giving = [rule.node for rule in found.rules if rule.row is not None]
-    return giving[:1] or found.nodes[-1:]
+    if explanation.row is None:
+        return explanation.nodes
+    giving = [rule.node for rule in explanation.rules if rule.row is not None]
+    return giving[:1] or explanation.nodes[-1:]
 
 
-def _others(found: Explanation) -> Sequence[ProofNode]:
-    proving = _proving(found)
-    return [node for node in found.nodes if node is not proving[0]]
+def _alternatives(explanation: Explanation) -> Sequence[ProofNode]:
+    proving = _proving(explanation)
+    return [node for node in explanation.nodes if node is not proving[0]]
 
 
-def _arguments(asked: Ask) -> str:
-    return ", ".join(clip(format_value(value), _LONGEST_ARGUMENT) for value in asked.given.values())
+def _arguments(call: Ask) -> str:
+    return ", ".join(clip(format_value(value), _LONGEST_ARGUMENT) for value in call.given.values())
 
 
 def _traced_in_proof(view: WhyView, question: Ask, robot: str, tick: int) -> Traced | None:
@@ -311,24 +314,24 @@ def _traced_in_proof(view: WhyView, question: Ask, robot: str, tick: int) -> Tra
     if not view.path:
         return None
     node, *above = view.path
-    rule = next((n for n, each in enumerate(above) if each.kind == "rule"), None)
+    rule = next((n for n, step in enumerate(above) if step.kind == "rule"), None)
     if rule is None:
         return None
-    asked = next((each.query for each in above[rule:] if each.query is not None), question)
+    call = next((step.query for step in above[rule:] if step.query is not None), question)
     if node.kind == "read" and above[0].text.startswith("Memory("):
         return _memory_read(node.text, above[0].robot or robot, tick)
     if node.kind in ("column", "aggregate") and node.query is None and above[0].kind == "rule":
         column = node.text.split(":")[0]
-        if asked.predicate == "Robot" and column == "memory":
+        if call.predicate == "Robot" and column == "memory":
             return Traced(robot, Subject(), tick)
-        return Traced(robot, Subject(asked, column), tick)
+        return Traced(robot, Subject(call, column), tick)
     if len(node.values) != 1:
         return None
     (value,) = node.values
     if node.span is not None:
-        return Traced(robot, Subject(asked, "", span=node.span, value=value), tick)
+        return Traced(robot, Subject(call, "", span=node.span, value=value), tick)
     if node.kind == "value":
-        return Traced(robot, Subject(asked, "", variable=node.text, value=value), tick)
+        return Traced(robot, Subject(call, "", variable=node.text, value=value), tick)
     return None
 
 
@@ -364,12 +367,12 @@ class ValuesPrompt(Prompt[Ask]):
 
     keys = "enter ask why   esc close"
 
-    def __init__(self, program: Program, asked: Ask, column: str) -> None:
-        super().__init__("Why, or why not, with these values?", spell_call(asked))
-        self._program, self._within = program, asked.within
+    def __init__(self, program: Program, call: Ask, column: str) -> None:
+        super().__init__("Why, or why not, with these values?", spell_call(call))
+        self._program, self._within = program, call.within
         self._line.select_on_focus = False
-        value = spell(asked.given[column]) if column in asked.given else ""
-        start = self._line.value.find(value, len(asked.predicate)) if value else -1
+        value = spell(call.given[column]) if column in call.given else ""
+        start = self._line.value.find(value, len(call.predicate)) if value else -1
         if start >= 0:
             self._line.selection = Selection(start, start + len(value))
 
@@ -378,14 +381,14 @@ class ValuesPrompt(Prompt[Ask]):
 
         async def read() -> None:
             try:
-                found = await asyncio.to_thread(read_ask, self._program, text, self._within)
+                call = await asyncio.to_thread(read_ask, self._program, text, self._within)
             except ProgramError as error:
                 first = error.diagnostics[0]
                 self.complain(f"{first.message}. {first.hint}")
             except QueryError as error:
                 self.complain(str(error))
             else:
-                self.dismiss(found)
+                self.dismiss(call)
 
         in_background(self, read, "question", exclusive=True)
 
