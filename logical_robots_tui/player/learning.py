@@ -16,7 +16,7 @@ from logical_robots_tui.world.level import LevelQuestion
 
 
 def version_name(version: Version) -> str:
-    return f"{version.kept.astimezone():%d %b %H:%M} #{version.number}"
+    return f"{version.last_use.astimezone():%d %b %H:%M} #{version.number}"
 
 
 def version_result(version: Version) -> str:

@@ -64,72 +64,72 @@ class Progress(Store):
     """
 
     def record(self, level: str) -> LevelRecord:
-        level = _storable(level)
+        level = _without_surrogates(level)
 
-        def look(connection: sqlite3.Connection) -> LevelRecord:
+        def read_record(connection: sqlite3.Connection) -> LevelRecord:
             begun, won, hints, versions, ticks, size, distance, rules = connection.execute(
                 _RECORD, (level,)
             ).fetchone()
             wins, starts = connection.execute(_MOST_WINS, (level,)).fetchone() or (None, 0)
-            reached = {
+            reached_goals = {
                 goal for (goals,) in connection.execute(_GOALS, (level,)) for goal in _split(goals)
             }
-            bests = Bests(ticks, size, distance, wins, starts, tuple(sorted(reached)), rules)
+            bests = Bests(ticks, size, distance, wins, starts, tuple(sorted(reached_goals)), rules)
             state: State = "won" if won else "started" if begun else "new"
             answers = connection.execute(_ANSWERS, (level,)).fetchall()
             return LevelRecord(state, hints or 0, bests, versions, tuple(answers))
 
-        return self.read(look)
+        return self.read(read_record)
 
     def levels(self) -> list[str]:
         rows = self._rows("SELECT name FROM level ORDER BY name")
         return [name for (name,) in rows]
 
     def begin(self, level: str) -> None:
-        self._note(_begin, level)
+        self._write_level(_begin, level)
 
     def reveal(self, level: str, hints: int) -> None:
         """Record the number of revealed hints of a level; they are never hidden again."""
-        self._note(_reveal, level, hints)
+        self._write_level(_reveal, level, hints)
 
     def answer(self, level: str, question: str, query: str) -> None:
         """Record the query that answers a question of a level."""
-        self._note(_answer, level, question, query)
+        self._write_level(_answer, level, question, query)
 
     def win(self, level: str, text: str, measures: Measures | None = None) -> None:
         """Record that a program has won a level; unknown measures stay unchanged."""
-        self._note(_win, level, text, measures)
+        self._write_level(_win, level, text, measures)
 
     def keep(self, level: str, text: str) -> None:
         """Store a version of the player's program; an existing text becomes the newest."""
-        self._note(_keep, level, text)
+        self._write_level(_keep, level, text)
 
     def keep_aside(self, level: str, text: str, otherwise: str) -> None:
         """Store a version behind the newest; if there is none, `otherwise` becomes the newest."""
         newest = self.newest(level)
-        self._note(_keep, level, text, otherwise if newest is None else newest)
+        self._write_level(_keep, level, text, otherwise if newest is None else newest)
 
     def versions(self, level: str) -> list[Version]:
         """Return the versions stored for a level, last used first."""
         rows = self._rows(
             "SELECT number, text, kept, won, ticks, size, distance, wins, starts, goals "
             "FROM version WHERE level = ? ORDER BY turn DESC",
-            _storable(level),
+            _without_surrogates(level),
         )
         return [_version(row) for row in rows]
 
     def newest(self, level: str) -> str | None:
         query = "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1"
-        return self._value(query, _storable(level))
+        return self._value(query, _without_surrogates(level))
 
     def measures(self, level: str, text: str) -> Measures | None:
-        found = self._rows(
+        rows = self._rows(
             "SELECT ticks, size, distance, wins, coalesce(starts, 0), goals FROM version "
             "WHERE level = ? AND digest = ? AND ticks NOT NULL",
-            _storable(level),
+            _without_surrogates(level),
             _digest(text),
         )
-        return Measures(*found[0])._replace(goals=_split(found[0][-1])) if found else None
+        return Measures(*rows[0])._replace(goals=_split(rows[0][-1])) if rows else None
 
     def holds(self, text: str) -> bool:
         return bool(self._rows("SELECT 1 FROM version WHERE digest = ? LIMIT 1", _digest(text)))
@@ -141,8 +141,8 @@ class Progress(Store):
         query = "INSERT OR REPLACE INTO fact VALUES (?, ?)"
         self.write(lambda connection: connection.execute(query, (name, value)))
 
-    def _note(self, work: Callable[..., None], level: str, *more: object) -> None:
-        self.write(lambda connection: work(connection, _storable(level), *more))
+    def _write_level(self, work: Callable[..., None], level: str, *values: object) -> None:
+        self.write(lambda connection: work(connection, _without_surrogates(level), *values))
 
     def _rows(self, query: str, *values: str) -> list[Any]:
         return self.read(lambda connection: connection.execute(query, values).fetchall())
@@ -154,7 +154,7 @@ class Progress(Store):
 def _begin(connection: sqlite3.Connection, level: str) -> None:
     connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
     connection.execute(
-        "UPDATE level SET begun = ? WHERE name = ? AND begun IS NULL", (_now(), level)
+        "UPDATE level SET begun = ? WHERE name = ? AND begun IS NULL", (_current_time(), level)
     )
 
 
@@ -166,32 +166,34 @@ def _reveal(connection: sqlite3.Connection, level: str, hints: int) -> None:
 def _answer(connection: sqlite3.Connection, level: str, question: str, query: str) -> None:
     connection.execute(
         "INSERT OR REPLACE INTO answer VALUES (?, ?, ?)",
-        (level, _storable(question), _storable(query)),
+        (level, _without_surrogates(question), _without_surrogates(query)),
     )
 
 
-def _win(connection: sqlite3.Connection, level: str, text: str, found: Measures | None) -> None:
-    now = _now()
+def _win(connection: sqlite3.Connection, level: str, text: str, measures: Measures | None) -> None:
+    time = _current_time()
     _keep(connection, level, text)
-    connection.execute("UPDATE level SET won = coalesce(won, ?) WHERE name = ?", (now, level))
+    connection.execute("UPDATE level SET won = coalesce(won, ?) WHERE name = ?", (time, level))
     connection.execute(
         "UPDATE version SET won = coalesce(won, ?) WHERE level = ? AND digest = ?",
-        (now, level, _digest(text)),
+        (time, level, _digest(text)),
     )
-    if found is not None:
-        _measure(connection, level, text, found)
+    if measures is not None:
+        _measure(connection, level, text, measures)
 
 
 def _keep(connection: sqlite3.Connection, level: str, *texts: str) -> None:
     for text in texts:
         _begin(connection, level)
-        connection.execute(_KEEP, (level, _digest(text), _storable(text), _now()))
+        connection.execute(
+            _KEEP, (level, _digest(text), _without_surrogates(text), _current_time())
+        )
         connection.execute(_FORGET, (level, MOST_VERSIONS))
 
 
-def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measures) -> None:
+def _measure(connection: sqlite3.Connection, level: str, text: str, measures: Measures) -> None:
     key = level, _digest(text)
-    (kept,) = connection.execute(
+    (stored_goals,) = connection.execute(
         "SELECT goals FROM version WHERE level = ? AND digest = ?", key
     ).fetchone()
     connection.execute(
@@ -199,35 +201,35 @@ def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measu
         "wins = coalesce(?, wins), starts = CASE WHEN ? THEN ? ELSE starts END "
         "WHERE level = ? AND digest = ?",
         (
-            found.ticks,
-            found.size,
-            found.distance,
-            "\n".join(dict.fromkeys((*_split(kept), *found.goals))),
-            found.wins,
-            found.wins is not None,
-            found.starts,
+            measures.ticks,
+            measures.size,
+            measures.distance,
+            "\n".join(dict.fromkeys((*_split(stored_goals), *measures.goals))),
+            measures.wins,
+            measures.wins is not None,
+            measures.starts,
             *key,
         ),
     )
 
 
 def _version(row: tuple[Any, ...]) -> Version:
-    number, text, kept, won, ticks, size, distance, wins, starts, goals = row
+    number, text, last_use, won, ticks, size, distance, wins, starts, goals = row
     measures = None
     if ticks is not None:
         measures = Measures(ticks, size, distance, wins, starts or 0, _split(goals))
-    return Version(number, text, datetime.fromisoformat(kept), won is not None, measures)
+    return Version(number, text, datetime.fromisoformat(last_use), won is not None, measures)
 
 
 def _split(goals: str) -> tuple[str, ...]:
     return tuple(goals.splitlines())
 
 
-def _now() -> str:
+def _current_time() -> str:
     return datetime.now(UTC).isoformat()
 
 
-def _storable(text: str) -> str:
+def _without_surrogates(text: str) -> str:
     """Return the text with lone surrogates, as in paths, replaced; SQLite can't store them."""
     return text.encode("utf-8", "replace").decode()
 
@@ -235,4 +237,4 @@ def _storable(text: str) -> str:
 def _digest(text: str) -> str:
     import hashlib  # takes time that the first picture needs
 
-    return hashlib.sha256(_storable(text).encode()).hexdigest()
+    return hashlib.sha256(_without_surrogates(text).encode()).hexdigest()

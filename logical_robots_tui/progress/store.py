@@ -54,7 +54,7 @@ class Bests(NamedTuple):
 
 
 class LevelRecord(NamedTuple):
-    """What is known of a level; `answers` are questions and the queries that answer them."""
+    """The record of a level; `answers` are questions and the queries that answer them."""
 
     state: State = "new"
     hints: int = 0
@@ -64,11 +64,11 @@ class LevelRecord(NamedTuple):
 
 
 class Version(NamedTuple):
-    """A program used in a level; `kept` is when it was last used, with time zone."""
+    """A program used in a level; `last_use` is a time with its zone."""
 
     number: int
     text: str
-    kept: datetime
+    last_use: datetime
     won: bool = False
     measures: Measures | None = None
 
@@ -81,10 +81,10 @@ APPLICATION_ID = 0x4C524F42
 """Identifies the file as ours in its header ("LROB")."""
 
 
-def _renumber(levels: Mapping[str, str], arenas: Mapping[str, str]) -> tuple[str, ...]:
-    """Let records follow levels to other names; those of arenas are kept by their paths."""
-    rows = [f"('{earlier}', '{now}')" for earlier, now in levels.items()]
-    pairs = [f"SELECT '{earlier}' AS earlier, '{now}' AS now" for earlier, now in arenas.items()]
+def _rename_levels(levels: Mapping[str, str], arenas: Mapping[str, str]) -> tuple[str, ...]:
+    """Return statements that rename levels in the record; arenas have their paths as names."""
+    rows = [f"('{old}', '{new}')" for old, new in levels.items()]
+    pairs = [f"SELECT '{old}' AS earlier, '{new}' AS now" for old, new in arenas.items()]
     return (
         "CREATE TEMP TABLE moved (earlier TEXT PRIMARY KEY, now TEXT NOT NULL)",
         *([f"INSERT INTO moved VALUES {', '.join(rows)}"] if rows else []),  # noqa: S608 - ours
@@ -100,9 +100,9 @@ def _renumber(levels: Mapping[str, str], arenas: Mapping[str, str]) -> tuple[str
         *(
             f"""
             UPDATE {table} SET {column} = (SELECT now FROM moved WHERE earlier = {column})
-            WHERE {column} IN (SELECT earlier FROM moved){only}
+            WHERE {column} IN (SELECT earlier FROM moved){condition}
             """  # noqa: S608 - ours
-            for table, column, only in (
+            for table, column, condition in (
                 ("level", "name", ""),
                 ("version", "level", ""),
                 ("answer", "level", ""),
@@ -176,7 +176,7 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         )
         """,
     ),
-    _renumber(
+    _rename_levels(
         {"09-the-gate": "11-the-gate", "11-power-line": "12-power-line", "12-swarm": "13-swarm"},
         {
             "13-high-ground": "14-high-ground",
@@ -184,7 +184,7 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
             "15-low-voltage": "16-low-voltage",
         },
     ),
-    _renumber(
+    _rename_levels(
         {},
         {
             "14-high-ground": "16-high-ground",
@@ -197,7 +197,7 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
 _TABLES = {"level", "version", "fact"}
 
 
-class DamagedError(Exception):
+class DamagedStoreError(Exception):
     """The file is not a progress database, or is incomplete."""
 
 
@@ -231,20 +231,20 @@ def prepare(
         connection.execute(f"PRAGMA user_version = {len(migrations)}")
 
 
-def _checked_version(connection: sqlite3.Connection, known: int) -> int:
+def _checked_version(connection: sqlite3.Connection, newest: int) -> int:
     version = _pragma(connection, "user_version")
     names = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
     if not names and version == 0:
         return 0
     if _pragma(connection, "application_id") != APPLICATION_ID:
-        raise DamagedError("it is not a record of progress")
-    if version > known:
+        raise DamagedStoreError("it is not a record of progress")
+    if version > newest:
         raise NewerError
     if version < 1 or not names >= _TABLES:
-        raise DamagedError("tables are missing")
-    (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
-    if found != "ok":
-        raise DamagedError(str(found))
+        raise DamagedStoreError("tables are missing")
+    (check_result,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if check_result != "ok":
+        raise DamagedStoreError(str(check_result))
     return version
 
 
@@ -258,7 +258,7 @@ T = TypeVar("T")
 BUSY_SECONDS = 10.0
 """Seconds that a transaction waits for those of other games."""
 
-_DAMAGED = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
+_DAMAGE_CODES = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
 _REASONS = {
     sqlite3.SQLITE_FULL: "the disk is full",
     sqlite3.SQLITE_READONLY: "it is read-only",
@@ -281,11 +281,11 @@ class Store:
     ) -> None:
         self._file = file
         self._tell = tell
-        self._guard = threading.RLock()
+        self._lock = threading.RLock()
         self._connection: sqlite3.Connection | None = None
-        self._opened: tuple[int, int] | None = None
+        self._file_identity: tuple[int, int] | None = None
         self._in_memory: sqlite3.Connection | None = None
-        self._nothing: sqlite3.Connection | None = None
+        self._empty_database: sqlite3.Connection | None = None
         if file is None:
             self._in_memory = _empty()
 
@@ -296,63 +296,63 @@ class Store:
 
     def read(self, work: Callable[[sqlite3.Connection], T]) -> T:
         """Run a read; before the file exists, on an empty database."""
-        with self._guard:
+        with self._lock:
             if self._file is not None and self._in_memory is None and not is_there(self._file):
-                self._nothing = self._nothing or _empty()
-                return work(self._nothing)
-            return self._do(work)
+                self._empty_database = self._empty_database or _empty()
+                return work(self._empty_database)
+            return self._run_work(work)
 
     def write(self, work: Callable[[sqlite3.Connection], T]) -> T:
         """Run a write in one transaction. The function may be called more than once."""
 
-        def at_once(connection: sqlite3.Connection) -> T:
+        def transaction(connection: sqlite3.Connection) -> T:
             with connection:
                 connection.execute("BEGIN IMMEDIATE")
                 return work(connection)
 
-        with self._guard:
-            return self._do(at_once)
+        with self._lock:
+            return self._run_work(transaction)
 
     def close(self) -> None:
-        with self._guard:
+        with self._lock:
             self._disconnect()
-            if self._nothing is not None:
-                self._nothing.close()
-                self._nothing = None
+            if self._empty_database is not None:
+                self._empty_database.close()
+                self._empty_database = None
 
-    def _do(self, work: Callable[[sqlite3.Connection], T]) -> T:
+    def _run_work(self, work: Callable[[sqlite3.Connection], T]) -> T:
         for _ in range(3):
             try:
-                return work(self._in_memory or self._connected())
-            except DamagedError:
-                self._set_aside()
+                return work(self._in_memory or self._open_connection())
+            except DamagedStoreError:
+                self._rename_damaged()
             except NewerError:
-                self._give_up(
+                self._continue_in_memory(
                     "Your progress was saved by a newer version of the game. It is left unchanged; "
                     "this version saves no progress.",
                     copy=False,
                 )
             except sqlite3.DatabaseError as error:
                 code = _code(error)
-                if code in _DAMAGED and self._in_memory is None:
-                    self._set_aside()
+                if code in _DAMAGE_CODES and self._in_memory is None:
+                    self._rename_damaged()
                 else:
-                    self._give_up(_cannot_save(_REASONS.get(code, str(error))))
+                    self._continue_in_memory(_cannot_save(_REASONS.get(code, str(error))))
             except OSError as error:
-                self._give_up(_cannot_save(error.strerror or str(error)))
-        self._give_up(_cannot_save("it keeps getting damaged"))
+                self._continue_in_memory(_cannot_save(error.strerror or str(error)))
+        self._continue_in_memory(_cannot_save("it keeps getting damaged"))
         assert self._in_memory is not None
         return work(self._in_memory)
 
-    def _connected(self) -> sqlite3.Connection:
+    def _open_connection(self) -> sqlite3.Connection:
         """Return the connection, reopened if the file was removed or set aside by another game."""
         assert self._file is not None
         if self._connection is not None:
-            if self._opened == _identity(self._file):
+            if self._file_identity == _identity(self._file):
                 return self._connection
             self._disconnect()
         self._file.parent.mkdir(parents=True, exist_ok=True)
-        with self._locked():
+        with self._file_lock():
             connection = _connect(str(self._file))
             try:
                 connection.execute("PRAGMA synchronous = EXTRA")
@@ -360,12 +360,12 @@ class Store:
             except BaseException:
                 connection.close()
                 raise
-            self._connection, self._opened = connection, _identity(self._file)
+            self._connection, self._file_identity = connection, _identity(self._file)
         return connection
 
     @contextlib.contextmanager
-    def _locked(self) -> Iterator[None]:
-        """Prevent other games from opening or setting aside the file meanwhile."""
+    def _file_lock(self) -> Iterator[None]:
+        """Prevent other games from opening or renaming the file meanwhile."""
         assert self._file is not None
         handle = os.open(
             self._file.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600
@@ -377,47 +377,47 @@ class Store:
         finally:
             os.close(handle)
 
-    def _set_aside(self) -> None:
+    def _rename_damaged(self) -> None:
         """Rename a damaged file, unless another game has done so."""
         assert self._file is not None
-        damaged = self._opened
+        identity = self._file_identity
         self._disconnect()
         try:
-            with self._locked():
-                if damaged is not None and damaged != _identity(self._file):
+            with self._file_lock():
+                if identity is not None and identity != _identity(self._file):
                     return
-                if damaged is None and _is_sound(self._file):
+                if identity is None and _is_sound(self._file):
                     return
-                aside = self._file.with_name(
+                new_path = self._file.with_name(
                     f"{self._file.stem}-damaged-{datetime.now(UTC):%Y%m%d-%H%M%S-%f}"
                     f"{self._file.suffix}"
                 )
-                self._file.replace(aside)
+                self._file.replace(new_path)
                 journal = self._file.with_name(f"{self._file.name}-journal")
                 with contextlib.suppress(FileNotFoundError):  # it belongs to the damaged file
-                    journal.replace(aside.with_name(f"{aside.name}-journal"))
+                    journal.replace(new_path.with_name(f"{new_path.name}-journal"))
         except OSError as error:
-            self._give_up(_cannot_save(error.strerror or str(error)))
+            self._continue_in_memory(_cannot_save(error.strerror or str(error)))
             return
         self._tell(
-            f"Your progress file was damaged. It was renamed to {aside.name}, "
+            f"Your progress file was damaged. It was renamed to {new_path.name}, "
             "and a new one was created."
         )
 
-    def _give_up(self, message: str, *, copy: bool = True) -> None:
+    def _continue_in_memory(self, message: str, *, copy: bool = True) -> None:
         """Continue in memory, with whatever can be read from the file."""
         self._disconnect()
         if self._in_memory is not None:
             return
         self._in_memory = _empty()
         if copy and self._file is not None:
-            self._in_memory = _copy_of(self._file) or self._in_memory
+            self._in_memory = _memory_copy(self._file) or self._in_memory
         self._tell(message)
 
     def _disconnect(self) -> None:
         if self._connection is not None:
             self._connection.close()
-        self._connection = self._opened = None
+        self._connection = self._file_identity = None
 
 
 def _cannot_save(reason: str) -> str:
@@ -436,17 +436,19 @@ def _empty() -> sqlite3.Connection:
     return connection
 
 
-def _copy_of(file: Path) -> sqlite3.Connection | None:
+def _memory_copy(file: Path) -> sqlite3.Connection | None:
     """Return an in-memory copy of a read-only file; None if it can't be read either."""
     copy = _connect(":memory:")
     try:
-        with contextlib.closing(_connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as kept:
+        with contextlib.closing(
+            _connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)
+        ) as original:
             # Copying would wait forever for another holder of the file; reading does not.
-            kept.execute("BEGIN")
-            kept.execute("SELECT count(*) FROM sqlite_master").fetchone()
-            kept.backup(copy)
+            original.execute("BEGIN")
+            original.execute("SELECT count(*) FROM sqlite_master").fetchone()
+            original.backup(copy)
         prepare(copy)
-    except (OSError, sqlite3.Error, DamagedError, NewerError):
+    except (OSError, sqlite3.Error, DamagedStoreError, NewerError):
         copy.close()
         return None
     return copy
@@ -456,10 +458,10 @@ def _is_sound(file: Path) -> bool:
     try:
         with contextlib.closing(_connect(str(file))) as connection:
             prepare(connection)
-    except DamagedError:
+    except DamagedStoreError:
         return False
     except sqlite3.DatabaseError as error:
-        return _code(error) not in _DAMAGED
+        return _code(error) not in _DAMAGE_CODES
     except NewerError:
         return True
     return True
@@ -471,7 +473,7 @@ def _code(error: sqlite3.Error) -> int:
 
 def _identity(file: Path) -> tuple[int, int] | None:
     try:
-        found = file.stat()
+        status = file.stat()
     except OSError:
         return None
-    return found.st_dev, found.st_ino
+    return status.st_dev, status.st_ino
