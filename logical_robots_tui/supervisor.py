@@ -23,7 +23,7 @@ from logical_robots_tui.processes.lifeline import (
     BEATS,
     MOST_IN_A_CALL,
     bound_calls,
-    is_watched_in,
+    share_heartbeat,
     signal_when_closed,
 )
 
@@ -37,11 +37,11 @@ _INTERRUPTS, _INTERRUPT_SECONDS = 3, 2.0
 _TO_END = 2.5  # seconds that a game has to end after it was asked to
 _COMPUTED_TO_END = 1.5  # processor seconds that it may take for that
 _STARVED_TO_END = 15.0  # seconds where other processes leave it no processor
-_LITTLE = 0.01  # processor seconds between two looks; threads that only wait take half of it
+_IDLE_SECONDS = 0.01  # processor seconds between two looks; threads that only wait take half of it
 
 _ENDS = frozenset((signal.SIGHUP, signal.SIGTERM))
-_HEARD = frozenset((*_ENDS, signal.SIGCHLD, signal.SIGCONT, signal.SIGINT, signal.SIGTSTP))
-_BLOCKED = frozenset((*_HEARD, signal.SIGTTOU))  # blocked, it does not stop who sets the terminal
+_AWAITED = frozenset((*_ENDS, signal.SIGCHLD, signal.SIGCONT, signal.SIGINT, signal.SIGTSTP))
+_BLOCKED = frozenset((*_AWAITED, signal.SIGTTOU))  # or setting the terminal would stop it
 
 _PLAIN_SCREEN = (
     "\x1b[?2026l"  # no synchronized output
@@ -97,7 +97,7 @@ def _supervise() -> int | None:
         terminal = termios.tcgetattr(0)  # before the game can change it
     game = _fork(_BLOCKED, signal.SIGHUP)
     if game == 0:
-        is_watched_in(shared)
+        share_heartbeat(shared)
         return None
     return _Supervisor(game, shared, terminal).run()
 
@@ -108,13 +108,13 @@ def _fork(blocked: Iterable[signal.Signals], end: signal.Signals) -> int:
     Returns:
         The child's number; 0 in the child, which gets the signal `end` when this process is gone.
     """
-    lifeline, held = os.pipe()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, blocked)
+    lifeline, write_end = os.pipe()
+    previous_mask = signal.pthread_sigmask(signal.SIG_BLOCK, blocked)
     child = os.fork()
     if child == 0:
-        os.close(held)
+        os.close(write_end)
         signal_when_closed(lifeline, end)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous_mask)
     else:
         os.close(lifeline)
     return child
@@ -122,16 +122,16 @@ def _fork(blocked: Iterable[signal.Signals], end: signal.Signals) -> int:
 
 def _run_bounded() -> int | None:
     """Fork; return None in the command, and its exit status in this process."""
-    heard = {*_ENDS, signal.SIGCHLD, signal.SIGINT}
-    command = _fork(heard, signal.SIGTERM)
+    signals = {*_ENDS, signal.SIGCHLD, signal.SIGINT}
+    command = _fork(signals, signal.SIGTERM)
     if command == 0:
         bound_calls()
         return None
     while True:
-        signalled = signal.sigwaitinfo(heard)
-        if signalled.si_signo != signal.SIGCHLD:
-            if signalled.si_code <= _SENT_TO_ONE:
-                os.kill(command, signalled.si_signo)
+        info = signal.sigwaitinfo(signals)
+        if info.si_signo != signal.SIGCHLD:
+            if info.si_code <= _SENT_TO_ONE:
+                os.kill(command, info.si_signo)
             continue
         pid, status = os.waitpid(command, os.WNOHANG)
         if not pid:  # it was only stopped or continued
@@ -155,16 +155,16 @@ class _Supervisor:
         self._interrupts: list[float] = []
         self._has_begun = False
         self._beats = 0
-        self._forget()
+        self._restart_timeout()
 
     def run(self) -> int:
         while True:
-            heard = signal.sigtimedwait(_HEARD, _LOOK_SECONDS)
-            number = 0 if heard is None else heard.si_signo
+            info = signal.sigtimedwait(_AWAITED, _LOOK_SECONDS)
+            number = 0 if info is None else info.si_signo
             if number == signal.SIGCHLD or number == 0:
                 status = self._status()
                 if status is not None:
-                    return self._ended(status)
+                    return self._exit_status(status)
             if number in _ENDS:
                 self._end(signal.Signals(number))
                 self._restore_terminal()
@@ -172,11 +172,11 @@ class _Supervisor:
             if number == signal.SIGTSTP:
                 self._send(number)
             if number == signal.SIGCONT:
-                self._go_on()
+                self._continue()
             if number == signal.SIGINT and self._is_interrupted():
-                return self._ended(self._end(signal.SIGKILL), "was stuck and was interrupted")
+                return self._exit_status(self._end(signal.SIGKILL), "was stuck and was interrupted")
             if number == 0 and self._is_stuck():
-                return self._ended(self._end(signal.SIGTERM), "was stuck and was ended")
+                return self._exit_status(self._end(signal.SIGTERM), "was stuck and was ended")
 
     def _status(self) -> int | None:
         """Return the game's exit status, None while it runs; suspend together with it."""
@@ -185,20 +185,20 @@ class _Supervisor:
             return None
         if os.WIFSTOPPED(status):
             os.kill(os.getpid(), signal.SIGSTOP)
-            self._go_on()
+            self._continue()
             return None
         return os.waitstatus_to_exitcode(status)
 
-    def _go_on(self) -> None:
+    def _continue(self) -> None:
         """Continue the game, unless a shell continued both: it would take the terminal twice."""
         if _state(self._game) == "T":
             self._send(signal.SIGCONT)
-        self._forget()
+        self._restart_timeout()
 
-    def _forget(self) -> None:
+    def _restart_timeout(self) -> None:
         """Restart the timeout: the game has shown that it is alive, or was suspended."""
         self._looks = self._idle_looks = 0
-        self._computed = self._computed_before = _processor_seconds(self._game)
+        self._computed = self._last_computed = _processor_seconds(self._game)
         if self._raw is not None:
             self._set_terminal(self._raw)
             self._raw = None
@@ -207,16 +207,19 @@ class _Supervisor:
         beats, is_away = self._shared[BEATS], self._shared[AWAY]
         if is_away or beats != self._beats or not self._has_begun:
             self._beats, self._has_begun = beats, beats != 0
-            self._forget()
+            self._restart_timeout()
             return False
-        now = _processor_seconds(self._game)
+        seconds = _processor_seconds(self._game)
         self._looks += 1
-        self._idle_looks = self._idle_looks + 1 if now - self._computed_before < _LITTLE else 0
-        self._computed_before = now
+        self._idle_looks = (
+            self._idle_looks + 1 if seconds - self._last_computed < _IDLE_SECONDS else 0
+        )
+        self._last_computed = seconds
         if self._looks == _LOOKS_TO_INTERRUPT and not _is_restricted():
             self._let_interrupt()
         return (
-            now - self._computed > _MOST_COMPUTED or self._idle_looks * _LOOK_SECONDS > _MOST_IDLE
+            seconds - self._computed > _MOST_COMPUTED
+            or self._idle_looks * _LOOK_SECONDS > _MOST_IDLE
         )
 
     def _let_interrupt(self) -> None:
@@ -233,9 +236,9 @@ class _Supervisor:
         if self._raw is None:  # not from the keyboard, or the game is not there yet
             self._send(signal.SIGTERM if self._has_begun else signal.SIGINT)
             return False
-        now = monotonic()
-        recent = [at for at in self._interrupts if now - at < _INTERRUPT_SECONDS]
-        self._interrupts = [*recent, now]
+        time = monotonic()
+        recent = [press for press in self._interrupts if time - press < _INTERRUPT_SECONDS]
+        self._interrupts = [*recent, time]
         return len(self._interrupts) >= _INTERRUPTS
 
     def _end(self, number: signal.Signals) -> int:
@@ -243,12 +246,12 @@ class _Supervisor:
         self._send(number)
         if _state(self._game) in ("T", ""):
             self._send(signal.SIGCONT)
-        asked, computed = monotonic(), _processor_seconds(self._game)
+        start, computed = monotonic(), _processor_seconds(self._game)
         while True:
             pid, status = os.waitpid(self._game, os.WNOHANG)
             if pid:
                 return os.waitstatus_to_exitcode(status)
-            waited = monotonic() - asked
+            waited = monotonic() - start
             if _processor_seconds(self._game) - computed > _COMPUTED_TO_END:
                 break
             if waited > _STARVED_TO_END or (waited > _TO_END and not self._is_starved()):
@@ -267,7 +270,7 @@ class _Supervisor:
         with suppress(ProcessLookupError):
             os.kill(self._game, number)
 
-    def _ended(self, status: int, reason: str = "") -> int:
+    def _exit_status(self, status: int, reason: str = "") -> int:
         """Return the command's exit status; print the reason if the game did not end by itself."""
         if status >= 0 and not reason:
             return status
@@ -288,7 +291,7 @@ class _Supervisor:
         if self._terminal is None:
             return
         with suppress(termios.error, OSError):
-            # Where nobody reads what the game has drawn, a write would wait for that.
+            # A write would block where nobody reads what the game has drawn.
             termios.tcflush(1, termios.TCOFLUSH)
             keys = _PLAIN_KEYS if self._shared[BEATS] and not self._shared[AWAY] else ""
             os.write(1, _PLAIN_SCREEN.format(keys=keys).encode())

@@ -248,7 +248,7 @@ def restrict(own: Path) -> OpenGames:
     """
     from logical_robots_tui.confinement import confine
     from logical_robots_tui.player.recovery import OpenGames
-    from logical_robots_tui.processes.audit import refuse_all_but
+    from logical_robots_tui.processes.audit import allow_only
 
     try:
         own.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -265,7 +265,7 @@ def restrict(own: Path) -> OpenGames:
     for name, bound in LIMITS.items():
         _limit(getattr(resource, name), bound, grace=_GRACE if name == "RLIMIT_CPU" else 0)
     confine(own, shipped_folder("levels"), shipped_folder("programs"))
-    refuse_all_but(own, is_helper)
+    allow_only(own, is_helper)
     return games
 
 

@@ -21,7 +21,7 @@ from logical_robots_tui.processes.lifeline import signal_when_closed
 def collect_seldom() -> None:
     """Run the cycle collector a thirtieth as often as by default.
 
-    Looking for cycles took a tenth of the time, although reference counting frees nearly
+    The search for cycles took a tenth of the time, although reference counting frees nearly
     everything. Only commands call this, because they own their process.
     """
     gc.set_threshold(20_000, 20, 20)
@@ -44,7 +44,7 @@ _BEGIN = (
     "import sys; sys.path[:] = sys.argv.pop(1).split(':'); "
     "from importlib import import_module; import_module(sys.argv.pop(1)).main()"
 )
-_PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH")
+_INHERITED_VARIABLES = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH")
 """Environment variables without which Python itself may not start."""
 
 
@@ -55,23 +55,23 @@ class Helper(subprocess.Popen[bytes]):
     """
 
     def __init__(self, module: str, *arguments: str) -> None:
-        lifeline, self._lifeline = os.pipe()
+        read_end, self._lifeline = os.pipe()
         try:
             super().__init__(
-                _words(module, str(lifeline), *arguments),
+                _words(module, str(read_end), *arguments),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 cwd="/",
                 env=_environment(),
-                pass_fds=[lifeline],
+                pass_fds=[read_end],
                 start_new_session=True,  # a keyboard interrupt is for the game alone
             )
         except BaseException:
             os.close(self._lifeline)
             raise
         finally:
-            os.close(lifeline)
+            os.close(read_end)
 
     def end(self) -> None:
         """Kill the process, wait for its end, and close the pipes."""
@@ -105,20 +105,20 @@ def _environment() -> dict[str, str]:
         "LOGICAL_ROBOTS_CACHE_DIR": "",
         "OPENBLAS_NUM_THREADS": "1",
         "PYTHONNOUSERSITE": "1",
-        **{name: os.environ[name] for name in _PASSED_ON if name in os.environ},
+        **{name: os.environ[name] for name in _INHERITED_VARIABLES if name in os.environ},
     }
 
 
 def begin(processor_seconds: int | None) -> list[str]:
     """Give up permissions, as a helper's first call, and return its arguments."""
-    from logical_robots_tui.processes.audit import refuse_all_but
+    from logical_robots_tui.processes.audit import allow_only
 
     signal_when_closed(int(sys.argv.pop(1)), signal.SIGKILL)
     if processor_seconds is not None:
         limit(resource.RLIMIT_CPU, processor_seconds)
     limit(resource.RLIMIT_CORE, 0)
     limit(resource.RLIMIT_FSIZE, 0)
-    refuse_all_but(None)
+    allow_only(None)
     return sys.argv[1:]
 
 

@@ -1,4 +1,4 @@
-"""A lifeline: a pipe whose other end is held by the process that another one must not outlive."""
+"""A lifeline: a pipe held open by the process that this one must not outlive."""
 
 from __future__ import annotations
 
@@ -33,23 +33,23 @@ BEATS, AWAY = 0, 1
 """Bytes that both processes share: what counts up, 0 before the first beat, and `away`."""
 
 _BEAT_SECONDS = 1.0
-_MOST_COMPUTED = 30.0  # processor seconds without a heartbeat after which the kernel ends the game
+_MAX_COMPUTED = 30.0  # processor seconds without a heartbeat after which the kernel ends the game
 
 _shared: list[mmap] = []  # in a game that is supervised, one
 
 
-def is_watched_in(shared: mmap) -> None:
+def share_heartbeat(shared: mmap) -> None:
     _shared.append(shared)
 
 
-def keep_beating(loop: AbstractEventLoop) -> None:
+def beat(loop: AbstractEventLoop) -> None:
     """Make an event loop signal that it is alive, if a supervisor watches."""
     for shared in _shared:
         if not shared[BEATS]:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for the supervisor
         shared[BEATS] = shared[BEATS] % 255 + 1
-        signal.setitimer(signal.ITIMER_PROF, _MOST_COMPUTED)  # should the supervisor be killed
-        loop.call_later(_BEAT_SECONDS, keep_beating, loop)
+        signal.setitimer(signal.ITIMER_PROF, _MAX_COMPUTED)  # in case the supervisor is killed
+        loop.call_later(_BEAT_SECONDS, beat, loop)
 
 
 MOST_IN_A_CALL = 15.0  # processor seconds
@@ -67,7 +67,7 @@ def bound_calls() -> None:
 
 
 def renew_bound(*, is_working: bool) -> None:
-    """Begin the time for a call anew, or end it while there is no work."""
+    """Restart the time limit of a call, or lift it while there is no work."""
     if _is_bounded:
         signal.setitimer(signal.ITIMER_PROF, MOST_IN_A_CALL if is_working else 0)
 

@@ -27,7 +27,7 @@ GETS_STUCK = """if True:
 
     how, computed, idle, unwatched = sys.argv.pop(1), *(float(sys.argv.pop(1)) for _ in range(3))
     supervisor._MOST_COMPUTED, supervisor._MOST_IDLE = computed, idle
-    lifeline._MOST_COMPUTED = unwatched
+    lifeline._MAX_COMPUTED = unwatched
 
     def get_stuck(self=None):
         os.write(1, b"stuck")
@@ -71,7 +71,7 @@ SMALL = """
             b"n": lambda: print("tick 1 .", flush=True),
             b"q": loop.stop,
         }
-        lifeline.keep_beating(loop)
+        lifeline.beat(loop)
         loop.add_reader(0, lambda: answers[os.read(0, 1)]())
         print(end="\\x1b[?1049happlied", flush=True)
         loop.run_forever()

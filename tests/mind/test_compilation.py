@@ -155,7 +155,7 @@ def test_a_compile_process_that_dies_is_replaced_by_one_that_knows_no_secrets(
     assert "SOME_SECRET" not in names
     assert names <= {
         "HOME", "LC_CTYPE", "LOGICAL_ROBOTS_CACHE_DIR", "OPENBLAS_NUM_THREADS", "PYTHONNOUSERSITE",
-        *helper._PASSED_ON,
+        *helper._INHERITED_VARIABLES,
     }  # fmt: skip
     assert os.getsid(pid) == pid
     assert str(Path(f"/proc/{pid}/cwd").readlink()) == "/"

@@ -99,7 +99,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     def on_load(self) -> None:
         self._event_loop = asyncio.get_running_loop()
-        lifeline.keep_beating(self._event_loop)
+        lifeline.beat(self._event_loop)
         self.register_theme(NIGHT)
         theme_name = self._settings.theme or self._chosen_theme
         if not theme_name and self.console.color_system == "standard" and not self.no_color:
