@@ -91,7 +91,7 @@ def processor(effort: Effort) -> Iterator[Measurement]:
     level, text = halls(1200, 700, robots=10, beacons=56), program_text("steering")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        save_level(level, folder / "ten.toml", anew=True)
+        save_level(level, folder / "ten.toml", replace_all=True)
         (folder / "steering.l").write_text(text, encoding="utf-8")
         game = [sys.executable, "-m", "logical_robots_tui", "play", folder / "ten.toml"]
         with Terminal(

@@ -78,8 +78,8 @@ def _new(options: argparse.Namespace) -> int:
 
     exit status: 0 written, 2 the level can't be created or written
     """
+    from logical_robots_tui.editing.entities import set_words
     from logical_robots_tui.editing.files import save_level
-    from logical_robots_tui.editing.things import set_words
     from logical_robots_tui.world.levels.load import read_text
 
     refuse_existing(options.file, force=options.force)
@@ -91,7 +91,7 @@ def _new(options: argparse.Namespace) -> int:
         write(options.file, read_text(file))  # with its comments
         new = save_level(new, options.file)
     else:
-        new = save_level(new, options.file, anew=True)
+        new = save_level(new, options.file, replace_all=True)
     _tell_lost(new, options.file)
     size = f"{new.width} x {new.height} units"
     print(harmless(f"{options.file}: {new.title}, {size}."))
@@ -177,7 +177,7 @@ def _convert(options: argparse.Namespace) -> int:
 
     level = world.load_level(options.level)
     refuse_existing(options.file, force=options.force)
-    save_level(level, options.file, anew=True)
+    save_level(level, options.file, replace_all=True)
     _tell_lost(level, options.file)
     print(harmless(f"Wrote {options.file}."))
     return 0

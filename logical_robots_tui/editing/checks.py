@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.editing.level_text import KINDS, all_things, words_of
+from logical_robots_tui.editing.entities import Ref, reread
+from logical_robots_tui.editing.level_text import KINDS, all_entities, words_of
 from logical_robots_tui.editing.strokes import Regions
-from logical_robots_tui.editing.things import Ref, reread
 from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import MOST_OF_A_KIND, Fields
 from logical_robots_tui.world.levels.native import misfits, oddities, read_words
@@ -39,8 +39,8 @@ class LevelFinding:
 
 def check(level: Level) -> list[LevelFinding]:
     """Return all likely mistakes, or only those that prevent loading; at most about a second."""
-    return refusals(level) or [
-        *_in_vain(level),
+    return load_errors(level) or [
+        *_dead_references(level),
         *_placement(level),
         *_goals(level),
         *_open_rim(level.walls),
@@ -48,11 +48,11 @@ def check(level: Level) -> list[LevelFinding]:
     ]
 
 
-def refusals(level: Level) -> list[LevelFinding]:
-    return [*_refusals(level), *(found for found in _names_used_twice(level) if found.forbids)]
+def load_errors(level: Level) -> list[LevelFinding]:
+    return [*_load_errors(level), *(clash for clash in _duplicate_names(level) if clash.forbids)]
 
 
-def _refusals(level: Level) -> Iterator[LevelFinding]:
+def _load_errors(level: Level) -> Iterator[LevelFinding]:
     top = Fields(words_of(level), level.name)
     try:
         read_words(top)
@@ -61,66 +61,67 @@ def _refusals(level: Level) -> Iterator[LevelFinding]:
         yield LevelFinding(error.message, forbids=True)
     if not level.robots:
         yield LevelFinding("The level has no robots.", forbids=True)
-    for found in misfits(level):
-        yield LevelFinding(f"{found.message} {found.hint}".rstrip(), forbids=True)
+    for oddity in misfits(level):
+        yield LevelFinding(f"{oddity.message} {oddity.hint}".rstrip(), forbids=True)
     for kind in KINDS:
-        things = getattr(level, kind)
-        if len(things) > MOST_OF_A_KIND:
-            text = f"There are {len(things)} {kind}; at most {MOST_OF_A_KIND} are allowed."
+        entities = getattr(level, kind)
+        if len(entities) > MOST_OF_A_KIND:
+            text = f"There are {len(entities)} {kind}; at most {MOST_OF_A_KIND} are allowed."
             yield LevelFinding(text, forbids=True)
-        for index, some in enumerate(things):
+        for index, entity in enumerate(entities):
             try:
-                reread(level, Ref(kind, index), some)
+                reread(level, Ref(kind, index), entity)
             except LevelError as error:
-                finite = math.isfinite(some.x) and math.isfinite(some.y)
-                x, y = (some.x, some.y) if finite else (None, None)
-                yield LevelFinding(f'"{some.name}": {error.message}', x, y, forbids=True)
+                is_finite = math.isfinite(entity.x) and math.isfinite(entity.y)
+                x, y = (entity.x, entity.y) if is_finite else (None, None)
+                yield LevelFinding(f'"{entity.name}": {error.message}', x, y, forbids=True)
 
 
-def _names_used_twice(level: Level) -> Iterator[LevelFinding]:
+def _duplicate_names(level: Level) -> Iterator[LevelFinding]:
     for kind in KINDS:
-        same = defaultdict(list)
-        for some in getattr(level, kind):
-            same[some.name].append(some)
-        for name, things in same.items():
-            if len(things) > 1 and (kind == "robots" or name not in level.shared_names):
-                text = f'{len(things)} {kind} are called "{name}"{_REASONS.get(kind, "")}.'
-                yield LevelFinding(text, things[1].x, things[1].y, forbids=kind == "robots")
+        groups = defaultdict(list)
+        for entity in getattr(level, kind):
+            groups[entity.name].append(entity)
+        for name, entities in groups.items():
+            if len(entities) > 1 and (kind == "robots" or name not in level.shared_names):
+                text = f'{len(entities)} {kind} are called "{name}"{_REASONS.get(kind, "")}.'
+                yield LevelFinding(text, entities[1].x, entities[1].y, forbids=kind == "robots")
 
 
 def _shared_names(level: Level) -> Iterator[LevelFinding]:
-    yield from _names_used_twice(level)
+    yield from _duplicate_names(level)
     for name in level.shared_names:
-        if all([one.name for one in some].count(name) < 2 for some in (level.beacons, level.areas)):
+        if all([e.name for e in kind].count(name) < 2 for kind in (level.beacons, level.areas)):
             yield LevelFinding(f'"{name}" is a shared name, but no two beacons or areas have it.')
 
 
-def _in_vain(level: Level) -> Iterator[LevelFinding]:
-    for odd in oddities(level):
-        some = getattr(level, odd.kind)[odd.index]
-        yield LevelFinding(f"{odd.message} {odd.hint}".rstrip(), some.x, some.y)
+def _dead_references(level: Level) -> Iterator[LevelFinding]:
+    for oddity in oddities(level):
+        entity = getattr(level, oddity.kind)[oddity.index]
+        yield LevelFinding(f"{oddity.message} {oddity.hint}".rstrip(), entity.x, entity.y)
 
 
 def _placement(level: Level) -> Iterator[LevelFinding]:
-    for some in all_things(level):
-        on_map = 0 <= some.x < level.width and 0 <= some.y < level.height
-        in_wall = on_map and bool(level.walls[math.floor(some.y), math.floor(some.x)])
-        if isinstance(some, Area):
-            where = ""
-            if some.radius < 1:
-                where = "is too small: its radius is below 1"
+    for entity in all_entities(level):
+        on_map = 0 <= entity.x < level.width and 0 <= entity.y < level.height
+        in_wall = on_map and bool(level.walls[math.floor(entity.y), math.floor(entity.x)])
+        if isinstance(entity, Area):
+            problem = ""
+            if entity.radius < 1:
+                problem = "is too small: its radius is below 1"
             elif in_wall or not on_map:
-                window, disc = units_of(some, level)
+                window, disc = units_of(entity, level)
                 is_inside = bool(level.walls[window][disc].all())
-                where = "is inside walls" if is_inside else ""
-                where = where if disc.any() else "is outside the labyrinth"
-            if where:
-                yield LevelFinding(f'Area "{some.name}" {where}.', some.x, some.y)
+                problem = "is inside walls" if is_inside else ""
+                problem = problem if disc.any() else "is outside the labyrinth"
+            if problem:
+                yield LevelFinding(f'Area "{entity.name}" {problem}.', entity.x, entity.y)
         elif in_wall:
-            what = "Robot" if isinstance(some, Robot) else "Beacon"
-            yield LevelFinding(f'{what} "{some.name}" is inside a wall.', some.x, some.y)
-        elif not on_map and isinstance(some, Beacon):
-            yield LevelFinding(f'Beacon "{some.name}" is outside the labyrinth.', some.x, some.y)
+            noun = "Robot" if isinstance(entity, Robot) else "Beacon"
+            yield LevelFinding(f'{noun} "{entity.name}" is inside a wall.', entity.x, entity.y)
+        elif not on_map and isinstance(entity, Beacon):
+            text = f'Beacon "{entity.name}" is outside the labyrinth.'
+            yield LevelFinding(text, entity.x, entity.y)
 
 
 def _goals(level: Level) -> Iterator[LevelFinding]:
@@ -139,8 +140,8 @@ def _goals(level: Level) -> Iterator[LevelFinding]:
             text = f'{_join(never)} can\'t reach the goal "{area.name}".'
             yield LevelFinding(text, area.x, area.y)
         if hardly:
-            way = "only through gaps narrower than a robot"
-            text = f'{_join(hardly)} can reach the goal "{area.name}" {way}.'
+            gaps = "only through gaps narrower than a robot"
+            text = f'{_join(hardly)} can reach the goal "{area.name}" {gaps}.'
             yield LevelFinding(text, area.x, area.y)
 
 
@@ -162,11 +163,11 @@ def _open_rim(walls: NDArray[np.bool_]) -> Iterator[LevelFinding]:
 
 
 def _join(names: Sequence[str]) -> str:
-    shown = list(names[:_MOST_NAMES])
-    more = len(names) - len(shown)
-    if more:
-        return f"{', '.join(shown)} and {more} more"
-    return " and ".join([", ".join(shown[:-1]), shown[-1]] if len(shown) > 1 else shown)
+    listed = list(names[:_MOST_NAMES])
+    rest_count = len(names) - len(listed)
+    if rest_count:
+        return f"{', '.join(listed)} and {rest_count} more"
+    return " and ".join([", ".join(listed[:-1]), listed[-1]] if len(listed) > 1 else listed)
 
 
 _MARGIN = int(ROBOT_RADIUS) + 2  # map units around the map, where robots can drive as well
@@ -189,7 +190,7 @@ class Reach:
         blocked = np.pad(blocked, _MARGIN)
         self._shape = blocked.shape
         self._narrow = Regions(~blocked, corners=True)
-        self._wide = Regions(_with_room(blocked), corners=True)
+        self._wide = Regions(_widen_obstacles(blocked), corners=True)
         self._starts = {
             robot.name: (self._start(robot), self._near(robot, ROBOT_RADIUS))
             for robot in level.robots
@@ -204,12 +205,12 @@ class Reach:
         wide = self._near(area, area.radius + ROBOT_RADIUS)
         never, hardly = [], []
         for name in area.victory_robots:
-            start, roomy = self._starts.get(name, (None, None))
-            if not start or roomy is None:
+            start, wide_start = self._starts.get(name, (None, None))
+            if not start or wide_start is None:
                 continue
             if not start & narrow:
                 never.append(name)
-            elif not roomy & wide:
+            elif not wide_start & wide:
                 hardly.append(name)
         return never, hardly
 
@@ -217,13 +218,13 @@ class Reach:
         row, column = math.floor(robot.y) + _MARGIN, math.floor(robot.x) + _MARGIN
         row = min(max(row, 0), self._shape[0] - 1)
         column = min(max(column, 0), self._shape[1] - 1)
-        region = self._narrow.at(row, column)
+        region = self._narrow.region_at(row, column)
         if region >= 0:
             return frozenset((region,))
         return self._narrow.within(column + 0.5, row + 0.5, 1.0)
 
-    def _near(self, some: Robot | Area, reach: float) -> frozenset[int]:
-        x, y = some.x + _MARGIN, some.y + _MARGIN
+    def _near(self, entity: Robot | Area, reach: float) -> frozenset[int]:
+        x, y = entity.x + _MARGIN, entity.y + _MARGIN
         x, y = min(max(x, 0.0), self._shape[1]), min(max(y, 0.0), self._shape[0])
         return self._wide.within(x, y, reach)
 
@@ -246,13 +247,13 @@ def _span(middle: float, radius: float, size: int) -> tuple[int, int]:
     return first, max(min(math.ceil(middle + radius), size), first)
 
 
-def _with_room(blocked: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _widen_obstacles(blocked: NDArray[np.bool_]) -> NDArray[np.bool_]:
     reach = math.ceil(ROBOT_RADIUS) - 1
-    beside = row_clearances(blocked, reach + 1)
+    clearance = row_clearances(blocked, reach + 1)
     free = np.ones(blocked.shape, np.bool_)
     for down in range(-reach, reach + 1):
         across = math.ceil(math.sqrt(ROBOT_RADIUS**2 - down**2)) - 1
-        near = beside <= across
+        near = clearance <= across
         if down >= 0:
             free[: len(free) - down] &= ~near[down:]
         else:

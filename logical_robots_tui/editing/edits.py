@@ -18,16 +18,16 @@ class Delta(NamedTuple):
     """The differences of two levels, both ways; `values` are (attribute, before, after)."""
 
     values: tuple[tuple[str, Any, Any], ...]
-    walls: _Flips | _Redrawn | None
+    walls: _Flips | _Replacement | None
 
     @classmethod
-    def between(cls, before: Level, after: Level) -> Delta:
+    def between(cls, old_level: Level, new_level: Level) -> Delta:
         """Return the difference, ignoring names and sources of the levels."""
-        pairs = [(name, getattr(before, name), getattr(after, name)) for name in COMPARED]
-        differing = tuple(each for each in pairs if each[1] != each[2])
-        old, new = before.walls, after.walls
+        pairs = [(name, getattr(old_level, name), getattr(new_level, name)) for name in COMPARED]
+        differing = tuple(pair for pair in pairs if pair[1] != pair[2])
+        old, new = old_level.walls, new_level.walls
         if old.shape != new.shape:
-            return cls(differing, _Redrawn(PackedBits.pack(old), PackedBits.pack(new)))
+            return cls(differing, _Replacement(PackedBits.pack(old), PackedBits.pack(new)))
         if (box := difference_box(old, new)) is None:
             return cls(differing, None)
         down, across = box
@@ -60,7 +60,7 @@ class _Flips(NamedTuple):
         return changed
 
 
-class _Redrawn(NamedTuple):
+class _Replacement(NamedTuple):
     """Replaces all walls, when the size changes."""
 
     old: PackedBits
@@ -80,8 +80,8 @@ class Edits:
 
     def __init__(self, level: Level) -> None:
         self._level = level
-        self._done: list[tuple[str, Delta]] = []
-        self._undone: list[tuple[str, Delta]] = []
+        self._undo_stack: list[tuple[str, Delta]] = []
+        self._redo_stack: list[tuple[str, Delta]] = []
         self._open: tuple[str, Level] | None = None
         self._saved: int | None = 0
 
@@ -99,48 +99,48 @@ class Edits:
         """The step that would be undone, or ""."""
         if self._open is not None:
             return self._open[0]
-        return self._done[-1][0] if self._done else ""
+        return self._undo_stack[-1][0] if self._undo_stack else ""
 
     @property
     def can_redo(self) -> str:
         """The step that would be redone, or ""."""
-        return self._undone[-1][0] if self._undone else ""
+        return self._redo_stack[-1][0] if self._redo_stack else ""
 
-    def do(self, what: str, level: Level, *, goes_on: bool = False) -> bool:
+    def do(self, label: str, level: Level, *, merge: bool = False) -> bool:
         """Apply a step and clear redo; return False if nothing changed, so no step was added.
 
-        If it goes on, it merges with the previous step, if that has the same description and
-        nothing was undone or saved since.
+        With `merge` it extends the previous step, if that has the same description and nothing
+        was undone or saved since.
         """
         if level is self._level:
             return False
-        if not (goes_on and self._open is not None and self._open[0] == what):
+        if not (merge and self._open is not None and self._open[0] == label):
             self._close()
-            self._open = what, self._level
-            if self._saved is not None and self._saved > len(self._done):
+            self._open = label, self._level
+            if self._saved is not None and self._saved > len(self._undo_stack):
                 self._saved = None
-        self._undone.clear()
+        self._redo_stack.clear()
         self._level = level
         return True
 
     def undo(self) -> str:
         """Undo a step and return its description, or "" if there is none."""
         self._close()
-        return self._step(self._done, self._undone, forward=False)
+        return self._step(self._undo_stack, self._redo_stack, forward=False)
 
     def redo(self) -> str:
         """Redo a step and return its description, or "" if there is none."""
-        return self._step(self._undone, self._done, forward=True)
+        return self._step(self._redo_stack, self._undo_stack, forward=True)
 
     def _step(
-        self, taken: list[tuple[str, Delta]], put: list[tuple[str, Delta]], *, forward: bool
+        self, source: list[tuple[str, Delta]], target: list[tuple[str, Delta]], *, forward: bool
     ) -> str:
-        if not taken:
+        if not source:
             return ""
-        put.append(taken.pop())
-        what, delta = put[-1]
+        target.append(source.pop())
+        label, delta = target[-1]
         self._level = delta.apply(self._level, forward=forward)
-        return what
+        return label
 
     def saved(self) -> None:
         self._close()
@@ -148,12 +148,12 @@ class Edits:
 
     @property
     def _position(self) -> int:
-        return len(self._done) + (self._open is not None)
+        return len(self._undo_stack) + (self._open is not None)
 
     def _close(self) -> None:
         if self._open is not None:
-            what, before = self._open
+            label, old_level = self._open
             self._open = None
-            delta = Delta.between(before, self._level)
+            delta = Delta.between(old_level, self._level)
             if not delta.empty:
-                self._done.append((what, delta))
+                self._undo_stack.append((label, delta))

@@ -11,16 +11,17 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array
 
-from logical_robots_tui.editing.checks import refusals
+from logical_robots_tui.editing.checks import load_errors
 from logical_robots_tui.editing.level_text import (
     KINDS,
+    Entity,
     Kind,
     Record,
-    Thing,
     block_text,
     kind_of,
     needs_leniency,
@@ -43,28 +44,28 @@ from logical_robots_tui.world.levels.native import (
 )
 
 
-def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
+def save_level(level: Level, path: Path, *, replace_all: bool = False) -> Level:
     """Write a level atomically, in the format of the ending; return it as in the file.
 
-    An existing file of this game changes only where the levels differ, unless `anew`. Missing
-    folders are created. Raises LevelError if it can't be written or loaded again.
+    An existing file of this game changes only where the levels differ, unless `replace_all`.
+    Missing folders are created. Raises LevelError if it can't be written or loaded again.
     """
     place = str(path)
     if path.suffix.lower() not in SUFFIXES:
         hint = "Use .toml, or .json for the web platform."
         raise LevelError("The file has no ending of a level format.", place=place, hint=hint)
-    for finding in refusals(level):
+    for finding in load_errors(level):
         raise LevelError(finding.text, place=place)
     try:
         if shipped_folder("levels").resolve() in real(path).parents:
             message = "The levels of the game can't be changed."
             raise LevelError(message, place=place, hint="Save it in another folder.")
         path.parent.mkdir(parents=True, exist_ok=True)
-        before, text = _texts(level, path, anew)
+        old_text, text = _old_and_new_text(level, path, replace_all)
         if len(text.encode()) > MOST_BYTES:
             message = f"The file would be larger than {MOST_BYTES // 2**20} MB."
             raise LevelError(message, place=place)
-        if text != before:
+        if text != old_text:
             write_atomically(path, text)
     except OSError as error:
         reason = error.strerror or str(error)
@@ -74,7 +75,7 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
 
 
 def is_made_here(path: Path) -> bool:
-    """Return whether this game wrote a file, as far as its text shows, or there is none. _Blocks.
+    """Return whether this game wrote a file, as far as its text shows, or there is none.
 
     Saving in a file of the web platform's format replaces all of it.
     """
@@ -86,25 +87,25 @@ def is_made_here(path: Path) -> bool:
         return False
 
 
-def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
+def _old_and_new_text(level: Level, path: Path, replace_all: bool) -> tuple[str, str]:
     is_web = is_web_file(path)
-    if anew:
+    if replace_all:
         return "", write_web(level) if is_web else write_native(level)
     try:
-        before = read_text(path)
+        old_text = read_text(path)
         if not is_web:
-            return before, rewritten(before, level)
-        earlier = load_level(path)
+            return old_text, rewrite_text(old_text, level)
+        old_level = load_level(path)
     except LevelError:  # it doesn't exist, or is not a level
-        return _texts(level, path, anew=True)
+        return _old_and_new_text(level, path, replace_all=True)
     text = write_web(level)
-    return before, before if write_web(earlier) == text else text
+    return old_text, old_text if write_web(old_level) == text else text
 
 
-_INSTEAD = {"angle": "heading", "heading": "angle"}
+_ALTERNATIVES = {"angle": "heading", "heading": "angle"}
 
 
-def rewritten(text: str, level: Level) -> str:
+def rewrite_text(text: str, level: Level) -> str:
     """Return the text of a level file, changed to describe another level, or raise LevelError.
 
     Comments, key order and unchanged parts are kept, if the file's layout allows it.
@@ -112,97 +113,97 @@ def rewritten(text: str, level: Level) -> str:
     mark = "\ufeff" if text.startswith("\ufeff") else ""
     of_windows = text.count("\r\n") * 2 > text.count("\n")
     plain = text.removeprefix(mark).replace("\r\n", "\n")
-    before = read_native(plain, level.name, level.source)
-    if alike(before, level):
+    old_level = read_native(plain, level.name, level.source)
+    if alike(old_level, level):
         return text
-    new = _rewrite(plain, before, level)
-    if new is None:
-        new = write_native(level)
-    return mark + (new.replace("\n", "\r\n") if of_windows else new)
+    new_text = _rewrite(plain, old_level, level)
+    if new_text is None:
+        new_text = write_native(level)
+    return mark + (new_text.replace("\n", "\r\n") if of_windows else new_text)
 
 
-def _rewrite(text: str, before: Level, level: Level) -> str | None:
+def _rewrite(text: str, old_level: Level, level: Level) -> str | None:
     """Return the changed text, or None if it would not describe the level."""
     try:
         blocks = _Blocks(text)
         inline = []
         for kind in KINDS:
-            old, new = getattr(before, kind), getattr(level, kind)
+            old, new = getattr(old_level, kind), getattr(level, kind)
             if old == new:
                 continue
-            if len(blocks.of(kind)) == len(old):
-                blocks.replace(kind, _blocks(blocks.of(kind), old, new))
+            if len(blocks.of_kind(kind)) == len(old):
+                blocks.replace(kind, _blocks(blocks.of_kind(kind), old, new))
             else:
                 inline.append(kind)
-        blocks.head = _head(blocks.head, before, level, inline)
+        blocks.head = _head(blocks.head, old_level, level, inline)
         changed = blocks.text()
         return changed if alike(read_native(changed, "", ""), level) else None
     except (ValueError, KeyError, TOMLKitError, LevelError):
         return None
 
 
-def _blocks(blocks: list[_Block], old: Sequence[Thing], new: Sequence[Thing]) -> list[_Block]:
-    found: list[_Block] = []
+def _blocks(blocks: list[_Block], old: Sequence[Entity], new: Sequence[Entity]) -> list[_Block]:
+    new_blocks: list[_Block] = []
     matcher = SequenceMatcher(None, old, new, autojunk=False)
     for _, start, stop, new_start, new_stop in matcher.get_opcodes():
         pairs = _pairs(old[start:stop], new[new_start:new_stop])
-        for thing, index in zip(new[new_start:new_stop], pairs, strict=True):
+        for entity, index in zip(new[new_start:new_stop], pairs, strict=True):
             if index is None:
-                kind = kind_of(thing)
-                found.append(_Block(kind, block_text(kind, record_of(thing)), new=True))
+                kind = kind_of(entity)
+                new_blocks.append(_Block(kind, block_text(kind, record_of(entity)), new=True))
                 continue
             block = blocks[start + index]
-            earlier = old[start + index]
-            if earlier != thing:
+            old_entity = old[start + index]
+            if old_entity != entity:
                 document = tomlkit.parse(block.text)
                 tables = document[block.kind]
                 assert isinstance(tables, AoT)
-                _update(tables[0], record_of(earlier), record_of(thing))
+                _update(tables[0], record_of(old_entity), record_of(entity))
                 block.text = document.as_string()
-            found.append(block)
-    return found
+            new_blocks.append(block)
+    return new_blocks
 
 
-def _pairs(old: Sequence[Thing], new: Sequence[Thing]) -> list[int | None]:
+def _pairs(old: Sequence[Entity], new: Sequence[Entity]) -> list[int | None]:
     """Return the index of the old object for each new one, ascending; matched by name first."""
-    names = {thing.name for thing in old} & {thing.name for thing in new}
+    names = {entity.name for entity in old} & {entity.name for entity in new}
     if len(old) == len(new) or not names:
         return [i if i < len(old) else None for i in range(len(new))]
     pairs: list[int | None] = []
-    free = 0
-    for thing in new:
-        match = next((i for i in range(free, len(old)) if old[i].name == thing.name), None)
+    start = 0
+    for entity in new:
+        match = next((i for i in range(start, len(old)) if old[i].name == entity.name), None)
         pairs.append(match)
-        free = free if match is None else match + 1
+        start = start if match is None else match + 1
     return pairs
 
 
-def _update(table: Any, before: Record, after: Record) -> None:
-    for key in before:
-        if key not in after and key in table:
+def _update(table: Any, old_record: Record, new_record: Record) -> None:
+    for key in old_record:
+        if key not in new_record and key in table:
             del table[key]
-    for key, value in after.items():
-        if key in before and before[key] == value:
+    for key, value in new_record.items():
+        if key in old_record and old_record[key] == value:
             continue
-        if key in _INSTEAD and _INSTEAD[key] in table:
-            del table[_INSTEAD[key]]
-        there = table.get(key)
-        if isinstance(value, dict) and isinstance(there, dict):
-            earlier = before.get(key)
-            _update(there, earlier if isinstance(earlier, dict) else {}, value)
-        elif isinstance(value, list) and isinstance(there, Array) and len(value) == len(there):
+        if key in _ALTERNATIVES and _ALTERNATIVES[key] in table:
+            del table[_ALTERNATIVES[key]]
+        node = table.get(key)
+        if isinstance(value, dict) and isinstance(node, dict):
+            old_value = old_record.get(key)
+            _update(node, old_value if isinstance(old_value, dict) else {}, value)
+        elif isinstance(value, list) and isinstance(node, Array) and len(value) == len(node):
             for i, item in enumerate(value):
-                if there[i] != item:
-                    there[i] = item
+                if node[i] != item:
+                    node[i] = item
         else:
             table[key] = tomlkit.value(toml_text(key, value))
 
 
-def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:
+def _head(head: str, old_level: Level, level: Level, inline: Sequence[Kind]) -> str:
     """Return the changed head; `inline` are the kinds listed there that differ."""
-    same_walls = before.walls.shape == level.walls.shape and (before.walls == level.walls).all()
-    old, new = words_of(before), words_of(level)
-    lenient = needs_leniency(level) and not needs_leniency(before)
+    same_walls = np.array_equal(old_level.walls, level.walls)
+    old, new = words_of(old_level), words_of(level)
+    lenient = needs_leniency(level) and not needs_leniency(old_level)
     if same_walls and old == new and not inline and not lenient:
         return head
     drawing: str = tomllib.loads(head)["walls"]
@@ -218,7 +219,7 @@ def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str
     if lenient:
         document["lenient"] = True
     for kind in inline:
-        records = [record_of(some) for some in getattr(level, kind)]
+        records = [record_of(entity) for entity in getattr(level, kind)]
         document[kind] = tomlkit.value(toml_text(kind, records))
     if not same_walls:
         drawing = _drawing(document, drawing, level)
@@ -230,11 +231,11 @@ def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str
 
 def _drawing(document: tomlkit.TOMLDocument, drawing: str, level: Level) -> str:
     cell = int(str(document["cell"]))
-    earlier = drawing.removesuffix("\n").split("\n")
+    old_lines = drawing.removesuffix("\n").split("\n")
     if not expresses(level.walls, cell):
         document["cell"] = cell = coarsest_cell(level.walls)
-        earlier = []
-    lines = "\n".join(draw_rows(level.walls, cell, earlier))
+        old_lines = []
+    lines = "\n".join(draw_rows(level.walls, cell, old_lines))
     return lines + ("\n" if drawing.endswith("\n") else "")
 
 
@@ -258,12 +259,12 @@ class _Blocks:
     def __init__(self, text: str) -> None:
         # A row of the drawing may look like a comment.
         if not (self._split(text, with_comments=True) or self._split(text, with_comments=False)):
-            raise ValueError("The pieces say something else than the whole.")
+            raise ValueError("The pieces mean something other than the whole.")
 
     def _split(self, text: str, *, with_comments: bool) -> bool:
         """Split a text; return whether the pieces mean the same as the whole."""
-        found = list(_HEADER.finditer(text))
-        starts = [match.start() for match in found]
+        headers = list(_HEADER.finditer(text))
+        starts = [match.start() for match in headers]
         if with_comments:
             starts = [_comments_above(text, start) for start in starts]
         bounds = [0, *starts, len(text)]
@@ -271,30 +272,30 @@ class _Blocks:
         self.head = pieces[0]
         self.blocks = [
             _Block(cast("Kind", match[1]), piece)
-            for match, piece in zip(found, pieces[1:], strict=True)
+            for match, piece in zip(headers, pieces[1:], strict=True)
         ]
         try:
             return _merge(map(tomllib.loads, pieces)) == tomllib.loads(text)
         except ValueError:
             return False
 
-    def of(self, kind: Kind) -> list[_Block]:
+    def of_kind(self, kind: Kind) -> list[_Block]:
         return [block for block in self.blocks if block.kind == kind]
 
-    def replace(self, kind: Kind, wanted: Sequence[_Block]) -> None:
+    def replace(self, kind: Kind, blocks: Sequence[_Block]) -> None:
         """Replace the blocks of a kind; existing ones must be in order, and keep their places."""
-        kept = {id(block) for block in wanted}
-        self.blocks = [b for b in self.blocks if b.kind != kind or id(b) in kept]
-        before = KINDS[: KINDS.index(kind)]
-        after = [i + 1 for i, b in enumerate(self.blocks) if b.kind in before]
-        first = [i for i, b in enumerate(self.blocks) if b.kind == kind]
-        place = first[0] if first else max(after, default=0)
-        for block in wanted:
-            known = next((i for i, b in enumerate(self.blocks) if b is block), None)
-            if known is None:
+        kept_ids = {id(block) for block in blocks}
+        self.blocks = [b for b in self.blocks if b.kind != kind or id(b) in kept_ids]
+        earlier_kinds = KINDS[: KINDS.index(kind)]
+        stops = [i + 1 for i, b in enumerate(self.blocks) if b.kind in earlier_kinds]
+        starts = [i for i, b in enumerate(self.blocks) if b.kind == kind]
+        place = starts[0] if starts else max(stops, default=0)
+        for block in blocks:
+            index = next((i for i, b in enumerate(self.blocks) if b is block), None)
+            if index is None:
                 self.blocks.insert(place, block)
-                known = place
-            place = known + 1
+                index = place
+            place = index + 1
 
     def text(self) -> str:
         text = self.head

@@ -32,29 +32,29 @@ Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 
 KINDS: tuple[Kind, ...] = ("robots", "beacons", "areas")
 
-Thing = Robot | Beacon | Area
+Entity = Robot | Beacon | Area
 """An object in a labyrinth."""
 
 Record = dict[str, object]
 """Keys and values of a TOML table, in the order in which they are written."""
 
 
-def all_things(level: Level) -> Iterator[Thing]:
+def all_entities(level: Level) -> Iterator[Entity]:
     return chain(level.robots, level.beacons, level.areas)
 
 
-def kind_of(some: Thing) -> Kind:
+def kind_of(entity: Entity) -> Kind:
     return next(
-        kind for kind, its in zip(KINDS, (Robot, Beacon, Area), strict=True) if type(some) is its
+        kind for kind, cls in zip(KINDS, (Robot, Beacon, Area), strict=True) if type(entity) is cls
     )
 
 
-def record_of(thing: Thing) -> Record:
+def record_of(entity: Entity) -> Record:
     """Return the record of a robot, beacon or area, without default values."""
-    record: Record = {"name": thing.name, "x": _number(thing.x), "y": _number(thing.y)}
-    if isinstance(thing, Beacon):
-        return record | ({"charging_station": True} if thing.charging_station else {})
-    return record | (_robot(thing) if isinstance(thing, Robot) else _area(thing))
+    record: Record = {"name": entity.name, "x": _number(entity.x), "y": _number(entity.y)}
+    if isinstance(entity, Beacon):
+        return record | ({"charging_station": True} if entity.charging_station else {})
+    return record | (_robot(entity) if isinstance(entity, Robot) else _area(entity))
 
 
 def words_of(level: Level) -> Record:
@@ -115,8 +115,8 @@ def _area(area: Area) -> Record:
         "off_beacon": area.off_beacon,
         "sticky": area.sticky_switch,
     }
-    given = {key: value for key, value in record.items() if value}
-    return {"radius": _number(area.radius), **given}
+    fields = {key: value for key, value in record.items() if value}
+    return {"radius": _number(area.radius), **fields}
 
 
 def _number(value: float) -> float | int:
@@ -146,7 +146,7 @@ def write_native(level: Level) -> str:
     cell = coarsest_cell(level.walls)
     drawing = "\n".join(draw_rows(level.walls, cell))
     lines += ["", f"cell = {cell}", f"walls = '''\n{drawing}\n'''"]
-    blocks = [block_text(kind_of(some), record_of(some)) for some in all_things(level)]
+    blocks = [block_text(kind_of(entity), record_of(entity)) for entity in all_entities(level)]
     return "\n".join([*lines, "", "\n".join(blocks)])
 
 
@@ -211,7 +211,7 @@ def lost_in_web(level: Level) -> list[str]:
 _ALWAYS = ("name", "x", "y", "radius", "color", "victory_robots")
 
 
-def _record(thing: Thing) -> Record:
+def _record(entity: Entity) -> Record:
     """Return what a file of the platform says: of the other fields, those that it needs."""
-    record = {name: _number(value) for name, value in asdict(thing).items() if name != "team"}
+    record = {name: _number(value) for name, value in asdict(entity).items() if name != "team"}
     return {name: value for name, value in record.items() if value or name in _ALWAYS}

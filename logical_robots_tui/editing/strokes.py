@@ -32,7 +32,7 @@ def fill(level: Level, x: float, y: float, *, wall: bool = True) -> Level:
     if not (0 <= x < level.width and 0 <= y < level.height):
         return level
     regions = Regions(level.walls != wall, corners=False)
-    region = regions.at(math.floor(y), math.floor(x))
+    region = regions.region_at(math.floor(y), math.floor(x))
     return level if region < 0 else _painted(level, 0, 0, regions.mask(region), wall)
 
 
@@ -63,7 +63,7 @@ class Regions:
         self._starts = self._row * self._stride + self._start
         self._region = _roots(len(self._row), *self._neighbours(corners))
 
-    def at(self, row: int, column: int) -> int:
+    def region_at(self, row: int, column: int) -> int:
         """Return the number of the region that a unit belongs to, or -1."""
         if not (0 <= row < self._shape[0] and 0 <= column < self._shape[1]):
             return -1
@@ -98,15 +98,15 @@ class Regions:
         return upper, lower
 
 
-def _roots(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArray[np.intp]:
+def _roots(count: int, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> NDArray[np.intp]:
     root = np.arange(count)
     while True:
-        low, high = np.minimum(root[one], root[other]), np.maximum(root[one], root[other])
-        apart = low != high
-        if not apart.any():
+        low, high = np.minimum(root[upper], root[lower]), np.maximum(root[upper], root[lower])
+        is_split = low != high
+        if not is_split.any():
             return root
-        one, other = one[apart], other[apart]
-        np.minimum.at(root, high[apart], low[apart])
+        upper, lower = upper[is_split], lower[is_split]
+        np.minimum.at(root, high[is_split], low[is_split])
         while (root[root] != root).any():
             root = root[root]
 
@@ -124,22 +124,22 @@ def paint(
     """
     _check(width, grid, points)
     shape = level.walls.shape
-    way = [(_snap(x / grid, width), _snap(y / grid, width)) for x, y in points]
+    path = [(_snap(x / grid, width), _snap(y / grid, width)) for x, y in points]
     reach = width / 2 + 1
-    box = _Box.around(way, reach, grid, shape)
+    box = _Box.around(path, reach, grid, shape)
     if box is None:
         return level
     mask = np.zeros((box.bottom - box.top, box.right - box.left), np.bool_)
-    for start, stop in zip(way, way[1:] or way, strict=False):
+    for start, stop in zip(path, path[1:] or path, strict=False):
         dx, dy = stop[0] - start[0], stop[1] - start[1]
         pieces = max(math.ceil(math.hypot(dx, dy) / _PIECE), 1)
         shares = [i / pieces for i in range(pieces + 1)]
         ends = [(start[0] + dx * share, start[1] + dy * share) for share in shares]
-        for one, other in pairwise(ends):
-            part = _Box.around((one, other), reach, grid, shape)
+        for first, last in pairwise(ends):
+            part = _Box.around((first, last), reach, grid, shape)
             if part is not None:
                 window = part.within(box)
-                mask[window] |= part.distances(one, other) <= _reach(start, stop, width)
+                mask[window] |= part.distances(first, last) <= _reach(start, stop, width)
     return box.painted(level, mask, grid, wall)
 
 
@@ -225,9 +225,9 @@ class _Box(NamedTuple):
 
 
 def _check(width: int, grid: int, points: Sequence[Point]) -> None:
-    for what, size in (("brush", width), ("grid", grid)):
+    for noun, size in (("brush", width), ("grid", grid)):
         if not 1 <= size <= MOST_SIDE:
-            raise LevelError(f"The {what} must be from 1 to {MOST_SIDE} wide, not {size}.")
+            raise LevelError(f"The {noun} must be from 1 to {MOST_SIDE} wide, not {size}.")
     for point in points:
         if not all(abs(number) <= MOST_OF_A_NUMBER for number in point):
             raise LevelError("This point is too far outside the labyrinth.")

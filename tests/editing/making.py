@@ -8,9 +8,17 @@ from typing import Any
 
 from hypothesis import strategies as st
 
+from logical_robots_tui.editing.entities import (
+    Ref,
+    add,
+    change,
+    duplicate,
+    remove,
+    resize,
+    set_words,
+)
 from logical_robots_tui.editing.level_text import KINDS, Kind
 from logical_robots_tui.editing.strokes import fill, paint, paint_rectangle
-from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, resize, set_words
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
 from logical_robots_tui.world.level import LevelQuestion, SecondGoal

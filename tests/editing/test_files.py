@@ -15,10 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.editing.edits import Edits
-from logical_robots_tui.editing.files import is_made_here, rewritten, save_level
+from logical_robots_tui.editing.entities import Ref, add, change, remove, resize, set_words
+from logical_robots_tui.editing.files import is_made_here, rewrite_text, save_level
 from logical_robots_tui.editing.level_text import lost_in_web, record_of, write_native, write_web
 from logical_robots_tui.editing.strokes import paint, paint_rectangle
-from logical_robots_tui.editing.things import Ref, add, change, remove, resize, set_words
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.load import read_web
@@ -93,7 +93,7 @@ def changed_lines(before: str, after: str) -> list[str]:
 
 
 def after(text: str, level: Level) -> str:
-    new = rewritten(text, level)
+    new = rewrite_text(text, level)
     assert alike(read(new.removeprefix("\ufeff")), level)
     return new
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing.files import rewritten, save_level
+from logical_robots_tui.editing.entities import add, change, duplicate, set_words
+from logical_robots_tui.editing.files import rewrite_text, save_level
 from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
-from logical_robots_tui.editing.things import add, change, duplicate, set_words
 from logical_robots_tui.world import Area, Level, LevelError, Robot, Score, Team
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.load import read_web
@@ -70,7 +70,7 @@ MATCH = read(TEAMS)
 def test_teams_are_written_and_keep_their_comments() -> None:
     assert alike(read(write_native(MATCH)), MATCH)
     moved = change(MATCH, BOB, x=24)
-    assert rewritten(TEAMS, moved) == TEAMS.replace("x = 25", "x = 24")
+    assert rewrite_text(TEAMS, moved) == TEAMS.replace("x = 25", "x = 24")
     joined, ref = add(moved, Robot("Cid", 16, 16))
     assert joined.robots[2].team == "red"
     for level in (

@@ -37,10 +37,10 @@ def test_a_line_covers_what_is_near_it_and_nothing_else_and_lets_no_robot_slip_t
 ) -> None:
     walls = paint(room(80, 80), [one, other], width=width).walls
     painted = Regions(walls, corners=False)
-    ends = [painted.at(math.floor(y), math.floor(x)) for x, y in (one, other)]
+    ends = [painted.region_at(math.floor(y), math.floor(x)) for x, y in (one, other)]
     assert ends[0] == ends[1]
     assert ends[0] >= 0 or width % 2 == 0
-    assert len({painted.at(*unit) for unit in np.argwhere(walls).tolist()}) == 1
+    assert len({painted.region_at(*unit) for unit in np.argwhere(walls).tolist()}) == 1
     y, x = np.mgrid[:80, :80] + 0.5
     dx, dy = other[0] - one[0], other[1] - one[1]
     share = ((x - one[0]) * dx + (y - one[1]) * dy) / max(dx * dx + dy * dy, 1e-9)
@@ -128,14 +128,14 @@ def reached(
 def test_regions_are_what_a_search_finds(units: NDArray[np.bool_], corners: bool) -> None:
     regions = Regions(units, corners=corners)
     for (row, column), is_free in np.ndenumerate(units):
-        region = regions.at(row, column)
+        region = regions.region_at(row, column)
         assert (region >= 0) == is_free
         if region >= 0:
             found = set(map(tuple, np.argwhere(regions.mask(region)).tolist()))
             assert found == reached(units, (row, column), corners)
     height, width = units.shape
     outside = [(-1, 0), (height, 0), (0, -1), (0, width)]
-    assert [regions.at(*unit) for unit in outside] == [-1] * 4
+    assert [regions.region_at(*unit) for unit in outside] == [-1] * 4
 
 
 @settings(deadline=None)
@@ -145,7 +145,7 @@ def test_regions_within_a_circle_are_those_of_the_units_that_it_touches(
 ) -> None:
     regions = Regions(units, corners=False)
     touched = {
-        regions.at(row, column)
+        regions.region_at(row, column)
         for row, column in np.argwhere(units).tolist()
         if math.hypot(x - min(max(x, column), column + 1), y - min(max(y, row), row + 1)) < radius
     }

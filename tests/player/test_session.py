@@ -200,7 +200,7 @@ async def test_a_victory_is_told_once_for_each_program_and_tick(tmp_path: Path) 
         t.editor.select_next(1)
         before = t.editor.selected, t.editor.edits.can_undo, list(t.chronicle.events)
         for _ in range(3):  # what is looked at does not change
-            assert t.editor.thing is not None
+            assert t.editor.entity is not None
             assert t.editing.level is t.session.levels.edited
             assert t.session.levels.is_saved
         assert before == (t.editor.selected, t.editor.edits.can_undo, t.chronicle.events)

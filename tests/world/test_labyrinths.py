@@ -34,7 +34,7 @@ def test_in_a_labyrinth_every_place_can_be_reached(
     regions = Regions(~level.walls, corners=False)
     step, middle = corridor + wall, wall + corridor // 2
     found = {
-        regions.at(middle + row * step, middle + column * step)
+        regions.region_at(middle + row * step, middle + column * step)
         for row in range(rows)
         for column in range(columns)
     }

@@ -217,7 +217,7 @@ class LevelController(SessionListener):
         from logical_robots_tui.tui.level_editor.forms import ThingForm
 
         ref = self.editor.selected
-        if ref is None or self.editor.thing is None:
+        if ref is None or self.editor.entity is None:
             self.ui.warn(with_keys("Select an object first: click it, or press {next_object}."))
         else:
             self.ui.show(ThingForm(self.editor, ref, self.session.put), lambda _: self.changed())
@@ -286,7 +286,7 @@ class LevelController(SessionListener):
             return True
 
     async def save_as(self) -> bool:
-        from logical_robots_tui.editing.things import set_words
+        from logical_robots_tui.editing.entities import set_words
         from logical_robots_tui.tui.library.save_dialog import SaveLevel
 
         self.editor.finish()

@@ -20,8 +20,7 @@ from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static,
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import LevelFinding
-from logical_robots_tui.editing.things import Ref, change, resize, set_words
-from logical_robots_tui.editing.things import thing as thing_of
+from logical_robots_tui.editing.entities import Ref, change, entity_of, resize, set_words
 from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.library.level_screen import own_levels
@@ -258,14 +257,14 @@ class ThingForm(Form):
         self, editor: LevelEditor, ref: Ref, place_robot: Callable[[str, Pose], None]
     ) -> None:
         self._editor, self._ref, self._place_robot = editor, ref, place_robot
-        self._thing = thing_of(editor.level, ref)
+        self._thing = entity_of(editor.level, ref)
         super().__init__(type(self._thing).__name__)
         self._is_moving = ref.kind == "robots" and editor.is_under_way
 
     def fields(self) -> Iterator[tuple[str, Field]]:
         thing = self._thing
         yield "Name", TextField("name", thing.name)
-        standing = thing_of(self._editor.standing, self._ref)
+        standing = entity_of(self._editor.standing, self._ref)
         yield "x", _measure("x", standing.x, "x")
         yield "y", _measure("y", standing.y, "y")
         if isinstance(thing, Robot):
@@ -315,7 +314,7 @@ class ThingForm(Form):
             change(editor.level, ref, **moved)  # refuses what is out of range
         editor.set_values(ref, values)
         if moved:
-            robot = thing_of(editor.standing, ref)
+            robot = entity_of(editor.standing, ref)
             assert isinstance(robot, Robot)
             x, y, angle = (moved.get(name, getattr(robot, name)) for name in _POSE)
             self._place_robot(robot.name, (x, y, angle))

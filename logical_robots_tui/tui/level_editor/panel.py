@@ -11,7 +11,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.editing.editor import PAINTING, LevelEditor, Tool, handle_of, reach_of
-from logical_robots_tui.editing.level_text import Thing
+from logical_robots_tui.editing.level_text import Entity
 from logical_robots_tui.editing.strokes import Point
 from logical_robots_tui.tui.commands.keymap import command, commands, key_bindings
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
@@ -112,7 +112,7 @@ class InfoLine(Static):
 
     def follow(self) -> None:
         editor, levels = self._controller.editor, self._controller.levels
-        findings, thing = self._controller.findings, editor.thing
+        findings, thing = self._controller.findings, editor.entity
         x, y = editor.cursor
         parts = [Content.styled(f"{x:.0f}, {y:.0f}", f"bold {INK.number}")]
         if not levels.saved.source or levels.edits.changed:
@@ -134,7 +134,7 @@ class InfoLine(Static):
             self.update(line, layout=False)
 
 
-def _describe(thing: Thing | None, detail: int) -> str:
+def _describe(thing: Entity | None, detail: int) -> str:
     """Name a thing, with its place and, if it has one, its radius as far as `more` goes."""
     if thing is None:
         return "nothing selected"
@@ -270,7 +270,7 @@ class EditPanel:
 
     def open(self) -> None:
         editor = self._controller.editor
-        if editor.settings.tool is Tool.HAND and editor.thing is not None:
+        if editor.settings.tool is Tool.HAND and editor.entity is not None:
             self._run("properties")
 
     @property
@@ -310,7 +310,7 @@ def _mark(canvas: Canvas, editor: LevelEditor, findings: Sequence[LevelFinding])
         _tint(cells, covered, accent)
         if look.is_plain:
             cells.text[covered] = text_id("*")
-    if (thing := editor.thing) is not None:
+    if (thing := editor.entity) is not None:
         reach = reach_of(thing) + view.units * 0.8
         high = max(reach, view.units * 1.5)
         corners = ((-reach, -high), (reach, -high), (-reach, high), (reach, high))

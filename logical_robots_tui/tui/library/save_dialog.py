@@ -145,8 +145,8 @@ class SaveLevel(SaveDialog[Level]):
 
     async def save(self, path: Path) -> Level:
         title = self.query_one("#title", Input).value.strip()
+        from logical_robots_tui.editing.entities import set_words
         from logical_robots_tui.editing.files import save_level
-        from logical_robots_tui.editing.things import set_words
 
         level = set_words(self._level, title=title or self._level.title)
-        return await asyncio.to_thread(save_level, level, path, anew=path != self._file)
+        return await asyncio.to_thread(save_level, level, path, replace_all=path != self._file)

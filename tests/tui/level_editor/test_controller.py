@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing.checks import refusals
+from logical_robots_tui.editing.checks import load_errors
 from logical_robots_tui.editing.editor import GRIDS, WIDTHS, LevelEditor, Tool
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.files import save_level
@@ -71,8 +71,8 @@ def test_any_strokes_undos_and_saves_load_back_as_the_level(done: list[tuple[str
                 assert file.read_bytes() == before
             else:
                 getattr(editor, what)(*more)
-            assert not refusals(editor.level)
-            assert (editor.thing is None) == (editor.selected is None)
+            assert not load_errors(editor.level)
+            assert (editor.entity is None) == (editor.selected is None)
         last = editor.level
         save_level(last, file)
         assert alike(load_level(file), last)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from logical_robots_tui.editing.editor import Tool
-from logical_robots_tui.editing.things import Ref
+from logical_robots_tui.editing.entities import Ref
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.labyrinth.results import ResultsDialog

@@ -11,10 +11,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing import things
+from logical_robots_tui.editing import entities
 from logical_robots_tui.editing.edits import Delta, Edits
+from logical_robots_tui.editing.entities import (
+    Ref,
+    add,
+    change,
+    duplicate,
+    remove,
+    resize,
+    set_words,
+)
 from logical_robots_tui.editing.strokes import paint
-from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, resize, set_words
 from logical_robots_tui.world import Area, Beacon, LevelError, Robot, Visibility
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.walls import difference_box
@@ -35,7 +43,7 @@ FURNISHED = room(
 def test_a_new_thing_is_the_last_of_its_kind_and_a_robot_whose_name_is_taken_counts_on() -> None:
     level, ref = add(FURNISHED, Beacon("bell", 5, 6, True))
     assert ref == Ref("beacons", 2)
-    assert things.thing(level, ref) == Beacon("bell", 5, 6, True)
+    assert entities.entity_of(level, ref) == Beacon("bell", 5, 6, True)
     level, _ = add(room(), Robot("Ann", 1, 1))
     level, _ = add(level, Robot("Ann 2", 1, 1))
     level, _ = duplicate(level, ANN, 5, -5)
@@ -119,9 +127,9 @@ def test_a_thousand_of_a_kind_and_a_place_that_a_file_can_say_are_the_most() -> 
 
 def test_what_is_at_a_point_is_the_nearest_robot_or_beacon_else_the_smallest_area() -> None:
     points = [(28, 20), (67.9, 20), (69, 20), (41, 40), (30, 45), (110, 70)]
-    refs = [things.ref_at(FURNISHED, x, y) for x, y in points]
+    refs = [entities.ref_at(FURNISHED, x, y) for x, y in points]
     assert refs == [ANN, LAMP, None, Ref("areas", 1), GATE, None]
-    assert things.ref_at(FURNISHED, 69, 20, reach=2) == LAMP
+    assert entities.ref_at(FURNISHED, 69, 20, reach=2) == LAMP
 
 
 def test_texts_and_visibility_are_set_as_they_will_be_loaded() -> None:
@@ -195,7 +203,7 @@ def test_what_is_undone_is_called_by_its_name() -> None:
 def test_a_stroke_that_goes_on_is_one_step_unless_it_was_saved_under_way() -> None:
     edits = Edits(room())
     for x in range(5, 50):
-        edits.do("paint", paint(edits.level, [(x, 5)]), goes_on=x > 5)
+        edits.do("paint", paint(edits.level, [(x, 5)]), merge=x > 5)
     edits.do("paint", paint(edits.level, [(5, 40)]))
     for count in (45, 0):
         edits.undo()
@@ -205,7 +213,7 @@ def test_a_stroke_that_goes_on_is_one_step_unless_it_was_saved_under_way() -> No
     assert edits.changed
     edits.saved()
     assert not edits.changed
-    edits.do("paint", paint(edits.level, [(6, 5)]), goes_on=True)
+    edits.do("paint", paint(edits.level, [(6, 5)]), merge=True)
     assert edits.changed
     for is_changed in (False, True):
         edits.undo()

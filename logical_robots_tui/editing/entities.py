@@ -1,4 +1,4 @@
-"""Robots, beacons and areas: adding, changing and removing them, and where they stand by now."""
+"""Robots, beacons and areas: adding, changing and removing them, and their current poses."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 
 from logical_robots_tui.editing.level_text import (
     KINDS,
+    Entity,
     Kind,
-    Thing,
-    all_things,
+    all_entities,
     kind_of,
     record_of,
     words_of,
@@ -64,16 +64,16 @@ def resize(
     sizes.check_size("width", width, height)
     if (width, height, left, top) == (level.width, level.height, 0, 0):
         return level
-    for some in all_things(level):
-        if max(abs(some.x + left), abs(some.y + top)) > MOST_OF_A_NUMBER:
-            raise LevelError(f'"{some.name}" would be too far outside the labyrinth.')
+    for entity in all_entities(level):
+        if max(abs(entity.x + left), abs(entity.y + top)) > MOST_OF_A_NUMBER:
+            raise LevelError(f'"{entity.name}" would be too far outside the labyrinth.')
     walls = np.full((height, width), wall, np.bool_)
     new_rows, old_rows = _overlap(height, level.height, top)
     new_columns, old_columns = _overlap(width, level.width, left)
     walls[new_rows, new_columns] = level.walls[old_rows, old_columns]
     walls.flags.writeable = False
     moved: dict[str, Any] = {
-        kind: tuple(replace(one, x=one.x + left, y=one.y + top) for one in getattr(level, kind))
+        kind: tuple(replace(e, x=e.x + left, y=e.y + top) for e in getattr(level, kind))
         for kind in KINDS
     }
     return replace(level, width=width, height=height, walls=walls, **moved)
@@ -85,8 +85,8 @@ def _overlap(new: int, old: int, shift: int) -> tuple[slice, slice]:
     return slice(first, last), slice(first - shift, last - shift)
 
 
-_SMALLER = ROBOT_RADIUS - BEACON_RADIUS  # handicap of beacons in map units when picking an object
-_READ: dict[Kind, Callable[[Fields], Thing]] = {
+_BEACON_HANDICAP = ROBOT_RADIUS - BEACON_RADIUS  # map units, when picking an object
+_READ: dict[Kind, Callable[[Fields], Entity]] = {
     "robots": read_robot,
     "beacons": read_beacon,
     "areas": read_area,
@@ -99,29 +99,29 @@ class Ref:
     index: int
 
 
-def thing(level: Level, ref: Ref) -> Thing:
+def entity_of(level: Level, ref: Ref) -> Entity:
     """Return a robot, beacon or area; raises IndexError."""
-    return _list(level, ref.kind)[ref.index]
+    return _entities(level, ref.kind)[ref.index]
 
 
-def add(level: Level, new: Thing) -> tuple[Level, Ref]:
+def add(level: Level, new: Entity) -> tuple[Level, Ref]:
     """Add an object, last of its kind; return level and reference, or raise LevelError.
 
     A number is appended to a robot's name if it is taken. Where there are teams, a robot
     without one joins the first.
     """
     kind = kind_of(new)
-    things = _list(level, kind)
-    if len(things) >= MOST_OF_A_KIND:
+    entities = _entities(level, kind)
+    if len(entities) >= MOST_OF_A_KIND:
         raise LevelError(f"There are {MOST_OF_A_KIND} {kind} already, the most allowed.")
     if isinstance(new, Robot):
-        taken = {robot.name for robot in level.robots}
-        name = next(name for name in _numbered(new.name) if name not in taken)
+        names = {robot.name for robot in level.robots}
+        name = next(name for name in _numbered_names(new.name) if name not in names)
         new = replace(new, name=name)
         if level.teams and not new.team:
             new = replace(new, team=level.teams[0].name)
-    ref = Ref(kind, len(things))
-    return _with(level, kind, (*things, _validate(level, ref, new))), ref
+    ref = Ref(kind, len(entities))
+    return _replace_entities(level, kind, (*entities, _validate(level, ref, new))), ref
 
 
 def change(level: Level, ref: Ref, **values: Any) -> Level:
@@ -129,106 +129,105 @@ def change(level: Level, ref: Ref, **values: Any) -> Level:
 
     For beacons and areas, only renaming the last one of a name updates references.
     """
-    before = thing(level, ref)
-    known = {field.name for field in fields(before)}
+    old = entity_of(level, ref)
+    names = {field.name for field in fields(old)}
     for name in values:
-        if name not in known:
+        if name not in names:
             raise LevelError(f"{ref.kind.capitalize()} have no {name}.")
-    after = _validate(level, ref, replace(before, **values))
-    if after == before:
+    new = _validate(level, ref, replace(old, **values))
+    if new == old:
         return level
-    things = list(_list(level, ref.kind))
-    things[ref.index] = after
-    changed = _with(level, ref.kind, tuple(things))
-    return _follow(changed, before, after) if after.name != before.name else changed
+    entities = list(_entities(level, ref.kind))
+    entities[ref.index] = new
+    changed = _replace_entities(level, ref.kind, tuple(entities))
+    return _rename_references(changed, old, new) if new.name != old.name else changed
 
 
 def duplicate(level: Level, ref: Ref, dx: float, dy: float) -> tuple[Level, Ref]:
     """Add a copy of an object, shifted by map units, or raise LevelError."""
-    original = thing(level, ref)
+    original = entity_of(level, ref)
     return add(level, replace(original, x=original.x + dx, y=original.y + dy))
 
 
 def remove(level: Level, ref: Ref) -> Level:
     """Remove an object, but not references to its name; raises LevelError for the last robot."""
-    thing(level, ref)
+    entity_of(level, ref)
     if ref.kind == "robots" and len(level.robots) == 1:
         raise LevelError("A level needs at least one robot.")
-    things = _list(level, ref.kind)
-    return _with(level, ref.kind, (*things[: ref.index], *things[ref.index + 1 :]))
+    entities = _entities(level, ref.kind)
+    return _replace_entities(level, ref.kind, (*entities[: ref.index], *entities[ref.index + 1 :]))
 
 
 def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
     """Return the nearest robot or beacon within `reach` map units, or else the smallest area."""
 
-    def away(some: Thing) -> float:
-        return math.hypot(x - some.x, y - some.y)
+    def distance(entity: Entity) -> float:
+        return math.hypot(x - entity.x, y - entity.y)
 
     near = [
-        *((away(r), Ref("robots", i)) for i, r in enumerate(level.robots)),
-        *((away(b) + _SMALLER, Ref("beacons", i)) for i, b in enumerate(level.beacons)),
+        *((distance(r), Ref("robots", i)) for i, r in enumerate(level.robots)),
+        *((distance(b) + _BEACON_HANDICAP, Ref("beacons", i)) for i, b in enumerate(level.beacons)),
     ]
-    bodies = [found for found in near if found[0] < ROBOT_RADIUS + reach]
+    bodies = [candidate for candidate in near if candidate[0] < ROBOT_RADIUS + reach]
     if bodies:
         return min(bodies)[1]
-    around = [(area.radius, i) for i, area in enumerate(level.areas) if away(area) < area.radius]
-    return Ref("areas", min(around)[1]) if around else None
+    areas = [(area.radius, i) for i, area in enumerate(level.areas) if distance(area) < area.radius]
+    return Ref("areas", min(areas)[1]) if areas else None
 
 
-def _list(level: Level, kind: Kind) -> tuple[Thing, ...]:
-    things: tuple[Thing, ...] = getattr(level, kind)
-    return things
+def _entities(level: Level, kind: Kind) -> tuple[Entity, ...]:
+    entities: tuple[Entity, ...] = getattr(level, kind)
+    return entities
 
 
-def _with(level: Level, kind: Kind, things: tuple[Thing, ...]) -> Level:
-    return replace(level, **cast("dict[str, Any]", {kind: things}))
+def _replace_entities(level: Level, kind: Kind, entities: tuple[Entity, ...]) -> Level:
+    return replace(level, **cast("dict[str, Any]", {kind: entities}))
 
 
-def reread(level: Level, ref: Ref, some: Thing) -> Thing:
+def reread(level: Level, ref: Ref, entity: Entity) -> Entity:
     """Return an object as it will be when it is loaded again, or raise LevelError."""
-    place = Fields(record_of(some), level.name, f"{ref.kind}[{ref.index}]")
-    return _READ[ref.kind](place)
+    return _READ[ref.kind](Fields(record_of(entity), level.name, f"{ref.kind}[{ref.index}]"))
 
 
-def _validate(level: Level, ref: Ref, some: Thing) -> Thing:
-    found = reread(level, ref, some)
+def _validate(level: Level, ref: Ref, entity: Entity) -> Entity:
+    entity = reread(level, ref, entity)
     if ref.kind == "robots":
         names = [robot.name for robot in level.robots]
-        names[ref.index : ref.index + 1] = [found.name]
-        if names.count(found.name) > 1:
+        names[ref.index : ref.index + 1] = [entity.name]
+        if names.count(entity.name) > 1:
             check_robot_names(Fields({}, level.name), tuple(names))
-    return found
+    return entity
 
 
-def _follow(level: Level, before: Thing, after: Thing) -> Level:
+def _rename_references(level: Level, old: Entity, new: Entity) -> Level:
     """Rename an object in the areas and scores of a level that refer to it."""
-    areas, scores, names = level.areas, level.scores, {before.name: after.name}
-    if isinstance(before, Robot):
+    areas, scores, names = level.areas, level.scores, {old.name: new.name}
+    if isinstance(old, Robot):
         areas = rename_in_areas(areas, names, {})
-    elif before.name in [each.name for each in _list(level, kind_of(before))]:
+    elif old.name in [entity.name for entity in _entities(level, kind_of(old))]:
         return level
-    elif isinstance(before, Beacon):
+    elif isinstance(old, Beacon):
         areas = rename_in_areas(areas, {}, names)
     else:
         scores = tuple(replace(score, area=names.get(score.area, score.area)) for score in scores)
     return replace(level, areas=areas, scores=scores)
 
 
-def _numbered(name: str) -> Iterator[str]:
+def _numbered_names(name: str) -> Iterator[str]:
     yield name
-    found = re.fullmatch(r"(.+?)( ?)\d{1,4}", name, re.DOTALL)
-    stem, gap = (found[1], found[2]) if found else (name, " ")
+    match = re.fullmatch(r"(.+?)( ?)\d{1,4}", name, re.DOTALL)
+    stem, gap = (match[1], match[2]) if match else (name, " ")
     for number in range(2, MOST_OF_A_KIND + 3):
         ending = f"{gap}{number}"
         yield stem[: LONGEST_NAME - len(ending)] + ending
 
 
-def as_it_stands(level: Level, state: WorldState) -> Level:
+def level_at(level: Level, state: WorldState) -> Level:
     if state.tick == 0:
         return level
     bodies = {body.name: body for body in state.robots}
     pairs = ((robot, bodies.get(robot.name, robot)) for robot in level.robots)
-    robots = (replace(robot, x=now.x, y=now.y, angle=now.angle) for robot, now in pairs)
+    robots = (replace(robot, x=body.x, y=body.y, angle=body.angle) for robot, body in pairs)
     return replace(level, robots=tuple(robots))
 
 
@@ -239,16 +238,16 @@ class Poses:
     """
 
     def __init__(self) -> None:
-        self._stood: dict[tuple[str, Pose], Pose] = {}
+        self._poses: dict[tuple[str, Pose], Pose] = {}
 
-    def note(self, robot: Robot, now: Robot) -> None:
-        """Remember a robot's place, in the level and `now`, before it is moved."""
-        self._stood[robot.name, _pose(robot)] = _pose(now)
+    def note(self, robot: Robot, body: Robot) -> None:
+        """Remember a robot's pose, in the level and now (`body`), before it is moved."""
+        self._poses[robot.name, _pose(robot)] = _pose(body)
 
-    def between(self, before: Level, after: Level) -> dict[str, Pose]:
-        known = {robot.name: _pose(robot) for robot in before.robots}
-        poses = [(robot.name, _pose(robot)) for robot in after.robots if robot.name in known]
-        return {name: self._stood.get((name, at), at) for name, at in poses if known[name] != at}
+    def between(self, old: Level, new: Level) -> dict[str, Pose]:
+        starts = {robot.name: _pose(robot) for robot in old.robots}
+        poses = [(robot.name, _pose(robot)) for robot in new.robots if robot.name in starts]
+        return {name: self._poses.get((name, p), p) for name, p in poses if starts[name] != p}
 
 
 def _pose(robot: Robot) -> Pose:
