@@ -38,7 +38,7 @@ async def sql(screen: MainScreen) -> None:
 
     inspector, frame = screen.inspector, screen.session.frame
     try:
-        inquiry, program = inspector.questions.about()
+        inquiry, program = inspector.questions.context()
         plans = await inquiry.query_plans(program, frame)
     except Superseded:
         plans = []

@@ -47,7 +47,7 @@ a predicate is shown for each predicate there, and one for a value when a comman
 
 
 class Traced(NamedTuple):
-    """A value in a robot's reasoning in a tick, whose origin is asked for.
+    """A value in a robot's reasoning at a tick, to be traced to its origin.
 
     A part of a memory is the one after the tick; tick 0 is the start.
     """
@@ -58,7 +58,7 @@ class Traced(NamedTuple):
 
 
 class PageEntry(NamedTuple):
-    """What is known of a page before its module is loaded, which is `pages/` and its id."""
+    """Describes a page before its module, `pages/` and the page's id, is loaded."""
 
     id: str
     """Unlike the name of a predicate, it begins with a small letter."""
@@ -169,12 +169,12 @@ class Page(Vertical):
         doing: Callable[[], str],
         say: Callable[[Content | str], None],
     ) -> T | None:
-        """Ask in the background; return None after having said why there is no answer.
+        """Query in the background; without an answer say why, and return None.
 
-        After a moment it says what it is `doing`. Nothing is said if there is a newer question.
+        A long query says what it is `doing`; a superseded one says nothing.
         """
         try:
-            return await self.pending.run(ask(*self._questions.about()), doing, say)
+            return await self.pending.run(ask(*self._questions.context()), doing, say)
         except Superseded:
             if self._session.game is None:
                 say(NO_PROGRAM)
@@ -207,12 +207,12 @@ class Page(Vertical):
             self.table.redraw()
 
     def caption(self, content: Content) -> None:
-        """Say above everything else what it is about."""
+        """Show what the page is about, above everything else."""
         self._about.update(content, layout=not self._about.display)
         self._about.display = bool(content)
 
     def say(self, words: Content | str) -> None:
-        """Say why there is nothing else to see; "" for nothing."""
+        """Show a message instead of content; "" removes it."""
         content = words if isinstance(words, Content) else Content.styled(one_line(words), INK.warn)
         self._message.update(content)
         self._message.display = bool(content)
@@ -256,7 +256,6 @@ class Page(Vertical):
         return f"Decision of {robot}", branches
 
     def traced_here(self) -> Traced | None:
-        """Return the value whose origin can be asked for."""
         if self.entry.scope != "robot":
             return None
         from logical_robots_tui.explain.why.explanation import Subject

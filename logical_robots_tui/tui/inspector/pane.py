@@ -168,7 +168,7 @@ class InspectorPane(Pane):
         self.follow()
 
     def show_robot(self) -> None:
-        """Go to the robots, unless what is shown is about the one that is chosen."""
+        """Go to the robots, unless the visible pages are about the selected one."""
         if self.beside is None and self.page.entry.scope != "robot":
             self.inspect(PAGES[0].id)
 
@@ -434,7 +434,6 @@ class PredicateList(Listing):
             self.on_resize()
 
     def on_resize(self) -> None:
-        """Show the counts at the current width."""
         if self._survey is None:
             return
         width = max(self.scrollable_content_region.width, _NARROWEST)

@@ -28,10 +28,10 @@ def cell(value: Value, limit: int = 120) -> tuple[str, str]:
     """A value's text and colour, by kind; text without quotes where that is clear."""
     if isinstance(value, str) and not _could_be_taken_for_another(value):
         return clip(visible(value[: limit + 1]), limit), INK.string
-    return inked(value, limit)
+    return ink_value(value, limit)
 
 
-def inked(value: Value, limit: int = 120) -> tuple[str, str]:
+def ink_value(value: Value, limit: int = 120) -> tuple[str, str]:
     """Return a value in program syntax, in at most `limit` characters, and its colour."""
     return format_value(value, limit), _colour(value)
 

@@ -54,7 +54,7 @@ class GraphView(LinesView):
         self.centre(name)
 
     @property
-    def chosen(self) -> str:
+    def chosen_name(self) -> str:
         column, row = self._at
         return self._columns[column][row]
 
@@ -87,14 +87,14 @@ class GraphView(LinesView):
     def action_along(self, right: int) -> None:
         column = self._at[0] + right
         if not _USERS <= column <= _USED:
-            self.centre(self.chosen)
+            self.centre(self.chosen_name)
         elif self._columns[column]:
             row = self._tops[self._at[0]] + self._at[1] - self._tops[column]
             self._at = (column, max(0, min(row, len(self._columns[column]) - 1)))
             self.redraw()
 
     def action_open(self) -> None:
-        self._opened(self.chosen)
+        self._opened(self.chosen_name)
 
     def draw(self) -> None:
         labels = [[self._label(name) for name in names] for names in self._columns]
@@ -200,15 +200,15 @@ def _times(plans: Sequence[QueryPlan], main_plan: QueryPlan) -> Iterator[Content
 
 def _in_full(plan: QueryPlan) -> Iterator[Content]:
     name = one_line(plan.predicate)
-    yield from _titled(f"SQLite's plan for {name}", plan.plan, INK.record)
+    yield from _section(f"SQLite's plan for {name}", plan.plan, INK.record)
     if plan.tuned:
-        yield from _titled("Optimised SQL, which is run", plan.tuned.splitlines(), INK.text)
-        yield from _titled("Generated SQL", plan.generated.splitlines(), INK.dim)
+        yield from _section("Optimised SQL, which is run", plan.tuned.splitlines(), INK.text)
+        yield from _section("Generated SQL", plan.generated.splitlines(), INK.dim)
     else:
-        yield from _titled("Generated SQL, which is run", plan.generated.splitlines(), INK.text)
+        yield from _section("Generated SQL, which is run", plan.generated.splitlines(), INK.text)
 
 
-def _titled(title: str, lines: Sequence[str], colour: str) -> Iterator[Content]:
+def _section(title: str, lines: Sequence[str], colour: str) -> Iterator[Content]:
     yield Content("")
     yield Content.styled(title, f"bold {INK.title}")
     for line in lines:

@@ -10,7 +10,7 @@ from textual.content import Content
 from textual.geometry import Region, Size
 
 from logical_robots_tui.tui.inspector.line_views import CursorView
-from logical_robots_tui.tui.inspector.plots import inked
+from logical_robots_tui.tui.inspector.plots import ink_value
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line
@@ -52,7 +52,7 @@ class ProofTree:
         self._roots: tuple[ProofNode, ...] = ()
         self._alternatives: tuple[ProofNode, ...] = ()
         self._open: set[int] = set()
-        self._chosen: dict[int, bool] = {}
+        self._choices: dict[int, bool] = {}
         self._unfolded: dict[int, tuple[ProofNode, ...]] = {}
         self._child_lines: dict[int, list[ProofLine]] = {}
         self._keys: dict[tuple[int, str, str, int], int] = {}
@@ -67,12 +67,12 @@ class ProofTree:
     ) -> None:
         """Replace the nodes, keeping what the player expanded or collapsed, unless `anew`.
 
-        `roots` are expanded as far as there is `room` (lines), `rest` stays collapsed below them.
+        `roots` are expanded within `room` (lines); the `alternatives` below stay collapsed.
         """
         self._unfolded.clear()
         self._child_lines.clear()
         if anew:
-            self._chosen.clear()
+            self._choices.clear()
             self._keys.clear()
         self._roots, self._alternatives = tuple(roots), tuple(alternatives)
         self.fit(room)
@@ -89,14 +89,14 @@ class ProofTree:
         line = self.lines[number]
         if line.folds and not self.is_open(line):
             self._open.add(line.key)
-            self._chosen[line.key] = True
+            self._choices[line.key] = True
             self.lines[number + 1 : number + 1] = self._below(line)
 
     def close(self, number: int) -> None:
         line = self.lines[number]
         if self.is_open(line):
             self._open.remove(line.key)
-            self._chosen[line.key] = False
+            self._choices[line.key] = False
             del self.lines[number + 1 : self._end(number)]
 
     def parent(self, number: int) -> int | None:
@@ -128,7 +128,7 @@ class ProofTree:
         while waiting:
             line, is_wanted = waiting.popleft()
             fits = is_wanted and bool(line.children) and line_count + len(line.children) <= room
-            if line.folds and self._chosen.get(line.key, fits):
+            if line.folds and self._choices.get(line.key, fits):
                 open_keys.add(line.key)
                 below = self._children(line)
                 line_count += len(below)
@@ -212,7 +212,7 @@ def _values(node: ProofNode, room: int) -> Content:
         glue = " or " if parts else " = "
         left = room - sum(part.cell_length for part in parts) - len(glue) - len(words)
         widest = _WIDEST_VALUE if parts else min(max(4, left), _WIDEST_VALUE)
-        text, colour = inked(value, widest)
+        text, colour = ink_value(value, widest)
         if parts and len(text) > left:
             break
         parts.append(Content.assemble((glue, INK.dim), (text, colour)))
@@ -304,7 +304,7 @@ class WhyView(CursorView):
         anew: bool = False,
         has_way_back: bool = False,
     ) -> None:
-        """Show a proof. Cursor and expansions stay, unless `anew`; `rest` is collapsed."""
+        """Show a proof. Cursor and expansions stay, unless `anew`."""
         was_empty = not self.lines
         self._has_way_back = has_way_back
         self._tree.show(roots, alternatives, self.size.height, anew=anew)

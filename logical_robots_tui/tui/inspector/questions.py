@@ -62,7 +62,7 @@ class InspectorQuestions:
         """The robot that the player chose last, of this level or an earlier one."""
         self._level: Level | None = None
         self._asked: Inquiry | None = None
-        self._surveyed: Survey | None = None
+        self._survey: Survey | None = None
 
     @property
     def program(self) -> Program:
@@ -73,7 +73,6 @@ class InspectorQuestions:
 
     @property
     def robot(self) -> str:
-        """The robot to ask about."""
         names = [robot.name for robot in self.session.level.robots]
         return self.chosen if self.chosen in names else names[0]
 
@@ -84,11 +83,11 @@ class InspectorQuestions:
         return None if game is None else (game, game.history.turns)
 
     @property
-    def played(self) -> tuple[Game, int, Program] | None:
-        """The same, with the program that the robots think with."""
+    def run_key(self) -> tuple[Game, int, Program] | None:
+        """Equal as long as the run and the program that the robots think with are the same."""
         return None if self.branch is None else (*self.branch, self.program)
 
-    def about(self) -> tuple[Inquiry, Program]:
+    def context(self) -> tuple[Inquiry, Program]:
         return self._inquiry(), self.program
 
     def is_by_another_program(self, tick: int) -> bool:
@@ -110,8 +109,8 @@ class InspectorQuestions:
         return await game.query(predicate, frame)
 
     async def survey(self, frame: Frame) -> Survey:
-        program, last = self.program, self._surveyed
-        if stored_survey := self.surveyed(frame):
+        program, last = self.program, self._survey
+        if stored_survey := self.stored_survey(frame):
             return stored_survey
         inquiry = self._inquiry()
         previous_tables: dict[str, ResultTable | QueryError] = {}
@@ -121,12 +120,12 @@ class InspectorQuestions:
         elif earlier is not None:
             previous_tables = await inquiry.survey(program, earlier)
         tables = await inquiry.survey(program, frame)
-        self._surveyed = Survey(program, frame, tables, previous_tables)
-        return self._surveyed
+        self._survey = Survey(program, frame, tables, previous_tables)
+        return self._survey
 
-    def surveyed(self, frame: Frame) -> Survey | None:
+    def stored_survey(self, frame: Frame) -> Survey | None:
         """Return the survey of a frame if it is known; never computes one."""
-        last, game = self._surveyed, self.session.game
+        last, game = self._survey, self.session.game
         if last is None or game is None:
             return None
         return last if last.frame is frame and last.program is game.program else None
@@ -146,15 +145,15 @@ class InspectorQuestions:
             if old is not None:
                 self.session.release(old.close)
             self._asked = Inquiry(self._level)
-            self._surveyed = None
+            self._survey = None
         return self._asked
 
     def _frame_before(self, frame: Frame) -> Frame | None:
         game = self.session.game
         if game is None or frame.tick == 0 or len(frame.sensors) > MOST_ROBOTS:
             return None
-        if self._surveyed is not None and self._surveyed.frame.after is frame.before:
-            return self._surveyed.frame
+        if self._survey is not None and self._survey.frame.after is frame.before:
+            return self._survey.frame
         try:
             return game.frame_at(frame.tick - 1)
         except NoSuchTickError:

@@ -59,7 +59,7 @@ class RowOrder:
 
 @dataclass(frozen=True, slots=True)
 class TableRows:
-    """Columns and rows; `changed` are (row, column), `left_out` rows of a transposed table."""
+    """Columns and rows; `changed` are (row, column); `hidden_count` rows did not fit sideways."""
 
     columns: tuple[str, ...]
     rows: tuple[Row, ...]
@@ -233,7 +233,6 @@ class ValueTable(ScrollView, can_focus=True):
         self.post_message(self.Rearranged())
 
     def toggle_robot(self, robot: str) -> None:
-        """Show only the rows of a robot, or all again."""
         self.rearrange(replace(self.row_order, robot="" if self.row_order.robot else robot))
 
     def transpose(self) -> None:

@@ -13,7 +13,7 @@ from textual.content import Content
 from textual.widgets import Static, Tree
 
 from logical_robots_tui.schema import ray_angle
-from logical_robots_tui.tui.inspector.plots import inked, radar_plot
+from logical_robots_tui.tui.inspector.plots import ink_value, radar_plot
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.values import Value
@@ -139,7 +139,7 @@ class ValueTree(Dialog[None]):
             (one_line(name), rich_style(INK.text if has_parts else INK.dim)), "  "
         )
         if part.within is None:
-            text, colour = inked(part.value, _PREVIEW)
+            text, colour = ink_value(part.value, _PREVIEW)
             label.append(text, rich_style(INK.dim if has_parts else colour))
         return node.add(label, part, allow_expand=has_parts)
 

@@ -40,7 +40,7 @@ async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) ->
         await game.press("right", "down", "right")
         await game.until(lambda: view.middle == "Near" and game.shows("─┼▶ • Near ──▶ • Ahead"))
         assert [name in view.plain for name in ("Speed", "Slow", "Robot")] == [True] * 3
-        await game.press("right", until=lambda: view.chosen == "Ahead")
+        await game.press("right", until=lambda: view.chosen_name == "Ahead")
         speed = next(n for n, line in enumerate(view.plain.splitlines()) if "Speed" in line)
         await game.click(GraphView, offset=(3, speed), until=lambda: view.middle == "Speed")
         await game.press("right", "up", "enter", until=lambda: game.inspector.inspected == "Ahead")

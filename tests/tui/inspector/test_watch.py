@@ -162,7 +162,7 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
         await game.press("space", until=lambda: not game.session.busy)
         await game.sees(f"Watch · tick {game.tick}")
         pin = view(game).pins[1]
-        await game.until(lambda: None not in view(game)._samples.of(pin, view(game).ticks))
+        await game.until(lambda: None not in view(game)._samples.lookup(pin, view(game).ticks))
 
         # A pin is removed where it is watched by the key that made it.
         await game.press("home", "at", sees="No longer pinned: Memory.memory for Solo.")

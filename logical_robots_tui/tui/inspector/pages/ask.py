@@ -119,7 +119,7 @@ class AskPage(Page):
             self.table.show(table)
 
     def _caption_query(self, query: str) -> None:
-        """Say what was asked, unless the line still holds it."""
+        """Show the answered query, unless the line still holds it."""
         self._answered_query = query
         text = "" if query == self.line.value.strip() else one_line(query)
         self.caption(Content.styled(text, INK.title))

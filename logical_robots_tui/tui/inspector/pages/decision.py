@@ -12,7 +12,7 @@ from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import ResultTable
 from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
-from logical_robots_tui.tui.inspector.plots import format_value, inked, radar_plot
+from logical_robots_tui.tui.inspector.plots import format_value, ink_value, radar_plot
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions, Survey
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
@@ -37,7 +37,7 @@ class DecisionPage(Page):
 
     async def show(self, frame: Frame) -> None:
         self.head(frame.tick, title=f"Decision of {self.robot}")
-        self._show(frame, self._questions.surveyed(frame))
+        self._show(frame, self._questions.stored_survey(frame))
 
     def show_survey(self, survey: Survey) -> None:
         self._show(survey.frame, survey)
@@ -67,29 +67,31 @@ def _parts(
 ) -> Iterator[Content]:
     row = frame.sensors[number]
     robot, sensor = row["robot_name"], row["sensor"]
-    yield _titled("sensor in")
+    yield _heading("sensor in")
     body = sensor["self"]
     front_object = sensor["forward_object"]
     label = "" if front_object in ("wall", "none") else f" {one_line(sensor['forward_label'])}"
-    yield _named("front", f"{sensor['forward_distance']}, {front_object}{label}")
+    yield _text_field("front", f"{sensor['forward_distance']}, {front_object}{label}")
     if body["has_battery"]:
-        yield _named("battery", f"{body['battery_level']:.1f} of {body['battery_capacity']:g}")
-    yield _named("clock", str(sensor["clock"]))
-    yield _titled("memory before")
+        yield _text_field("battery", f"{body['battery_level']:.1f} of {body['battery_capacity']:g}")
+    yield _text_field("clock", str(sensor["clock"]))
+    yield _heading("memory before")
     memory_before, memory_after = frame.memories_before.get(robot), frame.memories.get(robot)
-    yield _valued("memory", memory_before)
+    yield _value_field("memory", memory_before)
     yield from _on_the_way(program, robot, survey)
     decision = frame.decision_of(robot)
     if decision is None:
         yield Content.styled("No decision yet: press space.", INK.dim)
         return
-    yield _titled("desire")
+    yield _heading("desire")
     if decision.desire is not None:
         desire = decision.desire
-        yield _named("as given", f"left {desire.left_engine:.6g}, right {desire.right_engine:.6g}")
+        yield _text_field(
+            "as given", f"left {desire.left_engine:.6g}, right {desire.right_engine:.6g}"
+        )
     state = frame.after.robots[number]
-    yield _named("as driven", f"left {state.left_engine:.6g}, right {state.right_engine:.6g}")
-    yield _titled("memory after")
+    yield _text_field("as driven", f"left {state.left_engine:.6g}, right {state.right_engine:.6g}")
+    yield _heading("memory after")
     yield from _difference(memory_before, memory_after)
     for notice in decision.notices:
         yield Content.assemble(
@@ -101,11 +103,11 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
     """Yield the predicates that `Robot` depends on, with one robot's rows."""
     if program is None or survey is None or survey.program is not program:
         return
-    yield _titled("on the way")
+    yield _heading("on the way")
     for name in program.needed:
         table = survey.tables.get(name)
         if not isinstance(table, ResultTable):
-            yield _named(name, "failed" if table is not None else "not known")
+            yield _text_field(name, "failed" if table is not None else "not known")
             continue
         rows = _rows_of(robot, table)
         plus = "+" if table.truncated else ""
@@ -114,7 +116,9 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
         if len(rows) == 1 and not plus:
             pairs = zip(table.columns, rows[0], strict=True)
             cells = [
-                ((f"{one_line(c)} ", INK.dim), inked(v, 60)) for c, v in pairs if c != "robot_name"
+                ((f"{one_line(c)} ", INK.dim), ink_value(v, 60))
+                for c, v in pairs
+                if c != "robot_name"
             ]
             text = Content("  ").join(Content.assemble(*pair) for pair in cells) if cells else text
         yield Content.assemble("  ", (f"{one_line(name)}  ", INK.title)).append(text)
@@ -134,23 +138,25 @@ def _difference(old_memory: Value, new_memory: Value) -> Iterator[Content]:
     """Compare two memories, field by field if they are records; mark what changed."""
     if isinstance(new_memory, Mapping) and isinstance(old_memory, Mapping):
         for name, value in new_memory.items():
-            yield _valued(name, value, changed=name not in old_memory or old_memory[name] != value)
+            yield _value_field(
+                name, value, changed=name not in old_memory or old_memory[name] != value
+            )
         for name in old_memory:
             if name not in new_memory:
                 yield Content.assemble("  ", (f"{one_line(name)} is gone", INK.key))
     else:
-        yield _valued("memory", new_memory, changed=old_memory != new_memory)
+        yield _value_field("memory", new_memory, changed=old_memory != new_memory)
 
 
-def _titled(title: str) -> Content:
+def _heading(title: str) -> Content:
     return Content.styled(title, f"bold {INK.title}")
 
 
-def _named(name: str, text: str) -> Content:
+def _text_field(name: str, text: str) -> Content:
     return Content.assemble("  ", (f"{one_line(name)}  ", INK.dim), (text, INK.text))
 
 
-def _valued(name: str, value: Value, *, changed: bool = False) -> Content:
+def _value_field(name: str, value: Value, *, changed: bool = False) -> Content:
     mark = ("• ", INK.key) if changed else ("  ", INK.dim)
     return Content.assemble(
         mark, (f"{one_line(name)}  ", INK.dim), (format_value(value, _LONGEST), INK.record)

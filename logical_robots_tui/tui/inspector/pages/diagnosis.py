@@ -57,7 +57,7 @@ class DiagnosisPage(Page):
         last = 0 if game is None else game.history.last
         diagnosis = self.diagnosis
         findings = diagnosis.findings if diagnosis is not None else ()
-        state = (findings, self.is_diagnosing, last, self._questions.played)
+        state = (findings, self.is_diagnosing, last, self._questions.run_key)
         if state == self._shown:
             return
         self._shown = state
@@ -74,7 +74,7 @@ class DiagnosisPage(Page):
 
     def _age(self) -> str:
         """Return a sentence if the findings are no longer about what is played, or ""."""
-        former, current = self._scanned, self._questions.played
+        former, current = self._scanned, self._questions.run_key
         if former is None or former == current:
             return ""
         is_same = current is not None and current[2].texts == former[2].texts
@@ -88,7 +88,7 @@ class DiagnosisPage(Page):
 
     async def _look(self) -> None:
         game = self._session.game
-        self._scanned = self._questions.played
+        self._scanned = self._questions.run_key
         if game is None:
             self._describe(NO_PROGRAM)
             return

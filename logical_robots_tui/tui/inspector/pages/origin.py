@@ -14,7 +14,7 @@ from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.line_views import CursorView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed
-from logical_robots_tui.tui.inspector.plots import format_value, inked
+from logical_robots_tui.tui.inspector.plots import format_value, ink_value
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.layout.command_bar import CommandChosen, RobotChosen
 from logical_robots_tui.tui.theme.themes import INK
@@ -114,7 +114,7 @@ class OriginPage(Page):
         self._at = target.tick
         origin = await self.answer(
             lambda *_: origin_in_game(
-                branch[0], target.robot, target.subject, target.tick, self._reached
+                branch[0], target.robot, target.subject, target.tick, self._report_tick
             ),
             lambda: f"at tick {self._at}, {count_of(target.tick - self._at, 'tick')} back",
             self._say_instead,
@@ -125,7 +125,7 @@ class OriginPage(Page):
         elif branch != self._questions.branch:
             await self.show(self._session.frame)
 
-    def _reached(self, tick: int) -> None:
+    def _report_tick(self, tick: int) -> None:
         self._at = tick
 
     def stopped(self) -> str:
@@ -157,7 +157,7 @@ class OriginPage(Page):
 
 def lines_of(number: int, link: Link, width: int) -> Iterator[Content]:
     name = one_line(f"{number + 1}. {link.name}")
-    text, colour = inked(link.value, width)
+    text, colour = ink_value(link.value, width)
     value = Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour))
     yield value.truncate(width, ellipsis=True)
     for line in link_lines(link, partial(format_value, limit=_LONGEST)):

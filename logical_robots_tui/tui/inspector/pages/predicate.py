@@ -99,7 +99,7 @@ class PredicatePage(Page):
         self.head(frame.tick, ", ".join(filter(None, words)), self.predicate)
         self.say("")
         self.view.display = True
-        survey = self._questions.surveyed(frame)
+        survey = self._questions.stored_survey(frame)
         previous = survey.previous_tables.get(self.predicate) if survey is not None else None
         self.view.show(table, previous if isinstance(previous, ResultTable) else None)
 

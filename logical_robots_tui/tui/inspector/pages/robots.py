@@ -121,7 +121,6 @@ def _robots(level: Level, frame: Frame, palette: Palette) -> list[_RobotRow]:
 def _table(
     columns: Sequence[_RobotColumn], robots: Sequence[_RobotRow], robot_name: str | None
 ) -> Iterator[Content]:
-    """Yield the titles of the columns, then a line for each robot."""
     titles = [
         column.title if column.right else clip(column.title, column.width) for column in columns
     ]
@@ -134,7 +133,7 @@ def _table(
 def _hidden_cells(
     robots: Sequence[_RobotRow], columns: Sequence[_RobotColumn], robot_name: str | None
 ) -> Iterator[Content]:
-    """Yield what the table has no room for, of the robot that is chosen or the only one."""
+    """Yield the cells that don't fit into the table, for the selected or only robot."""
     for robot in robots:
         if columns and (robot.name == robot_name or len(robots) == 1):
             parts = [
@@ -189,7 +188,6 @@ def _bar(ray: Mapping[str, Any]) -> str:
 
 
 def _columns(level: Level, width: int) -> tuple[list[_RobotColumn], list[_RobotColumn]]:
-    """Return the columns that fit, and the others."""
     longest = max(len(one_line(robot.name)) for robot in level.robots)
     columns = [
         _RobotColumn("robot", min(max(longest, 5), 12) + 3, 0, _name),

@@ -15,7 +15,7 @@ from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.line_views import CursorView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Traced, traced_pin
-from logical_robots_tui.tui.inspector.plots import PlotSample, inked, scale, sparkline
+from logical_robots_tui.tui.inspector.plots import PlotSample, ink_value, scale, sparkline
 from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS, InspectorQuestions
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
@@ -92,7 +92,7 @@ class WatchView(CursorView):
     def action_change(self, step: int) -> None:
         if self.pointed is None:
             return
-        samples = self._samples.of(self.pointed, self.ticks)
+        samples = self._samples.lookup(self.pointed, self.ticks)
         by_tick = {tick: sample for tick, sample in zip(self.ticks, samples, strict=True) if sample}
         tick = self._tick
         while tick + step in by_tick:
@@ -123,13 +123,15 @@ class WatchView(CursorView):
         value = Content("")
         if reading is not None:
             problem = clip(one_line(reading.problem), half), INK.warn
-            value = Content.styled(*(problem if reading.problem else inked(reading.value, half)))
+            value = Content.styled(
+                *(problem if reading.problem else ink_value(reading.value, half))
+            )
         room = max(1, self.columns - value.cell_length - 1)
         name = Content.styled(one_line(pin.words), INK.text).truncate(room, ellipsis=True)
         return name.pad_right(room + 1 - name.cell_length).append(value)
 
     def _plot(self, pin: Pin) -> Content:
-        samples, counts = self._samples.of(pin, self.ticks), not pin.column
+        samples, counts = self._samples.lookup(pin, self.ticks), not pin.column
         line = sparkline(samples, counts=counts, plain=self._plain)
         index = self._tick - self.ticks.start
         bounds = scale(samples, counts=counts)
@@ -157,10 +159,10 @@ class _PinHistory:
 
     def __init__(self, questions: InspectorQuestions) -> None:
         self._session, self._questions = questions.session, questions
-        self._about: object = None
+        self._run_key: object = None
         self._ticks: dict[int, dict[Pin, PlotSample]] = {}
 
-    def of(self, pin: Pin, ticks: range) -> list[PlotSample | None]:
+    def lookup(self, pin: Pin, ticks: range) -> list[PlotSample | None]:
         return [self._ticks.get(tick, {}).get(pin) for tick in ticks]
 
     def missing(self, pins: Sequence[Pin], ticks: range) -> tuple[int, list[Pin]] | None:
@@ -176,12 +178,12 @@ class _PinHistory:
 
     async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, Reading]:
         """Read pins at a frame; raises Superseded without a program or after a newer call."""
-        about = self._questions.played
-        if about != self._about:
-            self._about, self._ticks = about, {}
-        inquiry, program = self._questions.about()
+        run_key = self._questions.run_key
+        if run_key != self._run_key:
+            self._run_key, self._ticks = run_key, {}
+        inquiry, program = self._questions.context()
         readings = await inquiry.readings(program, frame, list(pins))
-        if about == self._about:
+        if run_key == self._run_key:
             stored_samples = self._ticks.setdefault(frame.tick, {})
             stored_samples.update({pin: _sample(reading) for pin, reading in readings.items()})
             if len(self._ticks) > _MOST_TICKS:

@@ -180,7 +180,7 @@ class WhyPage(Page):
         if explanation.row is not None or self._answered is not question:
             return
         try:
-            inquiry, program = self._questions.about()
+            inquiry, program = self._questions.context()
             robot, frame = question.robot, question.frame
             misses = await inquiry.nearest(program, robot, frame, question.call)
         except (QueryError, Superseded):
@@ -250,7 +250,7 @@ class WhyPage(Page):
             question, key, call = self._lacking[0]
             try:
                 if self._answered is question:
-                    nodes = await self._proved(question, call)
+                    nodes = await self._prove_call(question, call)
                     if self._answered is question:
                         self.view.unfold(key, nodes)
             except Superseded:
@@ -263,9 +263,9 @@ class WhyPage(Page):
     ) -> Proof:
         return await inquiry.proof(program, question.robot, question.frame, call, depth=depth)
 
-    async def _proved(self, question: _WhyQuestion, call: Ask) -> Sequence[ProofNode]:
+    async def _prove_call(self, question: _WhyQuestion, call: Ask) -> Sequence[ProofNode]:
         try:
-            proof = await self._proof(question, call, _DEPTH, *self._questions.about())
+            proof = await self._proof(question, call, _DEPTH, *self._questions.context())
         except QueryError as error:
             return (ProofNode("note", str(error)),)
         return proof.nodes
@@ -282,7 +282,7 @@ class WhyPage(Page):
 
 
 def _suggestion_node(rule: int, miss: Suggestion) -> ProofNode:
-    """Return a change of a rule, in a line, with its reason below; together they are cut off."""
+    """Return a suggested change with its reason below, because one line would cut it off."""
     reason = ProofNode("note", f"{miss.reason}.", span=miss.span)
     place = f"rule in line {rule}"
     return ProofNode("note", miss.advice, place, span=miss.span, children=(reason,))
