@@ -48,14 +48,14 @@ class FrameRate:
         return min(_LEAVE * usual + _LEAVE_MORE * much, _LONGEST)
 
     @property
-    def rested(self) -> float:
+    def idle_seconds(self) -> float:
         """Seconds since the last frame."""
         return self._clock.now() - self._drawn_at
 
     @property
     def wait(self) -> float:
         """Seconds until the next frame may be drawn; not above 0 if it may be drawn now."""
-        return 1 / self.frames + (0.0 if self.is_hurried else self.spacing) - self.rested
+        return 1 / self.frames + (0.0 if self.is_hurried else self.spacing) - self.idle_seconds
 
     @property
     def is_hurried(self) -> bool:
@@ -71,11 +71,10 @@ class FrameRate:
 
     @contextmanager
     def drawing(self) -> Iterator[None]:
-        """Measure the cost of drawing a frame."""
         self._drawn_at, start = self._clock.now(), self._clock.computed()
         yield
         computed = self._clock.computed() - start
-        waited = self.rested - computed
+        waited = self.idle_seconds - computed
         if self._last and (times := self._clock.processor_times()):
             computed, waited = times[0] - self._last[0], times[1] - self._last[1]
             self._last = times

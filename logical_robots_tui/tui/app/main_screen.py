@@ -295,7 +295,7 @@ class MainScreen(Screen[None], SessionListener):
         self._tabs.show(tabs, self.arrangement.active.command_id)
 
     def _beat(self) -> None:
-        if self.session.busy and self.scheduler.rate.rested > _HEARTBEAT:
+        if self.session.busy and self.scheduler.rate.idle_seconds > _HEARTBEAT:
             self.redraw_lines()
 
     # -- layout --------------------------------------------------------------------------------

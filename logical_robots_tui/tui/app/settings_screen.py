@@ -89,7 +89,7 @@ def next_value(row: Setting, value: Any, step: int) -> Any:
 
 
 class ThemeList(Dialog[str]):
-    """The themes; moving through them shows each, closing without a choice the one before."""
+    """The themes; moving tries them, closing without a choice restores the first."""
 
     DEFAULT_CSS = """
     ThemeList { background: $background 0%; align: right middle; }

@@ -110,7 +110,7 @@ class ScreenOffers:
         self._resumed.set()
 
     async def at_hand(self, load: Callable[[], Awaitable[Outcome]]) -> Outcome:
-        """Return the outcome of `load`, once nothing covers the game before and after it."""
+        """Repeat `load` until nothing covers the game after it, and return its outcome."""
         while True:
             await self.free()
             outcome = await load()

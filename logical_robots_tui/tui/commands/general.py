@@ -132,10 +132,10 @@ def help_(screen: MainScreen) -> None:
 
     map_subject: Subject = "editing" if screen.editing.is_on else "map"
     subjects: tuple[Subject, ...] = (map_subject, "editor", "inspector")
-    about = subjects[screen.arrangement.panes.index(screen.arrangement.active)]
+    subject = subjects[screen.arrangement.panes.index(screen.arrangement.active)]
     if screen.focused is screen.timeline:
-        about = "timeline"
-    screen.app.push_screen(Help(screen.labyrinth.view.drawing, about))
+        subject = "timeline"
+    screen.app.push_screen(Help(screen.labyrinth.view.drawing, subject))
 
 
 def palette(screen: MainScreen) -> None:

@@ -90,9 +90,9 @@ class Help(Dialog[None]):
 
     keys = "letters filter   ↑↓ scroll   esc close"
 
-    def __init__(self, drawing: Drawing, about: Subject = "map") -> None:
-        super().__init__(f"Help · {about}")
-        self._drawing, self._about = drawing, about
+    def __init__(self, drawing: Drawing, subject: Subject = "map") -> None:
+        super().__init__(f"Help · {subject}")
+        self._drawing, self._subject = drawing, subject
 
     def content_widgets(self) -> ComposeResult:
         yield Input(placeholder="Type to filter")
@@ -121,10 +121,8 @@ class Help(Dialog[None]):
             sections.setdefault(entry.group, []).append(_entry(entry, width))
         sections["On the map"] = _signs(signs)
         sections["In the timeline"] = _signs([*SIGNS.values(), DIVERGENCE, *TRACKS])
-        sections["In the inspector"] = _signs(
-            [(s, INK.key, meaning) for s, meaning in _INSPECTOR_SIGNS]
-        )
-        sentence, headings = _ABOUT[self._about]
+        sections["In the inspector"] = _signs([(s, INK.key, text) for s, text in _INSPECTOR_SIGNS])
+        sentence, headings = _ABOUT[self._subject]
         words = self.query_one(Input).value.casefold().split()
         content = [Content.styled(line, INK.text) for line in wrap(sentence, max(width, 1))]
         if words:
@@ -182,11 +180,11 @@ class PaletteScreen(CommandPalette, ClosedOnce[None]):
 class CommandProvider(Provider):
     """Offers every command but those of the level editor."""
 
-    def offered(self) -> list[Command]:
+    def entries(self) -> list[Command]:
         return commands("screen", "text")
 
     async def discover(self) -> Hits:
-        for entry in self.offered():
+        for entry in self.entries():
             if entry.id != "palette":
                 yield DiscoveryHit(
                     self._line(entry), self._caller(entry), text=entry.title, help=entry.help
@@ -194,7 +192,7 @@ class CommandProvider(Provider):
 
     async def search(self, query: str) -> Hits:
         words = query.casefold().split()
-        for entry in self.offered():
+        for entry in self.entries():
             score = entry.match(words)
             if score > 0 and entry.id != "palette":
                 yield Hit(
@@ -214,5 +212,5 @@ class CommandProvider(Provider):
 class EditingProvider(CommandProvider):
     """Offers the commands of the level editor first, then all others."""
 
-    def offered(self) -> list[Command]:
-        return commands("level") + super().offered()
+    def entries(self) -> list[Command]:
+        return commands("level") + super().entries()

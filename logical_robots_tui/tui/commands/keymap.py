@@ -78,7 +78,7 @@ def command(command_id: str) -> Command:
 
 
 def key_of(name: str) -> str:
-    """Return the key of a command, or a text that names none as it is."""
+    """Return a command's key; return any other text unchanged."""
     entry = KEY_MAP.get().by_id.get(name)
     return name if entry is None else entry.key_name
 

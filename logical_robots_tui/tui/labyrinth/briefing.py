@@ -103,7 +103,7 @@ class BriefingCard(Widget):
     @property
     def content(self) -> Content:
         assert isinstance(self.parent, Widget)
-        return self._in(self.parent.content_size - self.gutter.totals)
+        return self._fit(self.parent.content_size - self.gutter.totals)
 
     def show(self, task: BriefingTask | None) -> None:
         self.display = task is not None
@@ -116,14 +116,13 @@ class BriefingCard(Widget):
         self.post_message(self.Closed())
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
-        lines = self._in(container).split("\n", allow_blank=True)
+        lines = self._fit(container).split("\n", allow_blank=True)
         return min(max(line.cell_length for line in lines), container.width)
 
     def render(self) -> Content:
         return self.content
 
-    def _in(self, room: Size) -> Content:
-        """Return the text for so many columns and rows."""
+    def _fit(self, room: Size) -> Content:
         if self._shown_task is None:
             return Content("")
         if self._is_over:
@@ -168,7 +167,6 @@ class Briefing:
             self.place()
 
     def place(self) -> None:
-        """Show it where there is room now."""
         is_over = self._is_over()
         for card, is_it in ((self.over, is_over), (self.beside, not is_over)):
             card.show(self._task if self.is_open and is_it else None)

@@ -43,7 +43,6 @@ class GhostController(SessionListener):
             await self._race_best(is_new=False)
 
     async def choose(self) -> None:
-        """Let the player choose a saved replay to race against."""
         from logical_robots_tui.tui.library.chooser import Chooser, ReplayShelf
 
         shelf = ReplayShelf(self._replays, "Race a replay", does="race")

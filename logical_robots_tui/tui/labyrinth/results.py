@@ -223,7 +223,6 @@ class ResultsDialog(QuestionDialog):
         self._tell()
 
     def follow(self) -> None:
-        """Show what is measured meanwhile."""
         if self.is_active and (rows := self._table()) != self._rows:
             self._rows = rows
             self._tell()

@@ -121,7 +121,6 @@ class VictoryAnnouncer(SessionListener):
             self._results.follow()
 
     def results(self) -> None:
-        """Show the best results of the level."""
         from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
         answers = [("solution", "References"), ("versions", "Versions"), ("results", "Close")]

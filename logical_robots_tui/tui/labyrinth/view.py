@@ -142,7 +142,7 @@ class LabyrinthView(Widget):
             self._traces.forget()
         self._traces.record(frame)
         self._level, self._frame, self._hurried = level, frame, hurried
-        self._look(self._followed())
+        self._look(self._following_camera())
         self.redraw()
 
     def highlight(self, highlight: Highlight | None, frame: Frame) -> None:
@@ -160,7 +160,7 @@ class LabyrinthView(Widget):
         if self.camera.sight is Sight.FOLLOW:
             if self.selected is None:
                 self.select_next()
-            self.camera = self._followed(at_once=True)
+            self.camera = self._following_camera(at_once=True)
 
     def zoom(self, steps: int, point: tuple[float, float] | None = None) -> None:
         """Zoom (out if negative) around a map point, by default the cursor or followed robot."""
@@ -170,7 +170,7 @@ class LabyrinthView(Widget):
             point = point or self.overlay.cursor
         if point is None and steps > 0 and self.selected and self.camera.sight is Sight.WHOLE:
             self._look(Camera(Sight.FOLLOW, steps))
-            self.camera = self._followed(at_once=True)
+            self.camera = self._following_camera(at_once=True)
         else:
             self.camera = self.camera.zoomed(steps, self.view, point)
 
@@ -186,7 +186,7 @@ class LabyrinthView(Widget):
         self.selected = names[index % len(names)]
         self.post_message(self.RobotPicked(self.selected))
 
-    def _followed(self, *, at_once: bool = False) -> Camera:
+    def _following_camera(self, *, at_once: bool = False) -> Camera:
         robot = self._robot(self.selected)
         if self.view is None or robot is None or not math.isfinite(robot.x + robot.y):
             return self.camera
@@ -376,7 +376,7 @@ class LabyrinthView(Widget):
     watch_ghost = watch_camera
 
     def watch_selected(self) -> None:
-        self._look(self._followed(at_once=True))
+        self._look(self._following_camera(at_once=True))
         self.redraw()
 
     def watch_rays(self) -> None:

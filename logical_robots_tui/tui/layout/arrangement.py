@@ -45,7 +45,7 @@ class Pane(Container):
 
     @dataclass
     class Filled(Message):
-        """A page has been chosen, or a run has ended; rows that what is shown would take."""
+        """A page has been chosen, or a run has ended; `rows` is the height for its content."""
 
         rows: int
 
@@ -199,22 +199,22 @@ def grid_for(layout: ScreenLayout, width: int, height: int, shares: Shares, need
         map_rows = needs.map_rows(width)
         used = max(map_rows + needs.program_rows(width), 2 * _LOWEST)
         inspector = max(inspector, min(table_rows, room - used))
-        higher = _within(inspector + shares.rows, _LOWEST, room - 2 * _LOWEST)
+        higher = _clamp(inspector + shares.rows, _LOWEST, room - 2 * _LOWEST)
         left = room - higher
         program = max(left // 2, left - map_rows)
         return Grid(program, higher, Shares(shares.columns, higher - inspector))
     usual = min(round(width * 4 / 9), _WIDEST_TEXT)
-    least_columns = _within(needs.code + _BESIDE_TEXT, min(_LEAST_TEXT, usual), usual)
+    least_columns = _clamp(needs.code + _BESIDE_TEXT, min(_LEAST_TEXT, usual), usual)
     beside = width - CELL_ASPECT * needs.aspect * (room - inspector - 2) - 2  # what the map leaves
     program = int(min(max(beside, least_columns), _WIDEST_TEXT, width - _NARROWEST))
     used = max(needs.map_rows(width - program), needs.program_rows(program), _LOWEST)
     inspector = max(inspector, min(table_rows, room - used))
-    wider = _within(program + shares.columns, _NARROWEST, width - _NARROWEST)
-    higher = _within(inspector + shares.rows, _LOWEST, room - _LOWEST)
+    wider = _clamp(program + shares.columns, _NARROWEST, width - _NARROWEST)
+    higher = _clamp(inspector + shares.rows, _LOWEST, room - _LOWEST)
     return Grid(wider, higher, Shares(wider - program, higher - inspector))
 
 
-def _within(number: int, low: int, high: int) -> int:
+def _clamp(number: int, low: int, high: int) -> int:
     return min(max(number, low), max(high, low))
 
 

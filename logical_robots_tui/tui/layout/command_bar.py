@@ -55,9 +55,9 @@ class Labels(Widget):
         event.stop()
         for row, start, end, command_id in self.places:
             if command_id and event.y == row and start <= event.x < end:
-                self.post_message(self.chosen(command_id))
+                self.post_message(self.choice_message(command_id))
 
-    def chosen(self, command_id: str) -> Message:
+    def choice_message(self, command_id: str) -> Message:
         return CommandChosen(command_id)
 
 
@@ -83,7 +83,7 @@ class CommandBar(Labels):
         editing: bool = False,
         focus_keys: Sequence[tuple[str, str]] = (),
     ) -> None:
-        """Show a situation's commands, after the focused widget's `own` keys."""
+        """Show a situation's commands, after the focused widget's `focus_keys`."""
         situation = typing, running, editing, focus_keys
         if situation != (self._typing, self._game_runs, self._edits, self._focus_keys):
             self._typing, self._game_runs, self._edits, self._focus_keys = situation

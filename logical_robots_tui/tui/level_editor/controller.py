@@ -73,7 +73,7 @@ class LevelController(SessionListener):
         self._autosave = Autosave(
             drafts,
             delay=_DRAFT_DELAY,
-            state=self._unsaved,
+            state=self._unsaved_state,
             draft=lambda state: _draft_of(*state),
             failed=ui.warn,
             what="The edited level",
@@ -405,7 +405,7 @@ class LevelController(SessionListener):
             self.editor.do("bring back", lambda _: level)
             self.ui.tell("Your unsaved changes to the level have been restored.")
 
-    def _unsaved(self) -> tuple[str, str, Level | None]:
+    def _unsaved_state(self) -> tuple[str, str, Level | None]:
         is_wanted = not (self.levels.is_saved or self._is_unwanted)
         return self._path, self.levels.saved.title, self.levels.edited if is_wanted else None
 

@@ -238,7 +238,7 @@ class Form(Dialog[bool]):
         """Return values of some fields, or all, by name, or raise LevelError."""
         return {name: self._fields[name].read() for name in names or self._fields}
 
-    def changed(self) -> dict[str, Any]:
+    def changed_values(self) -> dict[str, Any]:
         """Return the values of changed fields by name, like `values`."""
         return {name: v for name, v in self.values().items() if v != self._before[name]}
 
@@ -303,7 +303,7 @@ class ThingForm(Form):
             yield "Goal for", Ticks("victory_robots", robots, thing.victory_robots)
 
     def take(self) -> None:
-        editor, ref, values = self._editor, self._ref, self.changed()
+        editor, ref, values = self._editor, self._ref, self.changed_values()
         for name in ("angle", "start_angle"):
             if name in values:
                 values[name] = math.radians(values[name])
@@ -362,7 +362,7 @@ class LevelForm(Form):
         left = int((width - level.width) * share)
         top = int((height - level.height) * share)
         resized = resize(level, width, height, left=left, top=top, wall=values["wall"])
-        changes = self.changed()
+        changes = self.changed_values()
         for name, separator in (("shared_names", ","), ("hints", "\n\n")):
             if name in changes:
                 parts = (part.strip() for part in changes[name].split(separator))

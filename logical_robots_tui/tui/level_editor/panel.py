@@ -135,7 +135,7 @@ class InfoLine(Static):
 
 
 def _describe(thing: Entity | None, detail: int) -> str:
-    """Name a thing, with its place and, if it has one, its radius as far as `more` goes."""
+    """Name a thing, with its place and, if it has one, its radius as far as `detail` goes."""
     if thing is None:
         return "nothing selected"
     text = f"{type(thing).__name__} {clip(one_line(thing.name), 24)}"
@@ -245,8 +245,8 @@ class EditPanel:
         view = self._pane.view.view
         if view is None:
             return
-        columns = _beyond((x - view.left) / view.units, view.columns)
-        rows = _beyond((y - view.top) / (view.units * CELL_ASPECT), view.rows)
+        columns = _excess((x - view.left) / view.units, view.columns)
+        rows = _excess((y - view.top) / (view.units * CELL_ASPECT), view.rows)
         if columns or rows:
             self._pane.view.pan(columns, rows)
 
@@ -281,7 +281,7 @@ class EditPanel:
         _mark(canvas, self._controller.editor, self._controller.findings or ())
 
 
-def _beyond(place: float, length: int) -> float:
+def _excess(place: float, length: int) -> float:
     """Return how many cells to move a view so that a place is well inside; 0 if it is."""
     if 0 <= place < length:
         return 0.0
@@ -327,7 +327,6 @@ def _mark(canvas: Canvas, editor: LevelEditor, findings: Sequence[LevelFinding])
 
 
 def _is_letter(cells: Cells, row: int, column: int) -> bool:
-    """Whether a cell shows a part of a name."""
     (text, _), *_ = cells.row(row, column, column + 1)
     return text.isalnum()
 

@@ -161,7 +161,6 @@ def _style(colour: str, *, bold: bool = False) -> Style:
 
 @lru_cache(maxsize=64)
 def shipped_level(name: str) -> Level:
-    """Load a shipped level; raises `LevelError`."""
     return load_level(name)
 
 

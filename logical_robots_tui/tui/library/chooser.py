@@ -227,7 +227,6 @@ class ProgramShelf:
         return Card(_first_comment(source) or ("" if source.shipped else "your own"), source.text)
 
     def take(self, name_or_path: str) -> Source:
-        """Load a program; raises `InputError`."""
         source_name = typed_path(name_or_path) if "/" in name_or_path else name_or_path
         return load_program(source_name, self.folder)
 
@@ -256,7 +255,6 @@ class VersionShelf:
         return Card(headline, Content("\n").join(lines) if rows else version.text)
 
     def take(self, name_or_path: str) -> Version:
-        """Return the version of that name; raises `InputError`."""
         for version in self.versions:
             if version_name(version) == name_or_path:
                 return version
@@ -285,7 +283,6 @@ class ReplayShelf:
         return Card(f"{replay.levels[-1].title}, {length}", texts[-1])
 
     def take(self, name_or_path: str) -> Replay:
-        """Load a replay; raises `InputError`."""
         is_file = "/" in name_or_path or name_or_path.endswith(SUFFIX)
         path = typed_path(name_or_path) if is_file else self.folder / f"{name_or_path}{SUFFIX}"
         return load_replay(path)

@@ -168,7 +168,7 @@ class LevelScreen(Dialog["Level | Wish"]):
                     self._tell_detail()
 
     def _filter(self, highlighted: str | None) -> None:
-        text = self._typed
+        text = self._filter_text
         words = [] if is_path(text) else text.casefold().split()
         self._shown = [card for card in self._all if not is_path(text) and card.matches(words)]
         names = [card.name for card in self._shown]
@@ -177,11 +177,11 @@ class LevelScreen(Dialog["Level | Wish"]):
         self._tell_detail()
 
     @property
-    def _typed(self) -> str:
+    def _filter_text(self) -> str:
         return pasted_path(self.query_one("#filter", Input).value)
 
     @property
-    def _chosen(self) -> LevelCard | None:
+    def _chosen_card(self) -> LevelCard | None:
         index = self._cards.chosen
         return self._shown[index] if 0 <= index < len(self._shown) else None
 
@@ -198,7 +198,7 @@ class LevelScreen(Dialog["Level | Wish"]):
         )
 
     def _tell_detail(self) -> None:
-        card, text = self._chosen, self._typed
+        card, text = self._chosen_card, self._filter_text
         if is_path(text):
             detail = Content.assemble(("Open the file ", INK.dim), (one_line(text), INK.key))
         elif card is None:
@@ -217,7 +217,7 @@ class LevelScreen(Dialog["Level | Wish"]):
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:
         self.complain("")
-        self._filter(self._chosen.name if self._chosen else None)
+        self._filter(self._chosen_card.name if self._chosen_card else None)
         if self._is_read:
             in_background(self, self._draw_all, "pictures", exclusive=True)
 
@@ -228,7 +228,7 @@ class LevelScreen(Dialog["Level | Wish"]):
     @on(Input.Submitted, "#filter")
     @on(LevelCards.Taken)
     def _take(self) -> None:
-        choice, card = self._typed, self._chosen
+        choice, card = self._filter_text, self._chosen_card
         if not is_path(choice):
             choice = "" if card is None else str(card.file or card.name)
         if choice == DAILY:

@@ -61,7 +61,7 @@ class TeamTabs(Labels):
         ]
         return self.line(labels, gap=1)
 
-    def chosen(self, command_id: str) -> Message:
+    def choice_message(self, command_id: str) -> Message:
         return RobotChosen(command_id)
 
 

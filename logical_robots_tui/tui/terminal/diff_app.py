@@ -81,12 +81,12 @@ class Line:
         """The number of bytes to send at once."""
         return inf if self._least is None else self._room
 
-    def sent(self, size: int, time: float) -> None:
+    def note_output(self, size: int, time: float) -> None:
         """Note that `size` bytes and a query were sent; 0 bytes for a measurement."""
         self._is_measuring = not size and not self._queries
         self._queries.append((time, size))
 
-    def answered(self, time: float) -> None:
+    def note_answer(self, time: float) -> None:
         if not self._queries:
             return
         sent_at, size = self._queries.popleft()
@@ -155,7 +155,7 @@ class DiffApp(CrashSafeApp):
             os.kill(os.getpid(), signal.SIGHUP)
         else:
             driver.ask(ASK)
-            self._line.sent(0, self.clock.now())
+            self._line.note_output(0, self.clock.now())
 
     def terminal(self) -> CellDiff | None:
         """The terminal's state, whose changes are sent soon; None if a full repaint is due."""
@@ -177,7 +177,7 @@ class DiffApp(CrashSafeApp):
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; after a resize or resume, the terminal's content is unknown."""
         if isinstance(event, events.CursorPosition):
-            self._line.answered(event.time)
+            self._line.note_answer(event.time)
             self._send()
             return
         if isinstance(event, Driver.SignalResume):
@@ -225,7 +225,7 @@ class DiffApp(CrashSafeApp):
             return  # the next answer calls this again
         if self._line.is_to_be_measured:
             driver.ask(ASK)
-            self._line.sent(0, self.clock.now())
+            self._line.note_output(0, self.clock.now())
         if not self._line.is_free:
             if not self._is_waiting:
                 self._is_waiting = True
@@ -239,7 +239,7 @@ class DiffApp(CrashSafeApp):
             driver.write(f"{text}\x1b[{cursor[1] + 1};{cursor[0] + 1}H")
             self._end_update()
             driver.ask(ASK)
-            self._line.sent(len(text.encode()), self.clock.now())
+            self._line.note_output(len(text.encode()), self.clock.now())
 
     def _stop_waiting(self) -> None:
         self._is_waiting = False

@@ -68,7 +68,7 @@ class InputFilter:
     def take(self, chunk: bytes, time: float) -> tuple[list[str | Pasted], int]:
         """Return what was typed and pasted, in order, and the number of answers.
 
-        Incomplete sequences are kept for the next call; `now` is in seconds.
+        Incomplete sequences are kept for the next call; `time` is in seconds.
         """
         is_forsaken = time - self._last > _FORSAKEN and len(chunk) <= _ONE_KEY
         self._last = time
@@ -209,7 +209,7 @@ class UnbracketedPasteDetector:
         self._is_marked = self._is_escape_begun = False
 
     def paste_in(self, typed: str) -> str:
-        """Return a paste among all that arrived at once, with line feeds, or ""."""
+        """Return the paste in input that arrived at once, with line feeds, or ""."""
         is_plain = not self._is_marked and not self._is_escape_begun
         self._is_escape_begun = typed.endswith("\x1b")
         for mark in _MARK.finditer(typed):
@@ -238,7 +238,6 @@ class ListeningDriver(LinuxDriver):
         return 0.0 if self._heard_at is None else monotonic() - self._heard_at
 
     def ask(self, text: str) -> None:
-        """Write text that ends in a query to the terminal."""
         time = monotonic()
         with self._all_answered:
             while self._queries and time - self._queries[0] > _MOST_PATIENCE:

@@ -80,7 +80,7 @@ class QuestionPrompt(Prompt[str]):
 
 
 class TickPrompt(Prompt[int]):
-    """Asks for a tick; ``+50`` and ``-50`` are relative to `here`.
+    """Asks for a tick; ``+50`` and ``-50`` are relative to `current_tick`.
 
     `problem` returns why a tick is invalid, or "".
     """
@@ -102,7 +102,7 @@ class TickPrompt(Prompt[int]):
 
 
 def tick_of(text: str, current_tick: int) -> int | None:
-    """Return the typed tick, or None if it is invalid; a sign makes it relative to `here`."""
+    """Return the typed tick, or None if it is invalid; a sign makes it relative."""
     match = re.fullmatch(r"([+-]?)([0-9]{1,12})", text.replace(" ", "").replace(",", ""))
     if match is None:
         return None

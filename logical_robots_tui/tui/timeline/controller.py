@@ -161,7 +161,7 @@ _PATIENCE = 0.5  # seconds of a search before a message
 class TickSearch:
     """Goes to the next or previous tick in which a question holds.
 
-    `inspected` returns the breakpoint that what is inspected would give.
+    `inspected` returns the breakpoint at what the inspector shows.
     """
 
     def __init__(
@@ -176,7 +176,7 @@ class TickSearch:
         self._ended: tuple[int, Breakpoint | None] | None = None
 
     def breakpoint_here(self) -> Breakpoint | None:
-        """Return one for the question, or None once the player has turned to something else."""
+        """Return a breakpoint at the question, or None once the player has moved on."""
         if self._ended != (self._session.frame.tick, self._inspected()):
             return None
         from logical_robots_tui.game import Breakpoint
@@ -207,12 +207,12 @@ class TickSearch:
         if game is None:
             self._ui.tell(_NO_PROGRAM)
             return
-        about, patient_until = self._about(game), session.clock.now() + _PATIENCE
+        state_key, patient_until = self._state_key(game), session.clock.now() + _PATIENCE
         inspected, self._ended = self._inspected(), None
 
         def report(tick: int) -> None:
             nonlocal patient_until
-            if about != self._about(session.game):
+            if state_key != self._state_key(session.game):
                 raise Superseded  # the player has moved on
             if session.clock.now() > patient_until:
                 patient_until = inf
@@ -221,34 +221,34 @@ class TickSearch:
         from logical_robots_tui.game import search_ticks
 
         try:
-            sought = await search_ticks(game, self._question, direction, report)
+            outcome = await search_ticks(game, self._question, direction, report)
         except Superseded:
             return
         except ProgramError as error:
             message = error.diagnostics[0].message
             self._ui.warn(f"{self._question} can't be asked: {message}.")
             return
-        if about != self._about(session.game):
+        if state_key != self._state_key(session.game):
             return
-        if sought.tick is not None:
-            self._go_to(sought.tick)
+        if outcome.tick is not None:
+            self._go_to(outcome.tick)
         else:
-            self._say_there_is_none(sought, direction)
+            self._say_there_is_none(outcome, direction)
         self._ended = session.frame.tick, inspected
 
-    def _say_there_is_none(self, sought: SearchResult, direction: Literal[-1, 1]) -> None:
+    def _say_there_is_none(self, outcome: SearchResult, direction: Literal[-1, 1]) -> None:
         from logical_robots_tui.tui.commands.keymap import with_keys
 
         side = "after" if direction > 0 else "before"
         tick = self._session.frame.tick
         question = one_line(self._question)
-        holds = "It holds here. " if sought.holds_here else ""
+        holds = "It holds here. " if outcome.holds_here else ""
         words = f"{holds}No {'other ' * bool(holds)}tick {side} {tick} is known in which it holds"
-        trouble = f" It failed in some: {one_line(sought.problem)}" if sought.problem else ""
+        trouble = f" It failed in some: {one_line(outcome.problem)}" if outcome.problem else ""
         hint = with_keys(" {search_ticks} asks for another query.")
         self._ui.tell(f"{words}: {question}.{trouble or hint}")
 
-    def _about(self, game: Game | None) -> object:
+    def _state_key(self, game: Game | None) -> object:
         """Return everything that a search depends on; a change voids its result."""
         if game is None:
             return None
@@ -270,7 +270,6 @@ class Replays:
         self._programs, self._open_level = programs, open_level
 
     async def choose(self) -> None:
-        """Let the player choose a saved replay, and play it."""
         from logical_robots_tui.player.opening import level_of, sources_of
         from logical_robots_tui.tui.library.chooser import Chooser, ReplayShelf
 

@@ -49,7 +49,7 @@ TRACKS = (
 
 
 class TimelineSpan(NamedTuple):
-    """The content of the timeline; None in `other_last` and `diverged` is no other branch."""
+    """The content of the timeline; `other_last` and `diverged` are None without another branch."""
 
     first: int
     last: int
@@ -112,7 +112,7 @@ _NOTE_WIDTHS = (18, 48)
 
 
 def _goal_note(session: Session) -> str:
-    """Return how many robots are in the goal that has most of those it is for, or ""."""
+    """Return how many robots are in the goal with the most, or "" without shared goals."""
     inside = {area.name: set(area.visitors) for area in session.frame.after.areas}
     counts = [
         (len(inside.get(area.name, set()) & set(area.victory_robots)), area)
@@ -164,10 +164,7 @@ class Timeline(Widget, can_focus=True):
         self._pointed: int | None = None
 
     def show(self, session: Session, robot: str | None) -> None:
-        """Show a session's history; None marks all robots' memory changes.
-
-        Without a robot the note says how many of a goal's robots are in it, if it wants several.
-        """
+        """Show a session's history; without a robot, all memory changes and a goal's count."""
         history = self._history = session.history
         self._robot = robot
         self._goal_note = "" if robot is not None else _goal_note(session)

@@ -39,7 +39,7 @@ class Machine(Clock):
     def frames_per_second(self, strain: float) -> float:
         for _ in range(60):
             self.draw(strain)
-        return 1 / (self.rate.wait + self.rate.rested)
+        return 1 / (self.rate.wait + self.rate.idle_seconds)
 
 
 @pytest.fixture(params=[True, False], ids=["tells", "tells not"])
@@ -66,9 +66,9 @@ def test_after_a_key_press_nothing_is_left_to_others_for_a_moment(machine: Machi
     machine.frames_per_second(MOST)
     assert machine.rate.wait > 0.1
     machine.rate.hurry()
-    assert machine.rate.wait + machine.rate.rested == pytest.approx(1 / 30)
+    assert machine.rate.wait + machine.rate.idle_seconds == pytest.approx(1 / 30)
     machine.time += 0.2
-    assert machine.rate.wait + machine.rate.rested > 0.2
+    assert machine.rate.wait + machine.rate.idle_seconds > 0.2
 
 
 def test_the_rate_that_is_set_is_never_exceeded() -> None:

@@ -22,12 +22,12 @@ def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[f
     for turn in range(int(1000 * seconds)):
         now = turn / 1000
         while answers and answers[0] <= now:
-            line.answered(heapq.heappop(answers))
+            line.note_answer(heapq.heappop(answers))
         if turn % 33 == 0 and line.is_free:
             size = 0 if line.is_to_be_measured else int(min(line.room, 3 * frame))
             free_at = max(free_at, now) + size / rate
             heapq.heappush(answers, free_at + 2 * way)
-            line.sent(size, now)
+            line.note_output(size, now)
             if now > seconds / 2:
                 slowest, count = max(slowest, free_at + way - now), count + 1
     return slowest, count / (seconds / 2)
@@ -44,25 +44,25 @@ def test_a_line_waits_for_no_silent_terminal_or_lost_answer_and_is_measured_anew
     line = Line()
     for turn in range(5):
         assert line.is_free
-        line.sent(1000, turn / 30)
+        line.note_output(1000, turn / 30)
     line = Line()
-    line.sent(1000, 0.0)
-    line.answered(0.01)
-    line.sent(1000, 1.0)
+    line.note_output(1000, 0.0)
+    line.note_answer(0.01)
+    line.note_output(1000, 1.0)
     for now, is_free in ((1.0, False), (1.0 + _PATIENCE / 2, False), (1.1 + _PATIENCE, True)):
         line.forget(now)
         assert line.is_free is is_free
     line = Line()
     for start in (0.0, 1.0):
-        line.sent(0, start)
-        line.answered(start + 0.3)
-    line.sent(1000, 2.0)
+        line.note_output(0, start)
+        line.note_answer(start + 0.3)
+    line.note_output(1000, 2.0)
     assert line.is_free  # several are under way on it
     line.forget(2.1 + _PATIENCE)
-    line.sent(1000, 5.0)
-    line.answered(5.01)
+    line.note_output(1000, 5.0)
+    line.note_answer(5.01)
     assert line.is_to_be_measured
-    line.sent(0, 6.0)
+    line.note_output(0, 6.0)
     assert not line.is_free
 
 

@@ -105,7 +105,7 @@ def _area_weights(
 ) -> tuple[Window, Floats, Floats] | None:
     """Return a window of dots, and an area's disc and rim weights there; None out of sight."""
     radius = min(abs(area.radius), 1e6)
-    around = raster.around(area.x, area.y, radius)
+    around = raster.vicinity(area.x, area.y, radius)
     if around is None:
         return None
     window, dx, dy = around
@@ -163,7 +163,7 @@ def _grid(raster: Raster) -> Floats:
 
 def _glow(image: Floats, raster: Raster, beacon: Beacon, colour: RGB) -> None:
     size = max(BEACON_RADIUS, 1.1 * raster.dot)
-    around = raster.around(beacon.x, beacon.y, 2.2 * size)
+    around = raster.vicinity(beacon.x, beacon.y, 2.2 * size)
     if around is not None:
         window, dx, dy = around
         distance = np.hypot(dx, dy) / size

@@ -139,7 +139,7 @@ class Picture:
                 _paint_outline(image, raster, x, y, colour)
             for robot, colour in robots:
                 _paint_robot(image, raster, robot, colour, look.palette)
-            cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+            cells = self._fit_cells(image, raster, _UNSEEN if hurried else 0)
         canvas = Canvas(cells, viewport, look)
         if look.trails:
             inks = [colours[robot.name] for robot in level.robots]
@@ -159,7 +159,7 @@ class Picture:
         self, level: Level, frame: Frame, traces: Traces, raster: Raster, look: Look
     ) -> None:
         active = tuple(area.active for area in frame.after.areas)
-        switched = traces.switched(frame.tick)
+        switched = traces.switched_areas(frame.tick)
         changed = self._take(level)
         key = active, switched, raster, look.drawing, look.palette, look.names
         paint = partial(draw_ground, level, self._walls, active, look.palette, switched)
@@ -204,7 +204,7 @@ class Picture:
         self._light = _Light(look, image, lit, robot_fans, left)
         return self._light
 
-    def _fitted(self, image: Floats, raster: Raster, tolerance: int) -> Cells:
+    def _fit_cells(self, image: Floats, raster: Raster, tolerance: int) -> Cells:
         # Steps of 4 keep faint changes of light from changing cells.
         coarse = np.clip(image, 0, 255, out=image).astype(np.uint8) & np.uint8(0xFC)
         dots = split(coarse, raster.across, raster.down)
@@ -228,7 +228,7 @@ def _paint_robot(
         return
     full = raster.viewport.shows_bodies
     radius = ROBOT_RADIUS if full else max(ROBOT_RADIUS, 0.9 * raster.dot)
-    around = raster.around(robot.x, robot.y, 1.5 * radius)
+    around = raster.vicinity(robot.x, robot.y, 1.5 * radius)
     if around is None:
         return
     window, dx, dy = around
@@ -274,7 +274,7 @@ def _ghosts(
 
 
 def _paint_outline(image: Floats, raster: Raster, x: float, y: float, colour: RGB) -> None:
-    around = raster.around(x, y, 1.5 * ROBOT_RADIUS) if raster.viewport.shows_bodies else None
+    around = raster.vicinity(x, y, 1.5 * ROBOT_RADIUS) if raster.viewport.shows_bodies else None
     if around is not None:
         window, dx, dy = around
         distance = np.abs(np.hypot(dx, dy) - ROBOT_RADIUS)
@@ -448,7 +448,7 @@ def _put_ends(canvas: Canvas, fan: Fan) -> None:
         for x, y, hit in zip(x_ends, y_ends, fan.objects, strict=True):
             if hit == kind:
                 canvas.put(view.cell(x, y), *sign)
-    for x, y, kind, label in fan.sighted():
+    for x, y, kind, label in fan.sightings():
         cell = view.cell(x, y)
         if cell is None or not look.names:
             continue

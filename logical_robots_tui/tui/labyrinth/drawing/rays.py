@@ -65,7 +65,7 @@ class Fan:
     labels: Sequence[str]
     ahead: float
 
-    def sighted(self) -> Iterable[tuple[float, float, str, str]]:
+    def sightings(self) -> Iterable[tuple[float, float, str, str]]:
         """Yield (x, y, object, label) of each sensed beacon and robot, by its middle ray."""
         rays: dict[tuple[str, str], list[int]] = {}
         for ray, hit in enumerate(zip(self.objects, self.labels, strict=True)):
@@ -82,7 +82,7 @@ class Fan:
             x = self.x + self.distances * np.cos(self.headings)
             return x, self.y + self.distances * np.sin(self.headings)
 
-    def along(self, ray: int, away: Floats) -> tuple[Floats, Floats]:
+    def points_along(self, ray: int, away: Floats) -> tuple[Floats, Floats]:
         """Return the map units x and y of places on a ray."""
         heading = float(self.headings[ray])
         return self.x + away * np.cos(heading), self.y + away * np.sin(heading)
@@ -253,7 +253,7 @@ def draw_trails(canvas: Canvas, places: Floats, ages: Floats, colours: Sequence[
 def draw_rays(canvas: Canvas, fan: Fan, colour: RGB) -> None:
     # Near the robot rays would only be a blot.
     rays = [
-        fan.along(ray, np.arange(min(12.0, distance), distance, canvas.view.units / 2))
+        fan.points_along(ray, np.arange(min(12.0, distance), distance, canvas.view.units / 2))
         for ray, distance in enumerate(fan.distances.tolist())
     ]
     x, y = np.concatenate(rays, axis=1)
@@ -275,7 +275,7 @@ def draw_ray(canvas: Canvas, fan: Fan, angle: float) -> None:
     distance = float(fan.distances[ray])
     # The robot's own cell stays as it is.
     start = min(max(ROBOT_RADIUS, 1.5 * view.units), distance)
-    places = fan.along(ray, np.arange(start, distance, view.units / 4))
+    places = fan.points_along(ray, np.arange(start, distance, view.units / 4))
     _draw(canvas, *places, rgb_number(palette.bright))
     signs = {
         "wall": (glyphs.hit_wall_near, palette.hit_wall),
@@ -338,7 +338,7 @@ class Traces:
         ages = (tick - np.array(ticks)) / _TRAIL
         return np.stack([self._places[past_tick] for past_tick in ticks]), ages
 
-    def switched(self, tick: int) -> frozenset[int]:
+    def switched_areas(self, tick: int) -> frozenset[int]:
         """Return the numbers of the areas that were switched in the last few ticks."""
         ticks = sorted(
             past_tick for past_tick in self._active if tick - _FLASH <= past_tick <= tick

@@ -176,7 +176,7 @@ class Raster:
         x, y = self.x_edges, self.y_edges
         return float(x[0]), float(x[-1]), float(y[0]), float(y[-1])
 
-    def around(self, x: float, y: float, reach: float) -> tuple[Window, Floats, Floats] | None:
+    def vicinity(self, x: float, y: float, reach: float) -> tuple[Window, Floats, Floats] | None:
         """Return the dots not farther from a point than `reach` each way, and their offsets."""
         window = self.window(x - reach, x + reach, y - reach, y + reach)
         return None if window is None else (window, *self.offsets(window, x, y))

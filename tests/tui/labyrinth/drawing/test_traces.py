@@ -64,7 +64,7 @@ def test_an_area_flashes_when_it_is_switched_and_only_then() -> None:
     frame = start(level)
     frames = [replace(with_active(frame, active=tick >= 20), tick=tick) for tick in range(60)]
     traces = after(frames)
-    assert [traces.switched(tick) for tick in (19, 20, 30, 40)] == [set(), {0}, {0}, set()]
+    assert [traces.switched_areas(tick) for tick in (19, 20, 30, 40)] == [set(), {0}, {0}, set()]
     one, other = (Picture().draw(level, frames[tick], VIEW, BARE, traces) for tick in (21, 50))
     assert (one.style != other.style).sum() > 20
 
