@@ -90,7 +90,7 @@ def parameters(rule: Rule) -> list[tuple[str, str]] | None:
 
 
 def part_kind(part: Proposition, predicates: Container[str]) -> PartKind:
-    """Return what a part of a body does; `predicates` are the program's."""
+    """Return the kind of a part of a body; `predicates` are the program's."""
     if isinstance(part, Membership):
         return "element"
     if equation_sides(part) is not None:

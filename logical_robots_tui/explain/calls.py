@@ -37,13 +37,13 @@ def read_call(text: str) -> Called:
     source = prepare(text)
     if source.problems:
         raise ProgramError(source.problems)
-    called, result = _sides(source)
-    if not isinstance(called, Atom | Call | PredicateName) or not called.name[:1].isalpha():
-        raise _refusal(source, called, "This is not a predicate with values")
-    values = _fields(() if isinstance(called, PredicateName) else called.arguments, source)
+    call_node, result = _sides(source)
+    if not isinstance(call_node, Atom | Call | PredicateName) or not call_node.name[:1].isalpha():
+        raise _refusal(source, call_node, "This is not a predicate with values")
+    values = _fields(() if isinstance(call_node, PredicateName) else call_node.arguments, source)
     if result is not None:
         values[VALUE] = _value(result, source)
-    return Called(str(called.name), values)
+    return Called(str(call_node.name), values)
 
 
 def _sides(source: Prepared) -> tuple[Expression | Atom, Expression | None]:

@@ -53,7 +53,7 @@ _FEW_STEPS = 4  # of a clause whose queries are compiled at once
 _GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")
 
 
-@lru_cache(maxsize=2)  # its further queries are often wanted next
+@lru_cache(maxsize=2)  # its lazy queries are often needed next
 def decompose(text: str, predicate: str, within: str, kinds: str) -> Decomposition:
     """Decompose a predicate's rules.
 
@@ -87,7 +87,7 @@ class Decomposition:
         parts = tuple(_rule(rule, parameters, builder) for rule in rules)
         columns = _columns(rules)
         if parameters:
-            builder.probes[_ALL] = _all(name, columns, parameters)
+            builder.probes[_ALL] = _rows_rule(name, columns, parameters)
         self._probes = builder.probes
         reads = [p for p in _called_predicates(name, expanded, functions) if p in self._tables]
         copies, copy_kinds = _sources(
@@ -163,7 +163,7 @@ def _rule(rule: Rule, parameters: tuple[str, ...], builder: Builder) -> RulePart
     return RuleParts(builder.span(rule), clauses)
 
 
-def _all(name: str, columns: tuple[str, ...], parameters: tuple[str, ...]) -> Rule:
+def _rows_rule(name: str, columns: tuple[str, ...], parameters: tuple[str, ...]) -> Rule:
     values = {column: Variable(f"why_{i}") for i, column in enumerate(columns)}
     inputs = {f"g{i}": values[column] for i, column in enumerate(parameters)}
     fields = {c: int(c[3:]) for c in columns if c.startswith("col") and c[3:].isdigit()}

@@ -1,4 +1,4 @@
-"""Preparing a program to be watched, with what it writes into memories. In the compile process."""
+"""Prepare a program to be watched, and find its memory fields. In the compile process."""
 
 from __future__ import annotations
 
@@ -58,19 +58,19 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     }
     functions |= {n for n, (first, _) in expanded.origins.items() if first in functions}
     # A pattern that is only copied by `:=` is not needed itself.
-    used = expanded.reach(MAIN) | {MAIN}
+    reachable = expanded.reach(MAIN) | {MAIN}
     tracer = Tracer(source, expanded, functions, [rule for _, rule in rules])
     for name, rule in rules:
-        if name in used and name not in functions:
+        if name in reachable and name not in functions:
             tracer.rule(rule, tells_robot=name == MAIN)
     for name in tracer.copies:
-        if name in used and name not in functions:
+        if name in reachable and name not in functions:
             tracer.copy(name)
-    needed = used | {tracer.copies[name][0] for name in used & tracer.copies.keys()}
+    required = reachable | {tracer.copies[name][0] for name in reachable & tracer.copies.keys()}
     candidates = dict(list(tracer.probes.items())[:_MOST_PROBES])
-    copied = [rule for group in expanded.rules.values() for rule in group]
-    probed = [rule for rule, _ in candidates.values()]
-    watched: list[Statement] = [*expanded.annotations, *copied, *probed]
+    rules_with_copies = [rule for group in expanded.rules.values() for rule in group]
+    probe_rules = [rule for rule, _ in candidates.values()]
+    watched: list[Statement] = [*expanded.annotations, *rules_with_copies, *probe_rules]
     compiled = compile_statements(watched, source).statements(candidates)
     statements = {name: sql for name, sql in compiled.items() if is_quick(sql, 0)}
     probes = [candidates[name][1] for name in statements]
@@ -80,7 +80,7 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     writes, writes_all = memory_fields(predicates, functions, source)
     sites = []
     for name, rule in rules:
-        site = _site(name, rule, source, is_function=name in functions, is_needed=name in needed)
+        site = _site(name, rule, source, is_function=name in functions, is_needed=name in required)
         decisive = decisive_columns(rule, expanded.rules) if name == MAIN else ()
         sites.append(replace(site, sources=tuple(sorted({predicate for predicate, _ in decisive}))))
     return Checkup(
@@ -92,7 +92,7 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         tuple(writes),
         tracer.reads_all,
         writes_all,
-        tuple(texts_of((rule for name, rule in rules if name in needed), predicates, source)),
+        tuple(texts_of((rule for name, rule in rules if name in required), predicates, source)),
         tracer.skipped_probes + len(tracer.probes) - len(probes),
         tuple(sorted(tracer.missed_sites())),
         tuple(sorted(tracer.missed_rules)),

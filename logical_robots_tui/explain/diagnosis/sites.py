@@ -202,7 +202,7 @@ def check_up(
 Rows: TypeAlias = "Sequence[Mapping[str, Value]]"
 
 MOST_VALUES = 60
-"""Compared values that are kept for a place."""
+"""The most compared values that a site keeps."""
 
 
 @dataclass(slots=True)

@@ -63,8 +63,8 @@ class Finding:
         """The lines of other places, "" if there are none."""
         own_line = {self.span.line} if self.span is not None else set[int]()
         lines = sorted({span.line for span in self.related} - own_line)
-        listed = ", ".join(map(str, lines))
-        return f"See also line{'s' * (len(lines) > 1)} {listed}." if lines else ""
+        numbers = ", ".join(map(str, lines))
+        return f"See also line{'s' * (len(lines) > 1)} {numbers}." if lines else ""
 
 
 _LONGEST = 60  # characters in a quotation
@@ -201,7 +201,7 @@ class _Reporter:
         count = self._tally.sites[number]
         if not is_always_true(site, count):
             return None
-        message = f"{_quote(site)} held{self._circumstances(site, count, every='all ')}."
+        message = f"{_quote(site)} held{self._circumstances(site, count, quantifier='all ')}."
         hint = "It never excluded anything; is it the right comparison?"
         return self._finding("never false", "note", site, count, message, hint)
 
@@ -225,9 +225,7 @@ class _Reporter:
         ]
         return any(
             count.first_true is None
-            and not any(
-                _is_inside(span, around) and c.first_true is not None for around, c in inner
-            )
+            and not any(_is_inside(span, outer) and c.first_true is not None for outer, c in inner)
             for span, count in inner
         )
 
@@ -236,7 +234,7 @@ class _Reporter:
         if site.kind == "part":
             return f"{quoted} had no row{self._circumstances(site, count)}."
         if site.kind in TESTS and count.first_false is None and count.first_null is not None:
-            return f"{quoted} was null{self._circumstances(site, count, every='all ')}."
+            return f"{quoted} was null{self._circumstances(site, count, quantifier='all ')}."
         statement = f"{quoted} never held{self._circumstances(site, count)}"
         if count.left and count.right:
             left, right = _values(count.left, count), _values(count.right, count)
@@ -245,13 +243,13 @@ class _Reporter:
             return f"{statement}: {shorten(site.counterpart)} was {_values(count.left, count)}."
         return f"{statement}{_closest_miss(site, count)}."
 
-    def _circumstances(self, site: Site, count: Count, *, every: str = "") -> str:
+    def _circumstances(self, site: Site, count: Count, *, quantifier: str = "") -> str:
         """Return where, how often and when a site was first evaluated, in words."""
         verb = "evaluated" if self._is_complete else "examined"
         place = f" in {site.within}" if site.within else ""
         if count.cases == 1:
             return f"{place} in the one case {verb}, at tick {count.first_reached}"
-        cases = f"{every or 'the '}{count.cases:,} cases"
+        cases = f"{quantifier or 'the '}{count.cases:,} cases"
         return f"{place} in {cases} {verb}, first at tick {count.first_reached}"
 
     def _severity(self, count: Count) -> Severity:
@@ -298,11 +296,11 @@ def _closest_miss(site: Site, count: Count) -> str:
 def _values(values: Collection[Value], count: Count) -> str:
     """Return values in words; null may be on either side of a comparison."""
     ordered = sorted(values, key=str)
-    listed = [f'"{v}"' if isinstance(v, str) else f"{v:.4g}" for v in ordered[:_MOST_LISTED]]
+    quoted = [f'"{v}"' if isinstance(v, str) else f"{v:.4g}" for v in ordered[:_MOST_LISTED]]
     if count.first_null is not None:
-        listed.append("null")
+        quoted.append("null")
     if len(ordered) > _MOST_LISTED:
         omitted_count = len(ordered) - _MOST_LISTED
-        omitted = f"{'at least ' if len(ordered) == MOST_VALUES else ''}{omitted_count} others"
-        return f"{', '.join(listed)} or one of {omitted}"
-    return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} or {listed[-1]}"
+        remainder = f"{'at least ' if len(ordered) == MOST_VALUES else ''}{omitted_count} others"
+        return f"{', '.join(quoted)} or one of {remainder}"
+    return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}"

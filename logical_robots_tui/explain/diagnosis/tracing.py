@@ -104,7 +104,7 @@ class Tracer(Watching):
             case Aggregate():
                 self._aggregate(node, env)
             case FieldAccess():
-                self._read(node, env)
+                self._field_access(node, env)
             case Record():
                 for value in operands(node.arguments):
                     self._value(value, env)
@@ -213,7 +213,7 @@ class Tracer(Watching):
             else:
                 self._value(rule.value, inner_env, is_leaf=is_leaf)
 
-    def _read(self, node: FieldAccess, env: Environment) -> None:
+    def _field_access(self, node: FieldAccess, env: Environment) -> None:
         if self._is_memory(node.record, env):
             name, span = str(node.field), self._span(node)
             self.reads.setdefault((name, span.start), NamedPlace(name, span))
@@ -306,7 +306,9 @@ class Tracer(Watching):
             if self._relations(value):
                 local = Variable(self._fresh_name("head"))
                 site = self._site("part", value, env)
-                env = self._next(env, site, Equation(local, substitute(value, env.bindings)))
+                env = self._next_segment(
+                    env, site, Equation(local, substitute(value, env.bindings))
+                )
             is_leaf = column in leaves and not isinstance(value, Variable)
             self._value(value, env, is_leaf=is_leaf)
         name = rule.head.column("robot_name") if tells_robot or leaves else None
@@ -329,7 +331,7 @@ class Tracer(Watching):
                 _as_expression(part), env, "denial" if kind == "denial" else "condition"
             )
             if column < 0:
-                return self._next(env, -1, substitute(part, env.bindings))
+                return self._next_segment(env, -1, substitute(part, env.bindings))
             env.trail.filters = (*env.trail.filters, column)
             return replace(env.when(column, holds=True), bound=bound)
         if binding is not None and not self._relations(binding[1]):
@@ -356,7 +358,7 @@ class Tracer(Watching):
                     self._memories.add(self._query_variable(variable, env))
                 elif argument.field in ("memory", 1, REST):
                     self.reads_all = True
-        return replace(self._next(env, site, substitute(part, env.bindings)), bound=bound)
+        return replace(self._next_segment(env, site, substitute(part, env.bindings)), bound=bound)
 
     def _in_part(self, part: Proposition, env: Environment) -> None:
         if isinstance(part, Disjunction):
@@ -371,7 +373,7 @@ class Tracer(Watching):
             if env.scope.variables_in(value) <= env.bound:
                 self._value(value, env)
 
-    def _next(self, env: Environment, site: int, part: Proposition) -> Environment:
+    def _next_segment(self, env: Environment, site: int, part: Proposition) -> Environment:
         trail = env.trail
         body = [*self._guarded_body(env), part]
         self._emit(trail, reached_site=site)

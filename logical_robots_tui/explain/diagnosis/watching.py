@@ -1,4 +1,4 @@
-"""Sites, where their values come from, and what queries them. In the compile process."""
+"""Sites, the sources of their values, and their queries. In the compile process."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ class Watching:
         self._source = source
         self._predicates, self._functions, self._rules = expanded.rules, functions, rules
         self._numbers = {id(rule): number for number, rule in enumerate(rules)}
-        # A copy may be of a predicate that is made itself, which comes first.
+        # A copied predicate may be a copy itself; it comes first.
         for copy, (original, _) in {**functor_copies, **expanded.origins}.items():
             # A predicate with the rows of a recursive one has a single rule.
             for rule, first in zip(
@@ -305,7 +305,7 @@ class Sources:
         own_line = span_of(node, self._source).line
         while queue and len(places) < _MOST:
             node, rule, depth = queue.popleft()
-            for place, inner, inner_rule in self._next(node, rule, visited):
+            for place, inner, inner_rule in self._direct_places(node, rule, visited):
                 span = span_of(place, self._source)
                 if span.text and span.line != own_line:
                     (copies if self._copies(place) else places).setdefault(span.line, span)
@@ -326,7 +326,7 @@ class Sources:
         """Return the place of a condition, and where its values come from."""
         return span_of(node, self._source), *self.of(node, rule)
 
-    def _next(
+    def _direct_places(
         self, node: Tree, rule: Rule, visited: set[tuple[int, str]]
     ) -> Iterator[tuple[Node, Tree, Rule]]:
         for name in dict.fromkeys(names_used(node)):
@@ -430,7 +430,7 @@ def decisive_columns(rule: Rule, predicates: Mapping[str, Sequence[Rule]]) -> se
 
 
 def _values(rule: Rule, column: str) -> Iterator[Expression]:
-    """Yield what a rule's head has for a column."""
+    """Yield the values of a column in a rule's head."""
     for argument in rule.head.columns:
         if argument.column == column:
             value = argument.value

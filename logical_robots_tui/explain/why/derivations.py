@@ -64,7 +64,7 @@ class Derivations:
             rows = self.relations.rows(name, probing.sources.get(name, ""))
         return [row for row in rows if all(same(row[c], v) for c, v in values.items())]
 
-    def first(self, query: Ask) -> DerivedRow:
+    def first_row(self, query: Ask) -> DerivedRow:
         """Return the first such row and one derivation, or all of an aggregate.
 
         Raises QueryError if there is none, and FailureError if a query failed.
@@ -75,7 +75,7 @@ class Derivations:
         rows = self.rows(probing, values)
         if not rows:
             raise QueryError(f"{query.predicate} has no such row.")
-        row = self.stage(probing).first(probing, rows)
+        row = self.stage(probing).first_row(probing, rows)
         self.prepare(probing, row)
         matches: list[tuple[SourceSpan, Clause, Way]] = []
         for rule in probing.rules:
@@ -178,7 +178,7 @@ class Stages:
         self._relations, self._members = relations, members
         self._stages: dict[tuple[str, str], int] | None = None
 
-    def first(self, probing: Probing, rows: Sequence[Row]) -> Row:
+    def first_row(self, probing: Probing, rows: Sequence[Row]) -> Row:
         """Return the row to explain; of several of `Robot`, the last one counts."""
         if not self._members:
             return rows[-1 if probing.name == MAIN else 0]
@@ -260,7 +260,7 @@ class Stages:
 
 
 def _key(row: Row) -> str:
-    """Return a key that is equal for rows that differ only in last digits of numbers."""
+    """Return a key; rows that differ only in the last digits of numbers share one."""
     return json.dumps(_round(dict(row)), sort_keys=True)
 
 

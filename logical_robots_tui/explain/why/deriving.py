@@ -192,8 +192,8 @@ class NodeBuilder:
             for index, (clause, aggregate, match) in enumerate(elements[:_SHOWN_ELEMENTS])
         )
         excess = len(elements) - len(nodes)
-        omitted = (ProofNode("note", f"and {excess:,} more"),) if excess else ()
-        return (ProofNode("note", f"aggregates {number}", children=(*nodes, *omitted)),)
+        note = (ProofNode("note", f"and {excess:,} more"),) if excess else ()
+        return (ProofNode("note", f"aggregates {number}", children=(*nodes, *note)),)
 
     def _column(self, name: str, term: Term, match: Way, value: Value) -> ProofNode:
         title = self._relations.label(self._predicate, name)
@@ -244,7 +244,7 @@ class NodeBuilder:
         yield from self.contributors(elements[:MOST_ELEMENTS], result, is_all)
 
     def _robots(self, clause: Clause, match: Way) -> dict[str, dict[str, None]]:
-        """Return what an element was read from, by robot."""
+        """Return the predicates that an element was read from, by robot."""
         readings: dict[str, dict[str, None]] = {}
         steps = [s for s in clause.steps if s.call and "robot_name" in s.call.arguments]
         reading = [s for s in steps if s.reads or (s.call and s.call.predicate not in INPUTS)]
@@ -261,7 +261,7 @@ class NodeBuilder:
         )
 
     def _owners(self, clause: Clause, match: Way) -> str:
-        """Return what an element was read from: ``Bo's memory``."""
+        """Name the predicates that an element was read from: ``Bo's memory``."""
         robots = self._robots(clause, match)
         foreign = {robot: names for robot, names in robots.items() if robot != self._robot}
         return " and ".join(

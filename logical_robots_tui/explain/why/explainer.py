@@ -136,7 +136,7 @@ class Explainer:
         return ResultTable(labels, tuple(rows[:limit]), truncated=len(rows) > limit)
 
     def source(self, subject: Subject) -> ValueSource:
-        """Return what a value was made from; QueryError if there is no such value."""
+        """Trace a value to its source; raise QueryError if there is no such value."""
         return source_of(self._derivations, replace(subject, query=self._with_robot(subject.query)))
 
     def _decompose(self, predicate: str, within: str) -> Probing:

@@ -93,7 +93,7 @@ class ProofNode:
 
 @dataclass(frozen=True, slots=True)
 class RuleOutcome:
-    """What a rule gave: its number of rows up to a limit, None if unknown.
+    """The outcome of a rule: its number of rows up to a limit, None if unknown.
 
     Attributes:
         row: The first of the rows, if this rule gives it or contributes to its aggregates.
@@ -280,5 +280,5 @@ def read_call(text: str, within: str = "") -> Ask:
         ProgramError: It is something else.
     """
     check_text(text, None)
-    called = compile_task(ReadCall(text), Called)
-    return Ask(called.predicate, called.given, within)
+    call = compile_task(ReadCall(text), Called)
+    return Ask(call.predicate, call.given, within)

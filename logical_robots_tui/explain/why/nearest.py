@@ -48,7 +48,7 @@ _OPPOSITE = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 class Suggestion:
     """A tested change of a span, "" to remove it, after which a rule would have had a row.
 
-    `advice` says what to change, `reason` why, in words that go on after it.
+    `advice` says what to change, `reason` continues it and says why.
     """
 
     advice: str
@@ -265,8 +265,8 @@ class Nearest:
                 continue
             memory = value_of(stop.matches[0], step.call.arguments.get("memory", ""))
             names = list(map(str, memory)) if isinstance(memory, dict) else []
-            for read in step.reads:
-                name = read.names[0] if read.names else ""
+            for term in step.reads:
+                name = term.names[0] if term.names else ""
                 close = closest(name, names, 0.6)
                 if not name or name in names or not close:
                     continue
@@ -298,9 +298,9 @@ class Nearest:
                         reason = f"{name} has {argument['name'] or ''} {new}".replace("  ", " ")
                         yield size, _change(literal, new, reason)
             elif values and argument["name"]:
-                listed = join_names(map(spell, values[:3]))
+                examples = join_names(map(spell, values[:3]))
                 suffix = " and others" if len(values) > 3 else ""
-                reason = f"{name} fails in the column {column} alone, which has {listed}{suffix}"
+                reason = f"{name} fails in the column {column} alone, which has {examples}{suffix}"
                 yield 4.0, _removal(self._span(start, stop), reason)
         if not binds:
             insertion = replace(span, stop=span.start)

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Program
 
 ROWS = "WhyRows_"
-"""What the name of the table with the rows of a predicate begins with."""
+"""The prefix of the tables with the rows of predicates."""
 
 LOWER = "WhyLower_"
-"""The same for rows of a recursive predicate that were there before the row in question."""
+"""The prefix of those with the rows of a recursion that come before the explained row."""
 
 ORDERING = frozenset({"<", "<=", ">", ">="})
 """Comparisons that can fail by a small margin."""
@@ -359,7 +359,7 @@ def decompose(
         try:
             return compile_task(task, dict[str, str], stop=stop(), limits=limits)
         except ProgramError:
-            return {}  # the answer to each of them is that it can't be asked
+            return {}  # a question that needs one of them fails
 
     return (
         replace(probing, queries=_Queries(probing, compile_group))

@@ -57,7 +57,7 @@ def _explain(derivations: Derivations, query: Ask, *, is_first: bool) -> Explana
         derivations.prepare(probing)
     except FailureError as failure:
         raise QueryError(f"{query.predicate} failed: {failure}.") from None
-    row = derivations.stage(probing).first(probing, rows) if rows else None
+    row = derivations.stage(probing).first_row(probing, rows) if rows else None
     prover = _Prover(derivations, probing, values, rows, row)
     rules = tuple(map(prover.rule, probing.rules))
     if row is not None and all(outcome.row is None for outcome in rules):

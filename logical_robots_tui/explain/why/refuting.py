@@ -50,7 +50,7 @@ class FailedStep:
     matches: Sequence[Way]
 
 
-class _Progress(NamedTuple):
+class _ClauseProgress(NamedTuple):
     """How far matches get: steps that hold, their query, conditions on its columns, a count."""
 
     steps: int
@@ -99,7 +99,7 @@ class Refuter:
         return False, max(ends, key=lambda end: end.steps).stop, _join(ends)
 
     def stop(self, rule: RuleParts) -> FailedStep | None:
-        """Return what stops the clause that gets furthest, or None if nothing stops it."""
+        """Return the step that stops the clause that gets furthest; None if no step does."""
         if self._differing_constants(rule):
             return None
         candidates = [(clause, self._progress(clause)) for clause in rule.clauses]
@@ -190,8 +190,8 @@ class Refuter:
         children = children if len(values) == 1 else ()
         return replace(node, text=text, span=term.span, query=query, children=children)
 
-    def _progress(self, clause: Clause) -> _Progress:
-        progress = _Progress(0, clause.start_query, [], 1)
+    def _progress(self, clause: Clause) -> _ClauseProgress:
+        progress = _ClauseProgress(0, clause.start_query, [], 1)
         for number, step in enumerate(clause.steps, 1):
             sql = self._queries.get(step.query)
             if sql is None:
@@ -200,7 +200,7 @@ class Refuter:
             match_count = self._relations.count(sql, self._arguments, conditions, _MOST_WAYS)
             if not match_count:
                 return progress._replace(steps=number - 1)
-            progress = _Progress(number, step.query, conditions, match_count)
+            progress = _ClauseProgress(number, step.query, conditions, match_count)
         return progress._replace(steps=len(clause.steps))
 
     def _clause(self, clause: Clause) -> _Refutation:
@@ -216,7 +216,7 @@ class Refuter:
         return _Refutation(clause, progress.steps, prefix, stop)
 
     def _prefix(
-        self, clause: Clause, progress: _Progress, match: Way | None
+        self, clause: Clause, progress: _ClauseProgress, match: Way | None
     ) -> tuple[ProofNode, ...]:
         nodes = self.builder.derivation(clause, match or {}, progress.steps)
         if progress.match_count > 1 and nodes:
@@ -227,7 +227,7 @@ class Refuter:
         return nodes
 
     def _failed_node(
-        self, clause: Clause, step: Step, progress: _Progress, match: Way | None
+        self, clause: Clause, step: Step, progress: _ClauseProgress, match: Way | None
     ) -> ProofNode:
         text, remark = step.span.text, self._matches_elsewhere(step)
         children: tuple[ProofNode, ...] = ()
@@ -272,7 +272,7 @@ class Refuter:
         return f"not for these values, but {matches} for others"
 
     def _call_queries(
-        self, call: PredicateCall, progress: _Progress, bindings: Way
+        self, call: PredicateCall, progress: _ClauseProgress, bindings: Way
     ) -> tuple[Ask, tuple[ProofNode, ...]]:
         """Return the queries of a call, those nearest to an existing row first."""
         sql = self._queries[progress.query]
@@ -321,7 +321,7 @@ class Refuter:
 
         return sorted(queries, key=gap)
 
-    def _examples(self, terms: Sequence[Term], progress: _Progress) -> Iterator[ProofNode]:
+    def _examples(self, terms: Sequence[Term], progress: _ClauseProgress) -> Iterator[ProofNode]:
         sql = self._queries.get(progress.query)
         for term in _flat(terms):
             if sql is None or not term.column or term.kind == "literal":

@@ -57,12 +57,12 @@ class _ClauseFrame:
 def source_of(derivations: Derivations, subject: Subject) -> ValueSource:
     """Return the source of a value; raise QueryError."""
     try:
-        return _Tracer(derivations).subject(subject)
+        return _SourceTracer(derivations).subject(subject)
     except FailureError as failure:
         raise QueryError(f"{subject.query.predicate} failed: {failure}.") from None
 
 
-class _Tracer:
+class _SourceTracer:
     def __init__(self, derivations: Derivations) -> None:
         self._derivations = derivations
         self._rows: dict[str, DerivedRow] = {}
@@ -73,15 +73,15 @@ class _Tracer:
     def subject(self, subject: Subject) -> ValueSource:
         if not subject.span and not subject.variable:
             return self._in_row(subject.query, self._column(subject), subject.path)
-        derived = self._first(subject.query)
+        derived = self._derived_row(subject.query)
         frames = [_frame(derived.probing, *match, None) for match in derived.matches]
         for frame in frames:
-            if (source := self._inside(frame, subject)) is not None:
+            if (source := self._expression_source(frame, subject)) is not None:
                 return source
         raise QueryError("The origin of this value can't be determined.")
 
     def _column(self, subject: Subject) -> str:
-        derived, name = self._first(subject.query), subject.query.predicate
+        derived, name = self._derived_row(subject.query), subject.query.predicate
         labels = {self._derivations.relations.label(name, column): column for column in derived.row}
         column = labels.get(subject.column, subject.column)
         free = [column for column in derived.row if column not in derived.probing.parameters]
@@ -93,7 +93,7 @@ class _Tracer:
             raise QueryError(f"{name} {wrong} {', '.join(labels)}.")
         return column
 
-    def _inside(self, frame: _ClauseFrame, subject: Subject) -> ValueSource | None:
+    def _expression_source(self, frame: _ClauseFrame, subject: Subject) -> ValueSource | None:
         """Return the source of an expression or variable of a clause, also inside aggregates."""
         clause, match = frame.clause, frame.match
         for step in clause.steps:
@@ -111,16 +111,16 @@ class _Tracer:
             )
             for inner in elements:
                 assert term.body is not None
-                source = self._inside(_inner(frame, term.body, *inner), subject)
+                source = self._expression_source(_inner(frame, term.body, *inner), subject)
                 if source is not None:
                     return source
         return None
 
-    def _first(self, query: Ask) -> DerivedRow:
+    def _derived_row(self, query: Ask) -> DerivedRow:
         if query.key not in self._rows:
             if len(self._rows) >= _MOST_ROWS:
                 raise QueryError("This goes through too many rows to be traced.")
-            self._rows[query.key] = self._derivations.first(query)
+            self._rows[query.key] = self._derivations.first_row(query)
         return self._rows[query.key]
 
     def _in_row(
@@ -134,7 +134,7 @@ class _Tracer:
         try:
             if self._depth > _DEEPEST:
                 raise QueryError("This goes through too many predicates to be traced.")
-            derived = self._first(query)
+            derived = self._derived_row(query)
             value = part_of(derived.row[column], path) if caller is None else derived.row[column]
             label = self._derivations.relations.label(query.predicate, column)
             name = f"{query.predicate}.{label}"
@@ -199,14 +199,14 @@ class _Tracer:
             fields = zip(term.names, term.parts, strict=True)
             inputs = [replace(self._term(frame, part, ()), name=name) for name, part in fields]
         else:
-            inputs = [self._named(frame, part) for part in _operands(term)]
+            inputs = [self._named_source(frame, part) for part in _operands(term)]
         return ValueSource(
             *(term.span.text, value, term.span, frame.rule),
-            inputs=_distinct(inputs),
+            inputs=_unique(inputs),
             is_constant=not term.parts and term.kind in ("literal", "value", "record"),
         )
 
-    def _named(self, frame: _ClauseFrame, term: Term) -> ValueSource:
+    def _named_source(self, frame: _ClauseFrame, term: Term) -> ValueSource:
         return replace(self._term(frame, term, ()), name=term.span.text)
 
     def _branch(self, frame: _ClauseFrame, term: Term, path: Path) -> ValueSource:
@@ -221,8 +221,8 @@ class _Tracer:
         if source.is_constant:
             is_compared = condition.kind == "truth"
             parts = [*_operands(condition)] if is_compared else [condition]
-            decided_by = [self._named(frame, part) for part in parts]
-            source = replace(source, decided_by=_distinct([*decided_by, *source.decided_by]))
+            decided_by = [self._named_source(frame, part) for part in parts]
+            source = replace(source, decided_by=_unique([*decided_by, *source.decided_by]))
         return replace(source, conditions=conditions)
 
     def _variable(self, frame: _ClauseFrame, place: str, path: Path) -> ValueSource:
@@ -286,7 +286,7 @@ class _Tracer:
             if binder is not step and binder.kind == "value"
         ]
         keys = [key for key in keys if not key.is_constant]
-        return replace(source, inputs=_distinct([*source.inputs, *keys]))
+        return replace(source, inputs=_unique([*source.inputs, *keys]))
 
     def _call_source(
         self, frame: _ClauseFrame, call: PredicateCall, column: str, path: Path
@@ -339,7 +339,7 @@ class _Tracer:
                 )
         excess = max(0, len(elements) - _MOST_ELEMENTS) if inputs else 0
         rule = frames[0].rule
-        return ValueSource(span.text, value, span, rule, inputs=_distinct(inputs), excess=excess)
+        return ValueSource(span.text, value, span, rule, inputs=_unique(inputs), excess=excess)
 
 
 def _binding(clause: Clause, place: str) -> Iterator[Step]:
@@ -376,7 +376,7 @@ def _rank(source: ValueSource) -> int:
     return 3 if source.is_constant else 2
 
 
-def _distinct(sources: Iterable[ValueSource]) -> tuple[ValueSource, ...]:
+def _unique(sources: Iterable[ValueSource]) -> tuple[ValueSource, ...]:
     return tuple({repr(s.read or (s.name, s.value)): s for s in sources}.values())
 
 
