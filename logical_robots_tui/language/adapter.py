@@ -70,7 +70,7 @@ class Parsed:
 
 def parse(source: Prepared) -> Parsed:
     """Parse every statement that can be parsed."""
-    # The package knows operators of one's own after certain words, and from then on for ever.
+    # Certain words enable user-defined operators in the package, for the rest of the process.
     parser.TOO_MUCH = "fun" if _OPERATOR.search(source.skeleton) else "too much"
     parser.EnactIncantations(source.original)
     trees: list[Statement] = []
@@ -189,7 +189,7 @@ class _TreeReader:
         if name.startswith("@"):
             return tree.Annotation(name, arguments, span=span)
         return tree.Rule(
-            tree.Head(name, arguments, span=self._around([name], arguments)),
+            tree.Head(name, arguments, span=self._joint_span([name], arguments)),
             self.proposition(raw["body"]) if "body" in raw else None,
             raw.get("distinct_denoted", False),
             tuple(modality for modality in _MODALITIES if raw.get(modality)),
@@ -198,26 +198,26 @@ class _TreeReader:
 
     def proposition(self, raw: Raw) -> tree.Proposition:
         if "conjunction" in raw:
-            read = map(self.proposition, raw["conjunction"]["conjunct"])
+            parts = map(self.proposition, raw["conjunction"]["conjunct"])
             # The package compiles no conjunction inside another in an aggregate.
-            members = tuple(part for member in read for part in tree.conjuncts(member))
-            return tree.Conjunction(members, span=self._around([], members))
+            members = tuple(part for member in parts for part in tree.conjuncts(member))
+            return tree.Conjunction(members, span=self._joint_span([], members))
         if "disjunction" in raw:
             members = tuple(map(self.proposition, raw["disjunction"]["disjunct"]))
-            return tree.Disjunction(members, span=self._around([], members))
+            return tree.Disjunction(members, span=self._joint_span([], members))
         if "inclusion" in raw:
             collection = self.expression(raw["inclusion"]["list"])
             element = self.expression(raw["inclusion"]["element"])
-            span = self._around([], [collection, element])
+            span = self._joint_span([], [collection, element])
             return tree.Membership(collection, element, span=span)
         if "unification" in raw:
             pair = raw["unification"]
             left = self.expression(pair["left_hand_side"])
             right = self.expression(pair["right_hand_side"])
-            return tree.Equation(left, right, span=self._around([], [left, right]))
+            return tree.Equation(left, right, span=self._joint_span([], [left, right]))
         name = self._name(raw["predicate"]["predicate_name"])
         arguments = self._arguments(raw["predicate"]["record"])
-        return tree.Atom(name, arguments, span=self._around([name], arguments))
+        return tree.Atom(name, arguments, span=self._joint_span([name], arguments))
 
     def expression(self, raw: Raw) -> tree.Expression:
         span = self._span(raw.get("expression_heritage"))
@@ -228,7 +228,7 @@ class _TreeReader:
         if "call" in raw:
             name = self._name(raw["call"]["predicate_name"])
             arguments = self._arguments(raw["call"]["record"])
-            return tree.Call(name, arguments, span=span or self._around([name], arguments))
+            return tree.Call(name, arguments, span=span or self._joint_span([name], arguments))
         if "subscript" in raw:
             record = self.expression(raw["subscript"]["record"])
             field = self._name(raw["subscript"]["subscript"]["literal"]["the_symbol"]["symbol"])
@@ -276,7 +276,7 @@ class _TreeReader:
                 value = tree.Aggregation(self._name(operator), argument, span=span)
             else:
                 value = self.expression(raw["value"]["expression"])
-            arguments.append(tree.Argument(field, value, span=self._around([field], [value])))
+            arguments.append(tree.Argument(field, value, span=self._joint_span([field], [value])))
         return tuple(arguments)
 
     def _name(self, piece: str) -> Name:
@@ -290,7 +290,7 @@ class _TreeReader:
             return Span(piece.start, piece.stop)
         return Span(self._place(piece.start), self._place(piece.stop))
 
-    def _around(self, names: Iterable[object], nodes: Iterable[tree.Node]) -> Span | None:
+    def _joint_span(self, names: Iterable[object], nodes: Iterable[tree.Node]) -> Span | None:
         """Return the span of names and the nodes beside them, with whole brackets."""
         spans = [Span(n.start, n.start + len(n)) for n in names if isinstance(n, Name)]
         spans = [span for span in spans if span.start >= 0]
@@ -314,7 +314,7 @@ def to_package(program: Iterable[Statement], source: Prepared) -> list[Raw]:
 
 
 class _Writer:
-    """Makes nodes of the package, each of its own."""
+    """Makes nodes of the package; no two share a part."""
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -379,7 +379,7 @@ class _Writer:
             return {"literal": {"the_predicate": {"predicate_name": node.name}}}
         if isinstance(node, tree.Choice):
             parts = [map(self._expression, (b.condition, b.value)) for b in node.branches]
-            pairs = [{"condition": tested, "consequence": value} for tested, value in parts]
+            pairs = [{"condition": condition, "consequence": value} for condition, value in parts]
             otherwise = self._expression(node.otherwise)
             return {"implication": {"if_then": pairs, "otherwise": otherwise}}
         assert isinstance(node, tree.Aggregate)
@@ -462,13 +462,13 @@ def tie_pair(rule: Raw, variable: str) -> Raw | None:
     if not pair or pair["predicate_name"] != "->":
         return None
     writer = _Writer("")
-    tied = tree.Variable(variable)
+    tie = tree.Variable(variable)
     for side in pair["record"]["field_value"]:
-        entangled = writer._expression(tree.call("MagicalEntangle", tied, tied))
+        entangled = writer._expression(tree.call("MagicalEntangle", tie, tie))
         entangled["call"]["record"]["field_value"][0]["value"] = side["value"]
         side["value"] = {"expression": entangled}
     body = rule.setdefault("body", {"conjunction": {"conjunct": []}})
-    zero = tree.Membership(tree.List((tree.Number("0"),)), tied)
+    zero = tree.Membership(tree.List((tree.Number("0"),)), tie)
     body["conjunction"]["conjunct"].append(writer._body(zero))
     return rule
 

@@ -50,7 +50,7 @@ _OUTSIDE = frozenset(
         *("RunClingoFile", "RunClingoFileTemplate", "RunClingoTemplate", "WriteFile"),
     }
 )
-"""What the package offers to programs that are trusted with the machine."""
+"""Functions of the package for programs that are trusted with the machine."""
 
 
 class CheckResult(NamedTuple):
@@ -268,7 +268,7 @@ def _value_hint(name: str) -> str:
 
 
 NO_VALUE = "is named without its arguments, so it has no value"
-"""What is wrong with a predicate that stands where a value is wanted."""
+"""The end of the message about a predicate in the place of a value."""
 
 
 def _without_arguments(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
@@ -356,7 +356,7 @@ def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
         other_columns = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
         for column in _COLUMNS:
             if column not in columns:
-                yield _missing(rule.name, column, other_columns, text)
+                yield _missing_column(rule.name, column, other_columns, text)
 
 
 def engines(
@@ -394,7 +394,7 @@ def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator
             yield diagnostic_for(text, name, message, f"Did you mean {similar}?")
 
 
-def _missing(robot: str, column: str, columns: list[str], text: str) -> Diagnostic:
+def _missing_column(robot: str, column: str, columns: list[str], text: str) -> Diagnostic:
     close = next((name for name in columns if closest(name, [column], 0.5)), "")
     if close:
         message = f"Robot has no {column}"

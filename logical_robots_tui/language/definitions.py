@@ -1,4 +1,4 @@
-"""What statements define, call and substitute; the prelude; built-in functions; constants.
+"""Definitions, calls and substitutions of statements; prelude, built-in functions, constants.
 
 A parameter is a predicate that ``New := Old(Parameter: Given)`` substitutes.
 """

@@ -47,14 +47,14 @@ def most_important(diagnostics: Iterable[Diagnostic], excess: int = 0) -> tuple[
     If there are others, the last one says how many, including `excess` that nobody has made.
     """
     by_severity = sorted(diagnostics, key=lambda d: (d.severity, d.line, d.column))
-    listed, hidden = by_severity[:MOST_DIAGNOSTICS], by_severity[MOST_DIAGNOSTICS:]
-    last = listed[-1] if listed else None
-    listed.sort(key=lambda d: (d.line, d.column))
+    visible, hidden = by_severity[:MOST_DIAGNOSTICS], by_severity[MOST_DIAGNOSTICS:]
+    last = visible[-1] if visible else None
+    visible.sort(key=lambda d: (d.line, d.column))
     if last is not None and (excess := excess + len(hidden)):
         message = f"{excess:,} more problem{'s' * (excess > 1)} not shown"
         hint = "Correct these first."
-        listed.append(replace(last, message=message, hint=hint, excerpt=""))
-    return tuple(listed)
+        visible.append(replace(last, message=message, hint=hint, excerpt=""))
+    return tuple(visible)
 
 
 class ProgramError(LogicalRobotsError):
@@ -107,9 +107,9 @@ def most_similar(text: str, texts: Iterable[str]) -> str:
     """Return the text most similar to another, or ""; one that differs only in case comes first."""
     candidates = sorted(filter(None, texts))
     lower, limit = text.lower(), min(2, len(text) // 3)
-    by_case = (candidate for candidate in candidates if candidate.lower() == lower)
-    near = (candidate for candidate in candidates if distance(candidate.lower(), lower) <= limit)
-    return next(by_case, "") or next(near, "") or closest(text, candidates)
+    by_case = (c for c in candidates if c.lower() == lower)
+    by_distance = (c for c in candidates if distance(c.lower(), lower) <= limit)
+    return next(by_case, "") or next(by_distance, "") or closest(text, candidates)
 
 
 def distance(left: str, right: str) -> int:
@@ -181,7 +181,7 @@ def name_hint(text: str, names: Iterable[str]) -> str:
     close = most_similar(text, names)
     if close:
         return f'Did you mean "{printable(close[:_LONGEST])}"?'
-    *listed, last = sorted(f'"{printable(name)}"' for name in names) or [""]
-    if not last or len(listed) >= _MOST_LISTED or sum(map(len, names)) > _LONGEST:
+    *quoted, last = sorted(f'"{printable(name)}"' for name in names) or [""]
+    if not last or len(quoted) >= _MOST_LISTED or sum(map(len, names)) > _LONGEST:
         return "Compare it with the names in the labyrinth."
-    return f"It can be {', '.join(listed)} or {last}." if listed else f"It can be {last}."
+    return f"It can be {', '.join(quoted)} or {last}." if quoted else f"It can be {last}."

@@ -107,8 +107,8 @@ def _fitting(
     if message == _NO_FIELD and re.search(r"[^\w.]", value):
         message = _NO_EXPRESSION
     if message in _UNREAD:
-        hint = _beside(source.skeleton, place[0], *statement)
-        if hint := hint or _foreign(source.skeleton[slice(*place)]):
+        hint = _neighbour_hint(source.skeleton, place[0], *statement)
+        if hint := hint or _foreign_hint(source.skeleton[slice(*place)]):
             return message, hint
     if message == _NO_CONDITION and _FIELD.fullmatch(value):
         hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
@@ -171,7 +171,7 @@ def _without_value(names: list[str], source: Prepared, start: int, end: int) -> 
 
 
 def _value_hint(name: str, prefix: str) -> str:
-    """Return what a variable without a value is meant to be."""
+    """Return a hint how to give a variable its value."""
     if name in SENSOR.names:
         return f"Write sensor.{name}."
     table = next((predicate for predicate, columns in INPUTS.items() if name in columns), "")
@@ -268,7 +268,7 @@ _PLAIN = (
     (r"[Aa]nnotation", "This annotation can't be understood",
      'For example: @Recursive(P, 50); @OrderBy(P, "col0"); @Limit(P, 3);'),
 )  # fmt: skip
-"""Patterns for what the package says, the same in plain words, and what to do about it."""
+"""Patterns of the package's messages, each with a plain message and a hint."""
 
 
 _FOREIGN = (
@@ -304,18 +304,18 @@ _BESIDE = (
     (r"\bif\s+$", r"(?:(?!\bthen\b).)*?\belse\b", f"Every 'if' needs a 'then': {_IF}."),
     (r"", r"\w+ [A-Z]\w*\s*=[^,]*[<>!=]=", "Put the comparison in parentheses: x Max= (a <= b)."),
 )
-"""What stands before a place, and from there on, of which the parser reads only a part."""
+"""Patterns of the text before an error and from it on, each with a hint."""
 
 
-def _beside(skeleton: str, offset: int, start: int, end: int) -> str:
+def _neighbour_hint(skeleton: str, offset: int, start: int, end: int) -> str:
     prefix, suffix = skeleton[start:offset], skeleton[offset:end]
-    for pattern, further, hint in _BESIDE:
-        if re.search(pattern, prefix) and re.match(further, suffix, re.DOTALL):
+    for pattern, continuation, hint in _BESIDE:
+        if re.search(pattern, prefix) and re.match(continuation, suffix, re.DOTALL):
             return hint
     return ""
 
 
-def _foreign(piece: str) -> str:
+def _foreign_hint(piece: str) -> str:
     for pattern, hint in _FOREIGN:
         if match := re.search(pattern, piece, re.DOTALL):
             return hint.format(**match.groupdict()) if match.groupdict() else hint
@@ -337,7 +337,7 @@ def rule_of(error: BaseException, source: Prepared) -> tuple[int, int]:
 
 
 def _place(error: BaseException, source: Prepared, start: int, end: int) -> tuple[int, int]:
-    """Return offset and length of what an exception is about."""
+    """Return offset and length of the text that an exception is about."""
     location = getattr(error, "location", None)
     if isinstance(location, parse.HeritageAwareString) and location.heritage == source.text:
         begin, stop = location.start, location.stop

@@ -69,8 +69,8 @@ def expand(program: Iterable[tree.Statement]) -> Expanded:
         ready = []
         for name, functor in functors.items():
             values = (argument.value for argument in functor.arguments)
-            used = {functor.base, *(v.name for v in values if isinstance(v, tree.PredicateName))}
-            if not used.union(*map(expanded.reach, used)) & functors.keys():
+            callees = {functor.base, *(v.name for v in values if isinstance(v, tree.PredicateName))}
+            if not callees.union(*map(expanded.reach, callees)) & functors.keys():
                 ready.append(name)
         for name in ready or list(functors):
             _make(functors.pop(name), expanded)
@@ -78,7 +78,7 @@ def expand(program: Iterable[tree.Statement]) -> Expanded:
 
 
 def expand_functors(program: list[tree.Statement]) -> list[tree.Statement]:
-    """Expand every ``:=`` if one makes what the package can't: from a recursion, or whole rows."""
+    """Expand every ``:=`` if the package can't: one copies a recursion, or there are whole rows."""
     if not any(isinstance(statement, tree.Functor) for statement in program):
         return program
     expanded = expand(program)
@@ -110,11 +110,11 @@ def _make(functor: tree.Functor, expanded: Expanded) -> None:
     expanded.bases[name] = expanded.bases.get(base, base)
     if not names and base in expanded.reach(base) and expanded.rules.get(base):
         fields = [column.field for column in expanded.rules[base][0].head.columns]
-        same = tree.arguments({column: tree.Variable(f"c{n}") for n, column in enumerate(fields)})
-        expanded.rules[name] = [tree.Rule(tree.Head(name, same), tree.Atom(base, same))]
+        values = tree.arguments({c: tree.Variable(f"c{n}") for n, c in enumerate(fields)})
+        expanded.rules[name] = [tree.Rule(tree.Head(name, values), tree.Atom(base, values))]
         return
-    used = {base, *expanded.reach(base)}
-    affected = {p for p in used - names.keys() if expanded.reach(p) & names.keys()} | {base}
+    reachable = {base, *expanded.reach(base)}
+    affected = {p for p in reachable - names.keys() if expanded.reach(p) & names.keys()} | {base}
     copies = {p: f"{p}_in_{name}" for p in affected if p in expanded.rules} | {base: name}
     renaming = {f"{old}": f"{new}" for old, new in {**copies, **names}.items()}
     for original, copy in copies.items():
@@ -255,7 +255,7 @@ class _Examples:
 
 
 def _name_constants(rule: tree.Rule) -> tree.Rule:
-    """Let all calls of ``E()`` in a rule be one variable, so that they have one type."""
+    """Replace all calls of ``E()`` in a rule by one variable, so that they have one type."""
     constants: dict[str, tree.Call] = {}
 
     def change(node: tree.Node) -> tree.Node:
@@ -264,11 +264,11 @@ def _name_constants(rule: tree.Rule) -> tree.Rule:
             return tree.Variable(f"{node.name}()", span=node.span)
         return tree.rebuild(node, change)
 
-    named = tree.rebuild(rule, change)
-    if named.body is None:
+    rewritten = tree.rebuild(rule, change)
+    if rewritten.body is None:
         return rule
     equations = (tree.Equation(tree.Variable(f"{name}()"), constants[name]) for name in constants)
-    return replace(named, body=tree.Conjunction((named.body, *equations)))
+    return replace(rewritten, body=tree.Conjunction((rewritten.body, *equations)))
 
 
 def _cast_type(kind: Any, open_list: Diagnostic) -> Any:
@@ -323,14 +323,14 @@ def written_type(node: tree.Expression) -> Any:
     raise KeyError(type(node).__name__)
 
 
-def _sql_type(spelled: str) -> Any:
-    spelled = spelled.strip()
-    if spelled.endswith("[]"):
-        return [_sql_type(spelled[:-2])]
-    if match := re.fullmatch(r"(?is)struct\s*\((.*)\)", spelled):
+def _sql_type(text: str) -> Any:
+    text = text.strip()
+    if text.endswith("[]"):
+        return [_sql_type(text[:-2])]
+    if match := re.fullmatch(r"(?is)struct\s*\((.*)\)", text):
         fields = (part.strip().split(None, 1) for part in _parts(match.group(1)))
         return {field[0].strip('"'): _sql_type(field[1]) for field in fields if len(field) == 2}
-    return TYPES[spelled.upper()]
+    return TYPES[text.upper()]
 
 
 def _parts(text: str) -> list[str]:
@@ -440,10 +440,10 @@ class _RowExpander:
         if isinstance(node, tree.Conjunction | tree.Atom):
             rows: list[tree.Proposition] = []
             members = node.members if isinstance(node, tree.Conjunction) else (node,)
-            changed = [self._member(member, rows) for member in members]
+            new_members = [self._member(member, rows) for member in members]
             if isinstance(node, tree.Conjunction) or rows:
-                return tree.Conjunction((*changed, *rows), span=node.span)
-            return changed[0]
+                return tree.Conjunction((*new_members, *rows), span=node.span)
+            return new_members[0]
         return tree.rebuild(node, self._change)
 
     def _member(self, member: tree.Proposition, rows: list[tree.Proposition]) -> tree.Proposition:
@@ -452,9 +452,10 @@ class _RowExpander:
             return self._change(member)  # type: ignore[return-value]  # a kind for its kind
         if row := _row_of(member, self._tables):
             row_argument = next(a for a in member.arguments if a.field == tree.REST)
-            named = self._variables(row, _remaining_columns(member, self._tables))
-            member = replace(member, arguments=_replace_row(member.arguments, row_argument, named))
-            rows.append(tree.Equation(tree.Variable(row), tree.Record(tree.arguments(named))))
+            values = self._variables(row, _remaining_columns(member, self._tables))
+            arguments = _replace_row(member.arguments, row_argument, values)
+            member = replace(member, arguments=arguments)
+            rows.append(tree.Equation(tree.Variable(row), tree.Record(tree.arguments(values))))
         return tree.rebuild(member, self._change)
 
     def _variables(self, row: str, columns: Iterable[Field]) -> dict[Field, tree.Expression]:
@@ -462,6 +463,8 @@ class _RowExpander:
 
 
 def _replace_row(
-    arguments: tuple[tree.Argument, ...], row: tree.Argument, named: Mapping[Field, tree.Expression]
+    arguments: tuple[tree.Argument, ...],
+    row: tree.Argument,
+    values: Mapping[Field, tree.Expression],
 ) -> tuple[tree.Argument, ...]:
-    return (*(a for a in arguments if a is not row), *tree.arguments(named))
+    return (*(a for a in arguments if a is not row), *tree.arguments(values))

@@ -198,7 +198,7 @@ class Inference:
         self._kind(node.element, scope)
 
     def _no_list(self, node: Expression, kind: Kind) -> str:
-        """Return what is wrong with an expression that has to be a list, or ""."""
+        """Return a message if an expression that has to be a list can't be one; else ""."""
         subject = self._source(node, "The list")
         if isinstance(node, tree.Number | tree.Text):
             return f"{subject} is not a list"
@@ -328,8 +328,8 @@ class Inference:
         kinds = [self._kind(operand, scope) for operand in operands]
         if node.name in types.COMPARISONS | {"=="} and len(operands) == 2:
             self._check_comparison(*operands, *kinds)
-        elif node.name == "in" and isinstance(listed := kinds[-1], ListOf):
-            self._check_comparison(operands[0], operands[1], kinds[0], listed.element)
+        elif node.name == "in" and isinstance(list_kind := kinds[-1], ListOf):
+            self._check_comparison(operands[0], operands[1], kinds[0], list_kind.element)
             self._mention_elements(operands[1], kinds[0])
         elif node.name in types.ALIKE:
             joined = [

@@ -31,7 +31,7 @@ _UNEQUAL = ("/", "\\", "~")  # before a '=' in other languages
 _OVER_ROWS = {"Avg": "Avg", "Count": "Count", "Max": "Max", "Min": "Min", "Sum": "Sum", "+": "Sum"}
 
 CALLED_AGGREGATE = "(...) aggregates a single value"
-"""How the message about an aggregate ends that is called; in a condition it can't be computed."""
+"""The end of the message about an aggregate that is called; a condition can't compute it."""
 
 
 def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Diagnostic]:
@@ -65,17 +65,17 @@ class _Finder:
         body_uses = _mentions(tree.conjuncts(rule.body))
         rule_uses = body_uses + _mentions(rule.head)
         yield from self._unbound(rule, rule_uses)
-        marked: set[int] = set()  # nodes that are part of what was marked before
+        marked: set[int] = set()  # nodes that a diagnostic covers
         for node, is_test in _in_tests(rule):
             if id(node) in marked:
                 continue
             infix = infix_of(node)
             if infix is not None and node.span is not None:
-                loose = self._loose(node, "=", marked) if infix.operator != "=" else []
+                loose = self._loose_nodes(node, "=", marked) if infix.operator != "=" else []
                 if loose:
                     yield self._read_first(node, node.span, loose, is_test=is_test)
                 elif infix.operator in tree.JUNCTIONS and (
-                    pairs := self._loose(node, "->", marked)
+                    pairs := self._loose_nodes(node, "->", marked)
                 ):
                     yield self._read_first(node, node.span, pairs, is_test=False)
                 elif infix.operator == "=" and is_test:
@@ -99,7 +99,7 @@ class _Finder:
 
     # -- '=' and '->' beside operators that are read later -----------------------------------------
 
-    def _loose(self, node: Node, operator: str, marked: set[int]) -> list[Node]:
+    def _loose_nodes(self, node: Node, operator: str, marked: set[int]) -> list[Node]:
         """Return the operations in a node that have no parentheses; mark them and their parents."""
         infix = infix_of(node)
         operations: list[Node] = []
@@ -107,7 +107,8 @@ class _Finder:
             inner = infix_of(side)
             if inner is None or side.span is None or self._has_parentheses(side.span):
                 continue
-            loose = [side] if inner.operator == operator else self._loose(side, operator, marked)
+            is_loose = inner.operator == operator
+            loose = [side] if is_loose else self._loose_nodes(side, operator, marked)
             if loose:
                 marked.add(id(side))
             operations += loose
@@ -312,10 +313,10 @@ class _Finder:
 def _own_negations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     """Yield a warning for each predicate that depends on its own negation."""
     predicates = definitions(program)
-    below = {name: reach(statements, predicates) for name, statements in predicates.items()}
+    reachable = {name: reach(statements, predicates) for name, statements in predicates.items()}
     for rule in rules_of(program):
-        for call in _denied(rule) if rule.name in below.get(rule.name, ()) else ():
-            if call.name == rule.name or rule.name in below.get(call.name, ()):
+        for call in _negated_calls(rule) if rule.name in reachable.get(rule.name, ()) else ():
+            if call.name == rule.name or rule.name in reachable.get(call.name, ()):
                 message = f"{rule.name} depends on its own negation, ~{call.name}"
                 hint = (
                     "Its rows would exist only while they are missing. "
@@ -344,7 +345,7 @@ def _stops_with_limits(program: Sequence[tree.Statement], text: str) -> Iterator
         name = annotation.subject
         if name not in predicates or all(a.field != "stop" for a in annotation.arguments):
             continue
-        around = {
+        circle = {
             name,
             *(
                 n
@@ -352,19 +353,19 @@ def _stops_with_limits(program: Sequence[tree.Statement], text: str) -> Iterator
                 if name in reach(predicates.get(n, ()), predicates)
             ),
         }
-        if around & limited:
+        if circle & limited:
             message = "A recursion with stop: can't have @Limit"
             hint = f"Limit a predicate that reads {name}."
             yield diagnostic_for(text, annotation.name, message, hint)
 
 
-def _denied(node: Node, *, is_odd: bool = False) -> Iterator[tree.Call | tree.Atom]:
+def _negated_calls(node: Node, *, is_odd: bool = False) -> Iterator[tree.Call | tree.Atom]:
     """Yield the calls within an odd number of negations."""
     if is_odd and isinstance(node, tree.Call | tree.Atom):
         yield node
     is_odd ^= isinstance(node, tree.Aggregate) and node.is_denial
     for child in tree.children(node):
-        yield from _denied(child, is_odd=is_odd)
+        yield from _negated_calls(child, is_odd=is_odd)
 
 
 def _in_tests(rule: Node) -> Iterator[tuple[Node, bool]]:

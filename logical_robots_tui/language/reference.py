@@ -199,7 +199,7 @@ WindowSum(1, [1], [1], 2) => 1
 """
 
 
-def _read(table: str, kind: Kind) -> Iterator[FunctionHelp]:
+def _parse_table(table: str, kind: Kind) -> Iterator[FunctionHelp]:
     for line in table.strip().splitlines():
         signature, summary, sample = line.split(" -- ")
         example, result = sample.rsplit(" => ", 1)
@@ -213,9 +213,9 @@ def _read(table: str, kind: Kind) -> Iterator[FunctionHelp]:
 
 
 REFERENCE: tuple[FunctionHelp, ...] = (
-    *_read(_OPERATORS, "operator"),
-    *_read(_AGGREGATES, "aggregate"),
-    *_read(_FUNCTIONS, "function"),
+    *_parse_table(_OPERATORS, "operator"),
+    *_parse_table(_AGGREGATES, "aggregate"),
+    *_parse_table(_FUNCTIONS, "function"),
 )
 """All entries: operators, then aggregates, then functions."""
 

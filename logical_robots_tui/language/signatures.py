@@ -86,14 +86,16 @@ def wrong_calls(
 ) -> Iterator[Diagnostic]:
     predicates = definitions(program)
     parameters = {name for statement in program for name in substitutions(statement)}
-    used = {MAIN, *reach(predicates[MAIN], predicates)} if MAIN in predicates else {*predicates}
+    reachable = (
+        {MAIN, *reach(predicates[MAIN], predicates)} if MAIN in predicates else {*predicates}
+    )
     for rule in rules_of(program):
         for call in calls(rule):
             name, for_value = call.name, isinstance(call, tree.Call)
             if name in catalog and not (for_value and is_built_in(name)):
                 is_parameter = name in parameters
                 yield from _wrong_call(call, catalog[name], text, is_parameter=is_parameter)
-                if for_value and catalog[name].has_value and rule.name in used:
+                if for_value and catalog[name].has_value and rule.name in reachable:
                     yield from _missing_arguments(call, catalog[name], text)
             elif (
                 for_value

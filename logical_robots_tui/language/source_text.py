@@ -41,7 +41,7 @@ _SYMBOL = re.compile(
 )
 _COLON = re.compile(r"\s*:(?![-=])")
 
-# What stands in a text for the parser, which knows no single quotes.
+# Substitutes in texts for the parser, which knows no single quotes.
 _INNER_QUOTE = "\ue022"
 _INNER_BACKSLASH = "\ue05c"
 _ESCAPE = re.compile(
@@ -282,7 +282,7 @@ def _in_double_quotes(token: str) -> str:
 
 
 def original_text(parsed: str) -> str:
-    """Return the text that the player wrote, from what the parser read in the prepared one."""
+    """Return a string as the player wrote it, from its prepared form."""
     text = parsed.replace(_INNER_QUOTE, '"')
     if _INNER_BACKSLASH not in text:
         return text
@@ -291,7 +291,7 @@ def original_text(parsed: str) -> str:
 
 
 def _character(escape: str) -> str | None:
-    """Return what one of Python's escapes means, or None if no text here can hold it."""
+    """Return the character of a Python escape, or None if a text here can't hold it."""
     letter, digits = escape[1], escape[2:]
     if letter in _ESCAPES:
         return _ESCAPES[letter]

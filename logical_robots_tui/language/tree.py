@@ -47,7 +47,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Expression(Node):
-    """What has a value."""
+    """A node that has a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +196,7 @@ class Aggregate(Expression):
 
 @dataclass(frozen=True, slots=True)
 class Proposition(Node):
-    """What holds or not: a body or a part of one."""
+    """A body or a part of one, which holds or not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -362,16 +362,16 @@ def walk(tree: Tree, stop: Callable[[Node], object] | None = None) -> Iterator[N
 
 def rebuild(node: N, change: Callable[[Node], Node]) -> N:
     """Return a node whose children are changed; itself if none is."""
-    changed: dict[str, Any] = {}
+    changes: dict[str, Any] = {}
     for part in node.parts:
         old = getattr(node, part)
         if type(old) is tuple:
             new = tuple([change(child) for child in old])
             if any(a is not b for a, b in zip(old, new, strict=True)):
-                changed[part] = new
+                changes[part] = new
         elif old is not None and (new_node := change(old)) is not old:
-            changed[part] = new_node
-    return replace(node, **changed) if changed else node
+            changes[part] = new_node
+    return replace(node, **changes) if changes else node
 
 
 def is_aggregate(node: Node) -> bool:

@@ -1,4 +1,4 @@
-"""Types of values, as DuckDB knows them before a query runs, and what functions take and give.
+"""Types of values, as DuckDB knows them before a query runs, and types of functions.
 
 They serve messages about a program, and the SQL that computes what DuckDB would.
 """
@@ -109,8 +109,8 @@ def is_known(kind: Kind) -> bool:
 
 
 def common(kinds: Iterable[Kind]) -> Kind:
-    none: Kind = Plain.NULL
-    return reduce(_either, kinds, none)
+    bottom: Kind = Plain.NULL
+    return reduce(_either, kinds, bottom)
 
 
 def _either(left: Kind, right: Kind) -> Kind:
@@ -305,7 +305,7 @@ FUNCTIONS = _functions()
 """By name."""
 
 ARITHMETIC = frozenset({"%", "*", "+", "-", "/", "^", "Avg", "Sum"})
-"""What computes with numbers, also as an aggregate; on DuckDB texts make it fail."""
+"""Operators and aggregates that compute with numbers; on DuckDB they fail with texts."""
 
 COMPARISONS = frozenset({"!=", "<", "<=", ">", ">="})
 

@@ -1,7 +1,7 @@
-"""What would fail on the web platform, or mean something else there.
+"""Remarks on code that fails on the web platform, or means something else there.
 
-The platform evaluates a program as one statement of DuckDB, whose answers are the source of what
-is said here (`tests/mind/differential/test_web.py`).
+The platform evaluates a program as one statement of DuckDB; the remarks are tested against
+DuckDB (`tests/mind/differential/test_web.py`).
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ _EXACT = (4, 5)  # depths that a predicate which calls itself has there too
 
 def _recursions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     predicates = {name: rules_of(statements) for name, statements in definitions(program).items()}
-    below = {name: reach(rules, predicates) for name, rules in predicates.items()}
+    reachable = {name: reach(rules, predicates) for name, rules in predicates.items()}
     annotations = [e for e in program if isinstance(e, tree.Annotation) and e.name == "@Recursive"]
     visited: set[str] = set()
     for name in predicates:
-        if name in visited or name not in below[name]:
+        if name in visited or name not in reachable[name]:
             continue
-        circle = {callee for callee in below[name] if name in below.get(callee, ())}
+        circle = {callee for callee in reachable[name] if name in reachable.get(callee, ())}
         visited |= circle
         annotation = next((e for e in annotations if e.subject in circle), None)
         options = {} if annotation is None else {a.field: a.value for a in annotation.arguments}
