@@ -19,7 +19,7 @@ from logical_robots_tui.game.victory import Victory, brief, result_line, robustn
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.player.learning import version_name, version_result
-from logical_robots_tui.player.opening import Opening, Player
+from logical_robots_tui.player.opening import LocalPlayer, Opening
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.player.surroundings import surroundings
@@ -42,7 +42,7 @@ class LineGame(SessionListener):
     def __init__(self, opening: Opening, recorder: ProgressRecorder) -> None:
         self._ui, self._text = LineUi(), Text()
         self._has_own_text = opening.text is not None
-        self.player = Player(opening, recorder, self._ui, self._text, lambda: None, with_words)
+        self.player = LocalPlayer(opening, recorder, self._ui, self._text, lambda: None, with_words)
         self.session, self._recorder = self.player.session, recorder
         self._text.load(self.player.first_text)
         self._past = self.session.frame
@@ -51,7 +51,7 @@ class LineGame(SessionListener):
         self._victory: Victory | None = None
         self._told: tuple[Diagnostic, ...] = ()
         self._goes_on = True
-        recorder.attach(self._ui, changed=lambda: None, measured=self._measured)
+        recorder.attach(self._ui, on_change=lambda: None, on_measured=self._measured)
         self.session.listeners += [recorder, self]
 
     async def play(self) -> int:
@@ -70,7 +70,7 @@ class LineGame(SessionListener):
             say("Loaded your last program for this level.")
         self.level_opened(self.session.level)
         self.player.start()
-        await self._ui.done(but="measure")
+        await self._ui.drain(skip="measure")
         await self._settled()
         say("Type help for the commands.")
         for each in self.player.offerings():
@@ -98,7 +98,7 @@ class LineGame(SessionListener):
 
     async def _settled(self) -> None:
         """Wait for what the last command began, and say how it ended."""
-        await self._ui.done(but="measure")
+        await self._ui.drain(skip="measure")
         self.player.autosave.flush()
         state = self.session.state
         if state.phase == "mistake" and state.mistakes is not self._told:
@@ -141,7 +141,7 @@ class LineGame(SessionListener):
         if frame.tick == self._past.tick + 1:
             for event in events_between(self.session.level, self._past, frame):
                 say(f"Tick {frame.tick}: {event}")
-            marks = self._game.history.marks.at(frame.tick)
+            marks = self._game.history.marks.marks_at(frame.tick)
             say(*(f"Tick {frame.tick}: {words}" for mark in marks if (words := trouble(mark))))
         self._past = frame
 

@@ -396,13 +396,13 @@ def _link(link: game.Link) -> dict[str, Any]:
         ],
         "steps": steps
         and {
-            "by": steps.by,
+            "by": steps.increment,
             "since": steps.since,
             "times": steps.times,
             "from": steps.begin,
             "link": link.began,
         },
-        "from": [*map(_input, link.inputs, link.before)],
+        "from": [*map(_input, link.inputs, link.input_links)],
         "more": source.excess if source else 0,
         "problem": link.problem or None,
     }

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         Inquiry,
         Path,
         Pin,
-        Reading,
+        PinReading,
         pin_of_cell,
         read,
     )
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     )
     from logical_robots_tui.game.frame import Frame, Goal, NoSuchTickError, Superseded, goals
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.branch import Difference, Divergence
+    from logical_robots_tui.game.history.branch import BranchDifference, Divergence
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.history.marks import MARK_KINDS, Mark, MarkKind
     from logical_robots_tui.game.pace import Pace
@@ -65,10 +65,10 @@ __getattr__ = lazy_exports(
         "game": "Game",
         "history.history": "History",
         "debugging.matches": "Matches SearchResult find_matches search_ticks",
-        "debugging.inquiry": "MIND ROBOT_COLUMNS Inquiry Path Pin Reading pin_of_cell read",
+        "debugging.inquiry": "MIND ROBOT_COLUMNS Inquiry Path Pin PinReading pin_of_cell read",
         "history.marks": "MARK_KINDS Mark MarkKind",
         "debugging.origin": "Link Origin origin_in_game origin_in_run read_part subject_name",
-        "history.branch": "Difference Divergence",
+        "history.branch": "BranchDifference Divergence",
         "pace": "Pace",
         "victory": "is_shipped level_key reference_for",
         "run": "Run run_key",

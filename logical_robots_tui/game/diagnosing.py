@@ -23,7 +23,7 @@ from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.findings import Observations, Stored, findings_of, observe
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.history.recording import DamagedError
+from logical_robots_tui.game.history.recording import DamagedRunError
 from logical_robots_tui.mind import Limits, Program, QueryError
 from logical_robots_tui.mind.compilation import Task, find_result, keep_result
 from logical_robots_tui.processes.helper import Helper, begin
@@ -174,7 +174,7 @@ async def diagnose_run(
         return kept
     try:
         found = await _diagnose_run(run, ticks, ran, report, show)
-    except DamagedError:
+    except DamagedRunError:
         await run.forget()
         found = await _diagnose_run(run, ticks, ran, report, show)
     if found.is_reliable and not found.given_up:

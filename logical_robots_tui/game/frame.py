@@ -50,6 +50,12 @@ class Frame:
         return next((each for each in self.decisions if each.robot_name == robot), None)
 
     @property
+    def distance(self) -> float:
+        """The total straight-line distance that all robots moved, in map units."""
+        pairs = zip(self.before.robots, self.after.robots, strict=True)
+        return sum(math.hypot(end.x - start.x, end.y - start.y) for start, end in pairs)
+
+    @property
     def is_reliable(self) -> bool:
         """Whether the tick is the same on any machine: no time limit cut off a thought."""
         return all(decision.is_reliable for decision in self.decisions)
@@ -63,14 +69,6 @@ class NoSuchTickError(LogicalRobotsError):
 
 class Superseded(Exception):  # noqa: N818 - not an error: the player did something else meanwhile
     """The work belonged to a run that is over; its result was dropped."""
-
-
-def driven(before: WorldState, after: WorldState) -> float:
-    """Return the total straight-line distance of all robots between two states, in map units."""
-    return sum(
-        math.hypot(now.x - then.x, now.y - then.y)
-        for then, now in zip(before.robots, after.robots, strict=True)
-    )
 
 
 def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:

@@ -319,7 +319,7 @@ class Game:
         run, here, texts = self.run_number, self._frame.tick, self.program.texts
         together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
         leads_on = not self._is_program_wanted
-        known = self.history.known_ahead(here, together, texts, is_branch_wanted=leads_on)
+        known = self.history.stored_ahead(here, together, texts, follow_branch=leads_on)
         for each in await self._ahead(most, known, seconds):
             frame = each.frame
             follows = frame.before is self._frame.after or not frame.decisions
@@ -353,7 +353,7 @@ class Game:
             raise Superseded from None
 
     def _present_watch(self) -> Watch:
-        breakpoints = self.breakpoints.on
+        breakpoints = self.breakpoints.enabled
         if self._watch.breakpoints != breakpoints or self._watched_by is not self.program:
             self._watch, self._watched_by = Watch(breakpoints), self.program
         return self._watch

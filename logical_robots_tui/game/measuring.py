@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
 from logical_robots_tui.game.advancing import play_tick, start_frame
-from logical_robots_tui.game.frame import Frame, driven
+from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.minds import mind_for
 from logical_robots_tui.game.victory import measures_of, reached_goals
 from logical_robots_tui.mind import Limits, Mind, Program
@@ -157,7 +157,7 @@ def play_through(
             frame = play_tick(world, mind, frame, stop)
             if not frame.is_reliable:
                 raise LateError
-            distance += driven(frame.before, frame.after)
+            distance += frame.distance
             is_blocked = is_blocked or any(robot.blocked for robot in frame.after.robots)
             if is_over is not None and is_over(frame, mind):
                 break

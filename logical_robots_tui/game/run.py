@@ -24,9 +24,9 @@ from logical_robots_tui.game.advancing import (
     start_frame,
 )
 from logical_robots_tui.game.debugging.breakpoints import Watch
-from logical_robots_tui.game.frame import Frame, driven
+from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.history.packing import TickState
-from logical_robots_tui.game.history.recording import DamagedError, Recording
+from logical_robots_tui.game.history.recording import DamagedRunError, Recording
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import FLAGS
@@ -65,9 +65,9 @@ class Run:
         return self._recording.last
 
     @property
-    def lasts(self) -> bool:
+    def is_reproducible(self) -> bool:
         """Whether all computed ticks are reproducible: no time limit cut off a thought."""
-        return self._recording.lasts
+        return self._recording.is_reproducible
 
     async def frame(self, tick: int, report: Callable[[int], object] = lambda _tick: None) -> Frame:
         """Return the frame of a tick; `report` gets the last computed tick as work proceeds."""
@@ -98,15 +98,15 @@ class Run:
             try:
                 history = RunHistory(self, 0, self.last)
                 return [history.replay(tick) for tick in ticks]
-            except DamagedError:
+            except DamagedRunError:
                 return []
 
         return await self._thinker.do(read)
 
     def stored(self, tick: int) -> RecordedTick:
-        """Return a tick that was computed, while no work is being done, or raise DamagedError."""
+        """Return a tick computed before, while no work is being done, or raise DamagedRunError."""
         if self._recording.is_in_gap(tick):
-            raise DamagedError(f"tick {tick} was dropped")
+            raise DamagedRunError(f"tick {tick} was dropped")
         return RecordedTick(self.level, self._recording.moment(tick))
 
     async def each(
@@ -181,7 +181,7 @@ class Run:
                 if self._recording.is_in_gap(at) or (found and CLOCK.now() >= until):
                     break
                 found.append(self._recording.memory(at, robot))
-        except DamagedError:
+        except DamagedRunError:
             self._forget()
             return None
         return found
@@ -197,14 +197,14 @@ class Run:
                 if end <= tick or CLOCK.now() >= until:
                     return min(tick, end), end <= tick
                 self._compute(tick + 1, stop, until)
-        except DamagedError:
+        except DamagedRunError:
             self._forget()
             return 0, False
 
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
         try:
             return self._known(tick) if self._compute(tick, stop, until) else None
-        except DamagedError:
+        except DamagedRunError:
             self._forget()
             return None
 
@@ -238,7 +238,7 @@ class Run:
         )
         frame = self._latest = step.frame
         before = self._recording.moment(past.tick).driven
-        self._recording.add(TickState.of(frame, before + driven(frame.before, frame.after)))
+        self._recording.add(TickState.from_frame(frame, before + frame.distance))
 
 
 class RunHistory:
@@ -252,7 +252,7 @@ class RunHistory:
         self._latest: RecordedTick | None = None
 
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
-        """Return the moment before a tick, and the tick, or raise DamagedError."""
+        """Return the moment before a tick, and the tick, or raise DamagedRunError."""
         before = self._stored(max(tick - 1, 0)).moment
         return before, self._stored(tick)
 
@@ -266,7 +266,7 @@ class RunHistory:
         return self._run.level
 
     def is_reliable_up_to(self, _tick: int) -> bool:
-        return self._run.lasts
+        return self._run.is_reproducible
 
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:

@@ -29,10 +29,10 @@ MOST_RUNS = 200
 
 
 class BestRuns(SessionListener):
-    """Keeps the run with the fewest ticks of those that won; `kept` is called after that."""
+    """Keeps the run with the fewest ticks of those that won, then calls `on_kept`."""
 
     def __init__(self, session: Session, ui: Ui, folder: Path) -> None:
-        self.kept: Callable[[], None] = lambda: None
+        self.on_kept: Callable[[], None] = lambda: None
         self._session, self._ui, self._folder = session, ui, folder
 
     def won(self, victory: Victory) -> None:
@@ -65,7 +65,7 @@ class BestRuns(SessionListener):
             reason = error.strerror if isinstance(error, OSError) else error
             self._ui.warn(f"This run can't be kept to race against: {reason or error}")
         else:
-            self.kept()
+            self.on_kept()
 
 
 def _is_best(path: Path, victory: Victory) -> bool:
@@ -75,11 +75,11 @@ def _is_best(path: Path, victory: Victory) -> bool:
     if not path.exists():
         return True
     try:
-        known = load_replay(path)
+        best = load_replay(path)
     except InputError:
         path.replace(path.with_name(f"{path.stem}-unreadable{path.suffix}"))
         return True
-    return known.last > victory.tick or not alike(known.levels[0], victory.level)
+    return best.last > victory.tick or not alike(best.levels[0], victory.level)
 
 
 def _write(path: Path, replay: Replay) -> None:

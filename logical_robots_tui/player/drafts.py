@@ -71,7 +71,7 @@ class Drafts:
         self._is_closed = False
         self._turn = self._turns_before = 0
         self._latest: dict[Key, int] = {}
-        self._mine: dict[Key, Draft] = {}
+        self._drafts: dict[Key, Draft] = {}
         self._adopted: dict[tuple[str, ...], Draft] = {}
         self._unwritten: set[Key] = set()
 
@@ -86,27 +86,27 @@ class Drafts:
         with self._guard:
             if not self._is_turn_of(draft.key, turn):
                 return
-            self._mine[draft.key] = draft
+            self._drafts[draft.key] = draft
             self._unwritten.add(draft.key)
             self._hold_lock()
             draft = replace(draft, turn=self._turns_before + self._latest[draft.key])
-            self._mine[draft.key] = draft
+            self._drafts[draft.key] = draft
             write_atomically(self._file(draft.key), json.dumps(asdict(draft), default=str))
             self._unwritten.discard(draft.key)
 
     def unwritten(self) -> list[tuple[Draft, OSError]]:
         """Return the drafts that still can't be written, with reasons; they are lost at exit."""
-        found = []
+        failures = []
         with self._guard:
-            for draft in [self._mine[key] for key in sorted(self._unwritten)]:
+            for draft in [self._drafts[key] for key in sorted(self._unwritten)]:
                 try:
                     self.keep(draft, self._latest.get(draft.key))
                 except OSError as error:
-                    found.append((draft, error))
-        return found
+                    failures.append((draft, error))
+        return failures
 
     def get(self, key: Key) -> Draft | None:
-        return self._mine.get(key)
+        return self._drafts.get(key)
 
     def take(self, key: Key, text: str | None = None) -> Draft | None:
         """Turn the newest adopted draft of a key, or that with a text, into an own one, or None.
@@ -114,11 +114,11 @@ class Drafts:
         An own draft of the same key is moved to the folder ``old``.
         """
         with self._guard:
-            found = [d for d in self._adopted.values() if d.key == key and text in (None, d.text)]
-            draft = max(found, key=lambda draft: draft.turn, default=None)
+            matches = [d for d in self._adopted.values() if d.key == key and text in (None, d.text)]
+            draft = max(matches, key=lambda draft: draft.turn, default=None)
             if draft is not None:
                 del self._adopted[draft.identity]
-                self._mine[key] = draft
+                self._drafts[key] = draft
                 self._unwritten.add(key)
                 with suppress(OSError):
                     if self._file(key).exists():
@@ -133,7 +133,7 @@ class Drafts:
             if not self._is_turn_of(key, turn):
                 return
             self._unwritten.discard(key)
-            if self._mine.pop(key, None) is not None:
+            if self._drafts.pop(key, None) is not None:
                 with suppress(OSError):
                     self._file(key).unlink(missing_ok=True)
 
@@ -156,8 +156,8 @@ class Drafts:
                 sessions |= {file.stem for file in self.folder.glob("*.lock")}
                 for session in sorted(sessions - {self._session}):
                     self._adopt_session(session)
-            found = [draft for draft in self._adopted.values() if draft.kind == kind]
-            return sorted(found, key=lambda draft: draft.turn, reverse=True)
+            drafts = [draft for draft in self._adopted.values() if draft.kind == kind]
+            return sorted(drafts, key=lambda draft: draft.turn, reverse=True)
 
     def close(self) -> None:
         """End the session; its drafts remain for the next one."""
@@ -165,7 +165,7 @@ class Drafts:
             self._is_closed = True
             if self._lock is None:
                 return
-            if not self._mine and not self._adopted:
+            if not self._drafts and not self._adopted:
                 with suppress(OSError):
                     self._lock_file(self._session).unlink(missing_ok=True)
             release(self._lock)
@@ -246,8 +246,8 @@ def _number(file: Path) -> int:
 
 def _from_json(file: Path) -> Draft | None:
     try:
-        found = json.loads(file.read_text("utf-8"))
-        draft = Draft(**found | {"saved": datetime.fromisoformat(found["saved"])})
+        fields = json.loads(file.read_text("utf-8"))
+        draft = Draft(**fields | {"saved": datetime.fromisoformat(fields["saved"])})
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
     is_whole = (
@@ -315,8 +315,8 @@ class Autosave(Generic[State]):
     drafts: Drafts
     state: Callable[[], State]
     draft: Callable[[State], Draft | Key]
-    failed: Callable[[str], None]
-    what: str
+    warn: Callable[[str], None]
+    subject: str
     delay: float = 0.25
     _has_failed: bool = False
     _written: State | None = None
@@ -350,7 +350,7 @@ class Autosave(Generic[State]):
         if not self._has_failed:
             self._has_failed = True
             reason = error.strerror or str(error)
-            self.failed(f"{self.what} can't be kept on disk: {reason}. Save it elsewhere.")
+            self.warn(f"{self.subject} can't be kept on disk: {reason}. Save it elsewhere.")
 
     async def _keep_soon(self) -> None:
         state = self._written

@@ -66,8 +66,8 @@ class Learning:
     def answers(self) -> dict[str, str]:
         """The queries that have answered questions of the level."""
         answers = dict(self._recorder.record.answers)
-        asked = (question.ask for question in self._session.level.questions)
-        return {ask: answers[ask] for ask in asked if ask in answers}
+        prompts = (question.ask for question in self._session.level.questions)
+        return {prompt: answers[prompt] for prompt in prompts if prompt in answers}
 
     @property
     def answered(self) -> str:
@@ -102,8 +102,8 @@ class Learning:
             "Do you want to see winning programs before you have won? "
             "A hint ({hint}) may be all you need."
         )
-        asked = self._ui.choose
-        if not self._has_won and await asked("Reference programs", question, answers) != "yes":
+        choose = self._ui.choose
+        if not self._has_won and await choose("Reference programs", question, answers) != "yes":
             return ""
         names = await asyncio.to_thread(reference_names, solution)
         sources = await tried(self._ui, lambda: [*map(load_program, names)])

@@ -24,7 +24,7 @@ from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
 if TYPE_CHECKING:
     from logical_robots_tui.world.levels.labyrinths import DailySize
 
-_PROVING = "the-long-hall"  # follows a wall, which leads everywhere where there are no loops
+_PROOF_PROGRAM = "the-long-hall"  # follows a wall, which leads everywhere where there are no loops
 _TICKS_PER_CELL = 250
 _MOST_DAILIES = 9
 
@@ -42,14 +42,14 @@ def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
         fact = f"won {daily.name}"
         if progress.fact(fact) is not None:
             return level
-        program = program or Program.compile(shipped_texts()[_PROVING])
+        program = program or Program.compile(shipped_texts()[_PROOF_PROGRAM])
         try:
-            played = play_through(level, program, _TICKS_PER_CELL * daily.cells)
+            victory_run = play_through(level, program, _TICKS_PER_CELL * daily.cells)
         except LateError:
             message = "This computer is too busy to check that the labyrinth can be won."
             raise InputError(message, hint="Try again.") from None
-        if played.won_at is not None:
-            progress.set_fact(fact, str(played.won_at))
+        if victory_run.won_at is not None:
+            progress.set_fact(fact, str(victory_run.won_at))
             return level
     raise InputError(f"No {size} labyrinth of {day.isoformat()} can be won.")
 
@@ -71,16 +71,16 @@ class Library:
         self._drafts, self._autosave, self._program = drafts, autosave, program
         self.programs = data_dir / "programs"
 
-    async def following(self) -> str | None:
+    async def next_name(self) -> str | None:
         """Return the name of the level after this one, if there is one."""
-        listed = list_arenas if self._session.level.teams else list_levels
-        names = await asyncio.to_thread(listed)
-        here = self._session.level.name
-        after = names[names.index(here) + 1 :] if here in names else names
-        return after[0] if after else None
+        list_names = list_arenas if self._session.level.teams else list_levels
+        names = await asyncio.to_thread(list_names)
+        name = self._session.level.name
+        later_names = names[names.index(name) + 1 :] if name in names else names
+        return later_names[0] if later_names else None
 
     async def next_level(self) -> None:
-        name = await self.following()
+        name = await self.next_name()
         if name is None:
             self._ui.tell("This was the last level.")
             return
@@ -104,31 +104,31 @@ class Library:
         source = self._session.source
         sources = dict.fromkeys([team.name for team in level.teams] or [""], source)
         if level.teams or (level.starter and level.starter != source.name):
-            found = await tried(self._ui, programs_for, level, (), {}, self.programs)
-            sources = sources if found is None else found
+            team_sources = await tried(self._ui, programs_for, level, (), {}, self.programs)
+            sources = sources if team_sources is None else team_sources
         source = next(iter(sources.values()))
-        kept = None
+        own_text = None
         if source.name == level.starter:
-            kept = await self._recorder.newest(level)
-        self.open_with(level, sources, kept)
+            own_text = await self._recorder.newest(level)
+        self.open_with(level, sources, own_text)
 
     def open_with(
-        self, level: Level, sources: Mapping[str, Source], kept: str | None = None
+        self, level: Level, sources: Mapping[str, Source], own_text: str | None = None
     ) -> None:
-        """Open a level with programs by team; `kept` is the text of the first, if not its own."""
-        text = self._leave_text_for(next(iter(sources.values())), kept)
+        """Open a level with programs by team; `own_text` is the player's version of the first."""
+        text = self._load_text_of(next(iter(sources.values())), own_text)
         self._session.open_level(level, sources, text)
 
     def look_at(self, team: str) -> None:
-        source, applied = self._session.sources.of(team)
-        self._leave_text_for(source, applied, tells=False)
+        source, applied = self._session.sources.source_and_text(team)
+        self._load_text_of(source, applied, notify=False)
         self._session.look_at(team)
 
     def open_program(self, source: Source, text: str | None = None) -> None:
         """Edit and apply a program, with a given text or that of its draft."""
         source = source._replace(team=self._session.sources.team)
         if text is None:
-            text = self._leave_text_for(source)
+            text = self._load_text_of(source)
         elif source.draft == self._session.source.draft:
             self._program.put(text)
         else:
@@ -171,12 +171,12 @@ class Library:
             session.saved_as(source)
             self._ui.warn(f"{name} has changed on disk; your text is kept here.")
 
-    def _leave_text_for(
-        self, source: Source, kept: str | None = None, *, tells: bool = True
+    def _load_text_of(
+        self, source: Source, own_text: str | None = None, *, notify: bool = True
     ) -> str:
-        """Put a program's draft, or else `kept`, into the editor, and return it.
+        """Put a program's draft, or else the player's version, into the editor; return the text.
 
-        The old text is kept; `tells` says whether to tell the player.
+        The old text is kept; `notify` says whether to tell the player.
         """
         if source.draft == self._session.source.draft:
             return self._program.text
@@ -185,27 +185,27 @@ class Library:
         draft = self._drafts.get(key) or self._drafts.take(key)
         if draft is not None and draft.text != source.text:
             name = "program for this level"
-            if draft.text != kept:
+            if draft.text != own_text:
                 name = f"unsaved text of {one_line(source.name)}"
-            if tells:
+            if notify:
                 self._ui.tell(f"Your {name} has been restored.")
             self._program.load(draft.text)
             return draft.text
-        text = source.text if kept is None else kept
-        if text != source.text and tells:
+        text = source.text if own_text is None else own_text
+        if text != source.text and notify:
             self._ui.tell("Your program for this level has been restored.")
         self._program.load(text)
         return text
 
     async def offer(self, offers: Offers) -> None:
         """Offer unsaved texts of this program; those of others are offered next time."""
-        asked: str | None = None
+        last_path: str | None = None
         while drafts := await offers.at_hand(self._left_unsaved):
-            here = asked or self._session.source.draft
-            draft = next((draft for draft in drafts if draft.path == here), drafts[0])
-            if asked not in (None, draft.path):
+            path = last_path or self._session.source.draft
+            draft = next((draft for draft in drafts if draft.path == path), drafts[0])
+            if last_path not in (None, draft.path):
                 return
-            another = "another" if asked else "your"
+            another = "another" if last_path else "your"
             question = (
                 f"Continue with {another} unsaved text of {short_name(draft)} "
                 f"from {when_saved(draft)}?"
@@ -219,7 +219,7 @@ class Library:
                 await asyncio.to_thread(self._drafts.put_away, draft)
             else:
                 return
-            asked = draft.path
+            last_path = draft.path
 
     async def _left_unsaved(self) -> list[Draft]:
         try:
@@ -247,8 +247,8 @@ class Library:
     async def _is_unsaved(self, draft: Draft) -> bool:
         """Return whether a draft is neither in its file nor among the earlier versions."""
         source = await asyncio.to_thread(Source.of_draft, draft.path, draft.name)
-        kept = await self._recorder.ask(lambda progress: progress.holds(draft.text))
-        if source.text != draft.text and not kept:
+        is_version = await self._recorder.ask(lambda progress: progress.holds(draft.text))
+        if source.text != draft.text and not is_version:
             return True
         await asyncio.to_thread(self._drafts.put_away, draft)
         return False

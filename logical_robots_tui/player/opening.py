@@ -71,13 +71,13 @@ def open_game(
 
     `programs` follow the order of teams. Raises InputError if the level or a program can't be used.
     """
-    level = load_level(level_name) if level_name else level_to_begin_with(progress)
+    level = load_level(level_name) if level_name else initial_level(progress)
     if start:
         from logical_robots_tui.game.measuring import named_start_of
 
         level = named_start_of(level, start)
-    own = data_dir / "programs"
-    sources, text = programs_to_begin_with(progress, level, programs, teams or {}, own)
+    folder = data_dir / "programs"
+    sources, text = initial_programs(progress, level, programs, teams or {}, folder)
     return Opening(
         level=level,
         sources=sources,
@@ -108,7 +108,7 @@ def level_of(replay: Replay) -> Level:
     return shipped if alike(shipped, level) else level
 
 
-def sources_of(replay: Replay, own: Path) -> dict[str, Source]:
+def sources_of(replay: Replay, folder: Path) -> dict[str, Source]:
     """Return each team's last program ("" without teams), the player's or shipped if equal."""
     name = re.sub(r"[^\w.-]+", "-", replay.texts[-1].name, flags=re.ASCII)[:40] or "replay"
     texts = replay.programs[replay.texts[-1].tick]
@@ -116,23 +116,23 @@ def sources_of(replay: Replay, own: Path) -> dict[str, Source]:
         teams = [team.name for team in replay.levels[-1].teams]
         texts = dict.fromkeys(teams or [""], texts[""])
     return {
-        team: _source_of(f"{name}-{team}" if team else name, part, own)
+        team: _source_of(f"{name}-{team}" if team else name, part, folder)
         for team, part in texts.items()
     }
 
 
-def _source_of(name: str, text: str, own: Path) -> Source:
+def _source_of(name: str, text: str, folder: Path) -> Source:
     try:
-        source = load_program(name, own)
+        source = load_program(name, folder)
         if source.text == text:
             return source
         name += "-in-replay"
     except InputError:
         pass
-    return Source(name, text, own / f"{name}.l", shipped=False)
+    return Source(name, text, folder / f"{name}.l", shipped=False)
 
 
-def level_to_begin_with(progress: Progress) -> Level:
+def initial_level(progress: Progress) -> Level:
     """Return the level played last, or the first one; raise InputError if levels are missing."""
     names = list_levels()
     if not names:
@@ -144,23 +144,23 @@ def level_to_begin_with(progress: Progress) -> Level:
     return load_level(names[0])
 
 
-def programs_to_begin_with(
-    progress: Progress, level: Level, names: Sequence[str], by_team: Mapping[str, str], own: Path
+def initial_programs(
+    progress: Progress, level: Level, names: Sequence[str], by_team: Mapping[str, str], folder: Path
 ) -> tuple[dict[str, Source], str | None]:
     """Return the programs to open, by team, and the player's last text of the first.
 
     `names` follow the order of the teams; by default the usual ones. In a level without teams
     the program is that of "". Raises InputError.
     """
-    sources = programs_for(level, names, by_team, own)
-    mine = next(iter(sources) if names or not by_team else iter(by_team))
-    goes_on = not (names or by_team) and bool(level.starter)
-    text = progress.newest(level_key(level)) if goes_on else None
-    return {mine: sources[mine]} | sources, text
+    sources = programs_for(level, names, by_team, folder)
+    first_team = next(iter(sources) if names or not by_team else iter(by_team))
+    is_default = not (names or by_team) and bool(level.starter)
+    text = progress.newest(level_key(level)) if is_default else None
+    return {first_team: sources[first_team]} | sources, text
 
 
-class Player:
-    """The session, and who keeps what the player does in it.
+class LocalPlayer:
+    """The player at this terminal: the session, and what keeps their work.
 
     `with_keys` says in a text how the commands in braces are given.
 
@@ -174,12 +174,12 @@ class Player:
         recorder: ProgressRecorder,
         ui: Ui,
         program: ProgramText,
-        changed: Callable[[], None],
+        on_change: Callable[[], None],
         with_keys: Callable[[str], str],
     ) -> None:
         self._opening, self._ui, self.recorder = opening, ui, recorder
         session = self.session = Session(
-            opening.level, opening.sources, ui.spawn, changed, opening.clock
+            opening.level, opening.sources, ui.spawn, on_change, opening.clock
         )
         self.first_text = session.source.text if opening.text is None else opening.text
         drafts = self.drafts = Drafts(opening.data_dir / "drafts")
@@ -187,8 +187,8 @@ class Player:
             drafts,
             state=lambda: UnsavedText(session.source, program.text, level_key(session.level)),
             draft=program_draft,
-            failed=ui.warn,
-            what="Unsaved text",
+            warn=ui.warn,
+            subject="Unsaved text",
         )
         library = self.library = Library(
             session, ui, recorder, drafts, autosave, program, opening.data_dir
@@ -204,11 +204,11 @@ class Player:
         self.recorder.level_opened(self.session.opened)
         self.session.apply(self.first_text)
 
-    def offerings(self, *others: Offering) -> list[Offering]:
+    def offerings(self, *extra: Offering) -> list[Offering]:
         """Return what to offer from earlier sessions, in order."""
         games = self._opening.games
         first = [] if games is None else [OtherGames(games, self._ui)]
-        return [*first, self.library, *others, self.bookmark]
+        return [*first, self.library, *extra, self.bookmark]
 
     async def close(self) -> None:
         self.autosave.stop()

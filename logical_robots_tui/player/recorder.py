@@ -61,11 +61,11 @@ class ProgressRecorder(SessionListener):
         self,
         ui: Ui,
         *,
-        changed: Callable[[], None],
-        measured: Callable[[Level, Measures, bool], None],
+        on_change: Callable[[], None],
+        on_measured: Callable[[Level, Measures, bool], None],
     ) -> None:
-        """Connect to a screen; `measured` gets level, measures, and if the level is current."""
-        self._ui, self._changed, self._measured = ui, changed, measured
+        """Connect to a screen; `on_measured` gets level, measures, and if the level is current."""
+        self._ui, self._on_change, self._on_measured = ui, on_change, on_measured
 
     async def close(self) -> None:
         """Finish writing, and close the file."""
@@ -75,15 +75,15 @@ class ProgressRecorder(SessionListener):
 
     @property
     def trial(self) -> Trial | None:
-        found = self._trials.get(self._key)
-        return found[1] if found else None
+        entry = self._trials.get(self._key)
+        return entry[1] if entry else None
 
-    async def ask(self, look: Callable[[Progress], T]) -> T:
+    async def ask(self, query: Callable[[Progress], T]) -> T:
         """Query the record, after all pending writes."""
-        found = await asyncio.get_running_loop().run_in_executor(self._writer, look, self.progress)
+        reply = await asyncio.get_running_loop().run_in_executor(self._writer, query, self.progress)
         while not self._news.empty():
             self._ui.warn(self._news.get())
-        return found
+        return reply
 
     async def newest(self, level: Level) -> str | None:
         return await self.ask(lambda progress: progress.newest(level_key(level)))
@@ -170,57 +170,58 @@ class ProgressRecorder(SessionListener):
         if self._trials.pop(self._key, None) is None:
             return False
         self._ui.spawn(nothing, f"measure {self._key}", exclusive=True)
-        self._changed()
+        self._on_change()
         return True
 
     def _write(self, work: Callable[[Progress], None]) -> None:
         if self._is_closed:
             return
         self._writer.submit(work, self.progress)
-        self._ui.spawn(self._look, "recorder", exclusive=False)
+        self._ui.spawn(self._reload, "recorder", exclusive=False)
 
-    async def _look(self) -> None:
+    async def _reload(self) -> None:
         key = self._key
         record = await self.ask(lambda progress: progress.record(key))
         if key == self._key and record != self.record:
             # What is revealed meanwhile is not hidden again.
             self.record = record._replace(hints=max(record.hints, self.record.hints))
-            self._changed()
+            self._on_change()
 
     async def _measure(self, level: Level, key: str, program: Program) -> None:
         from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
 
         text = program.text
-        known = await self.ask(lambda progress: progress.measures(key, text))
-        later = {goal.words for goal in level.second_goals if goal.is_tried_later}
-        if known is None or known.wins is None or not later.issubset(known.goals):
-            mine = (text, Trial())
-            self._trials[key] = mine
-            self._changed()
+        measures = await self.ask(lambda progress: progress.measures(key, text))
+        later_goals = {goal.words for goal in level.second_goals if goal.is_tried_later}
+        if measures is None or measures.wins is None or not later_goals.issubset(measures.goals):
+            entry = (text, Trial())
+            self._trials[key] = entry
+            self._on_change()
             try:
                 async with self._turn:  # one at a time: there may be few processors
-                    known = await measure(level, program, known, partial(self._tried, key, text))
+                    update = partial(self._update_trial, key, text)
+                    measures = await measure(level, program, measures, update)
             except MeasuringError:
                 self._ui.warn("The robustness test failed.")
                 return
             finally:
-                if self._trials.get(key, mine)[0] == text:
+                if self._trials.get(key, entry)[0] == text:
                     self._trials.pop(key, None)
-                self._changed()
-        if known is None:
+                self._on_change()
+        if measures is None:
             self._ui.warn("The program does not win from the start: it was changed during the run.")
         else:
-            found = known
-            self._write(lambda progress: progress.win(key, text, found))
-            self._measured(level, found, key == self._key)
+            final = measures
+            self._write(lambda progress: progress.win(key, text, final))
+            self._on_measured(level, final, key == self._key)
             if key == self._key:
-                self.latest = found
-                self._changed()
+                self.latest = final
+                self._on_change()
 
-    def _tried(self, key: str, text: str, trial: Trial) -> None:
+    def _update_trial(self, key: str, text: str, trial: Trial) -> None:
         if key in self._trials:
             self._trials[key] = (text, trial)
-            self._changed()
+            self._on_change()
 
 
 def note_level(progress: Progress, level: Level) -> None:

@@ -29,7 +29,7 @@ from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
 
-Found = TypeVar("Found")
+T = TypeVar("T")
 
 _LOOK_SECONDS, _LOOKS = 0.25, 40
 """How often, and how many times, to look whether other games have ended."""
@@ -45,7 +45,7 @@ class Offering(Protocol):
 class Offers(Protocol):
     """Asks the player when nothing else needs attention."""
 
-    async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
+    async def at_hand(self, find: Callable[[], Awaitable[T]]) -> T:
         """Return what `find` finds while nothing covers the game."""
 
     async def ask(
@@ -66,12 +66,12 @@ async def offer(
     offers: Offers,
     drafts: Sequence[Draft],
     store: Drafts,
-    go_on: Callable[[Level, Draft], Awaitable[None]],
+    resume: Callable[[Level, Draft], Awaitable[None]],
 ) -> None:
     """Offer the levels that can be restored, newest first, until one is taken."""
     for draft in drafts:
-        found = await asyncio.to_thread(_read, draft)
-        if found is None:
+        level = await asyncio.to_thread(_read, draft)
+        if level is None:
             await asyncio.to_thread(store.put_away, draft)
             continue
         question = f"Continue editing the level {short_name(draft)} from {when_saved(draft)}?"
@@ -79,7 +79,7 @@ async def offer(
         answer = await offers.ask("Unsaved level", question, answers)
         if answer != "no":
             if answer == "yes":
-                await go_on(found, draft)
+                await resume(level, draft)
             return
         await asyncio.to_thread(store.put_away, draft)
 
@@ -105,28 +105,28 @@ class OtherGames:
         self._games, self._ui = games, ui
 
     async def offer(self, offers: Offers) -> None:
-        others = await offers.at_hand(partial(asyncio.to_thread, self._games.others))
-        if not others:
+        start_times = await offers.at_hand(partial(asyncio.to_thread, self._games.other_games))
+        if not start_times:
             return
-        since = f"{others[0].astimezone():%H:%M, %d %B}"
-        are, them = "Another game has been open", "it"
-        if len(others) > 1:
-            are, them = f"{len(others)} other games are open, one of them", "them"
-        question = f"{are} since {since}. End {them}? Unsaved text there is kept."
+        since = f"{start_times[0].astimezone():%H:%M, %d %B}"
+        subject, pronoun = "Another game has been open", "it"
+        if len(start_times) > 1:
+            subject, pronoun = f"{len(start_times)} other games are open, one of them", "them"
+        question = f"{subject} since {since}. End {pronoun}? Unsaved text there is kept."
         answers = [("no", "No, leave it open"), ("yes", "Yes, end it")]
         if await offers.ask("Another game", question, answers) != "yes":
             return
         await asyncio.to_thread(self._games.end_others)
         for _ in range(_LOOKS):
             await asyncio.sleep(_LOOK_SECONDS)
-            if not await asyncio.to_thread(self._games.others):
+            if not await asyncio.to_thread(self._games.other_games):
                 return
         self._ui.warn("It has not ended yet. Unsaved text there is offered the next time.")
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """A tick, and how to get there: same level, same programs, same ticks.
+class GamePosition:
+    """A tick, and how to get there: the same level and programs give the same ticks.
 
     Attributes:
         level: Name of a shipped level, otherwise the path of its file.
@@ -148,38 +148,38 @@ class Place:
         return json.dumps(asdict(self), ensure_ascii=False)
 
     @classmethod
-    def from_text(cls, text: str) -> Place:
-        """Parse a place, or raise ValueError."""
+    def from_text(cls, text: str) -> GamePosition:
+        """Parse a position, or raise ValueError."""
         try:
-            found = json.loads(text)
-            found["programs"] = [
+            fields = json.loads(text)
+            fields["programs"] = [
                 [begin, texts_of(texts) if isinstance(texts, str) else texts]
-                for begin, texts in found["programs"]
+                for begin, texts in fields["programs"]
             ]
-            if found.get("speed") not in SPEEDS:
-                del found["speed"]
-            place = msgspec.convert(found, cls)
+            if fields.get("speed") not in SPEEDS:
+                del fields["speed"]
+            position = msgspec.convert(fields, cls)
         except (KeyError, TypeError, ValueError, msgspec.ValidationError) as error:
             raise ValueError("this is not a place in a game") from error
-        begins = [begin if texts else 0 for begin, texts in place.programs]
-        if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > place.tick:
+        begins = [begin if texts else 0 for begin, texts in position.programs]
+        if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > position.tick:
             raise ValueError("the programs of this place are out of order")
-        return place
+        return position
 
-    def stretches(self) -> list[tuple[Mapping[str, str], int]]:
+    def segments(self) -> list[tuple[Mapping[str, str], int]]:
         ends = [begin - 1 for begin, _ in self.programs[1:]]
         texts = (texts for _, texts in self.programs)
         return list(zip(texts, [*ends, self.tick], strict=True))
 
 
-def place_of(played: game.Game, level: Level, source: game.Source) -> Place | None:
+def position_of(game_: game.Game, level: Level, source: game.Source) -> GamePosition | None:
     """Return the position of a game; None at the start, or if the level was edited on the way."""
-    history, tick = played.history, played.frame.tick
+    history, tick = game_.history, game_.frame.tick
     if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
         return None
     programs = tuple((begin, program.texts) for begin, program in history.programs(tick))
     program = source.name if source.shipped else str(source.path)
-    return Place(game.level_key(level), level.title, program, tick, programs)
+    return GamePosition(game.level_key(level), level.title, program, tick, programs)
 
 
 class Bookmark(SessionListener):
@@ -202,17 +202,18 @@ class Bookmark(SessionListener):
         session = self._session
         if session.game is None:
             return
-        place = place_of(session.game, session.opened, session.sources.first)
-        if place is not None:
-            place = replace(place, speed=session.pace.speed)
+        position = position_of(session.game, session.opened, session.sources.first)
+        if position is not None:
+            position = replace(position, speed=session.pace.speed)
             with contextlib.suppress(OSError):  # nobody is there to be told
-                self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
+                text = position.as_text()
+                self._drafts.keep(Draft("place", position.title, position.level, text))
 
     async def offer(self, offers: Offers) -> None:
         """Offer to continue in the level at hand; in another one when it is opened."""
         self._offers = offers
         with contextlib.suppress(OSError):  # no folder, no bookmark
-            draft = await offers.at_hand(self._left_here)
+            draft = await offers.at_hand(self._find_draft)
             if draft is not None:
                 await self._ask(offers, draft)
 
@@ -220,19 +221,19 @@ class Bookmark(SessionListener):
         if self._offers is not None:
             self._ui.spawn(partial(self.offer, self._offers), "bookmark", exclusive=False)
 
-    async def _left_here(self) -> Draft | None:
-        places = await asyncio.to_thread(self._drafts.adopt, "place")
-        here = game.level_key(self._session.level)
-        return next((each for each in places if each.path == here), None)
+    async def _find_draft(self) -> Draft | None:
+        drafts = await asyncio.to_thread(self._drafts.adopt, "place")
+        key = game.level_key(self._session.level)
+        return next((draft for draft in drafts if draft.path == key), None)
 
     async def _ask(self, offers: Offers, draft: Draft) -> None:
         try:
-            place = Place.from_text(draft.text)
+            position = GamePosition.from_text(draft.text)
         except ValueError:
             self._drafts.put_away(draft)
             return
         question = (
-            f"{short_name(draft)} was cut off at tick {place.tick}, {when_saved(draft)}. "
+            f"{short_name(draft)} was cut off at tick {position.tick}, {when_saved(draft)}. "
             "Continue exactly there?"
         )
         answers = [("yes", "Yes, continue"), ("no", "No, from the start")]
@@ -240,22 +241,22 @@ class Bookmark(SessionListener):
         self._drafts.put_away(draft)
         if answer == "yes":
             try:
-                await self._go_to(place)
+                await self._go_to(position)
             except LogicalRobotsError as error:
-                self._ui.warn(f"Can't continue at tick {place.tick}: {error}")
+                self._ui.warn(f"Can't continue at tick {position.tick}: {error}")
 
-    async def _go_to(self, place: Place) -> None:
+    async def _go_to(self, position: GamePosition) -> None:
         """Go to a position; restored unsaved text stays in the editor."""
-        last, sources = place.programs[-1][1], self._session.sources
+        last, sources = position.programs[-1][1], self._session.sources
         first = next(iter(last))
         if first != sources.team and first in sources.teams:
             self._look_at(first)
-        source = await asyncio.to_thread(self._source_of, place)
+        source = await asyncio.to_thread(self._source_of, position)
         source = source._replace(team=sources.team)
         is_unsaved = self._drafts.get(("program", source.draft)) is not None
         self._open_program(source, None if is_unsaved else last.get(sources.team, last[first]))
-        self._session.pace.speed = place.speed
-        ends = [(await game.compile_program(texts), end) for texts, end in place.stretches()]
+        self._session.pace.speed = position.speed
+        ends = [(await game.compile_program(texts), end) for texts, end in position.segments()]
         self._session.go_through(ends[0][0], partial(self._replay, ends))
 
     async def _replay(self, ends: list[tuple[mind.Program, int]], playing: game.Game) -> None:
@@ -264,9 +265,9 @@ class Bookmark(SessionListener):
             while playing.frame.tick < end:
                 await playing.run_until(tick=end)
 
-    def _source_of(self, place: Place) -> game.Source:
+    def _source_of(self, position: GamePosition) -> game.Source:
         try:
-            return game.load_program(place.program)
+            return game.load_program(position.program)
         except InputError:
             return self._session.source
 
@@ -292,9 +293,9 @@ class OpenGames:
         os.ftruncate(self._handle, 0)
         os.write(self._handle, datetime.now(UTC).isoformat(timespec="seconds").encode())
 
-    def others(self) -> list[datetime]:
+    def other_games(self) -> list[datetime]:
         """Return the start times of the player's other games, oldest first."""
-        found = []
+        start_times = []
         for number in range(MOST_GAMES):
             if number == self._number or not self._file(number).exists():
                 continue
@@ -303,8 +304,8 @@ class OpenGames:
                 if handle is not None:
                     release(handle)
                     continue
-                found.append(datetime.fromisoformat(self._file(number).read_text("ascii")))
-        return sorted(found)
+                start_times.append(datetime.fromisoformat(self._file(number).read_text("ascii")))
+        return sorted(start_times)
 
     def end_others(self) -> None:
         """Ask the player's other games to end, without waiting for them."""

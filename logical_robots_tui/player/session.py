@@ -43,7 +43,7 @@ class Session:
         level: Level,
         sources: Mapping[str, game.Source],
         spawn: Spawn,
-        changed: Callable[[], None],
+        on_change: Callable[[], None],
         clock: Clock = CLOCK,
     ) -> None:
         self.clock = clock
@@ -57,9 +57,9 @@ class Session:
         self.listeners: list[SessionListener] = []
         self.movement = Movement()
         self._spawn = spawn
-        self._changed = changed
+        self._on_change = on_change
         self.program: mind.Program | None = None  # of the robots; none before the first compilation
-        self._won: tuple[Texts, int] | None = None
+        self._last_victory: tuple[Texts, int] | None = None
         self._written = self._checking = ""
 
     @property
@@ -118,7 +118,7 @@ class Session:
         self.levels = OpenLevel(level)
         self.frame = game.start_frame(level)
         self.sources = TeamSources(sources)
-        self._won = None
+        self._last_victory = None
         self._tell(lambda listener: listener.level_opened(level))
         self.apply(text)
 
@@ -128,7 +128,7 @@ class Session:
         if self.game is not None:
             self.game.look_at(team)
             self._think_with(self.game.program)
-        self._changed()
+        self._on_change()
 
     def open_program(self, source: game.Source, text: str) -> None:
         self.sources.source = source
@@ -136,7 +136,7 @@ class Session:
 
     def saved_as(self, source: game.Source) -> None:
         self.sources.source = source
-        self._changed()
+        self._on_change()
 
     def level_saved_as(self, level: Level) -> None:
         self.levels.saved = level
@@ -152,7 +152,7 @@ class Session:
         self.state = self.state.compiling(text)
         if self._checking not in ("", text):
             self._spawn(nothing, "check", exclusive=True)
-        self._changed()
+        self._on_change()
         self._spawn(partial(self._compile, text, texts), "compile", exclusive=True)
 
     def check(self, text: str) -> None:
@@ -176,7 +176,7 @@ class Session:
                 self.run()
         else:
             self.game.use(program)
-        self._changed()
+        self._on_change()
 
     def toggle_run(self) -> None:
         if self.busy:
@@ -189,7 +189,7 @@ class Session:
             self._begin(Movement("run"), lambda playing: playing.run())
         elif self.game is None and self.state.phase in ("fresh", "compiling"):
             self.movement = Movement("awaiting")
-        self._changed()
+        self._on_change()
 
     def pause(self) -> None:
         """Stop running, and cancel the current think."""
@@ -198,7 +198,7 @@ class Session:
         if self.movement.thinks:
             self._spawn(nothing, "move", exclusive=True)
         self.movement = Movement()
-        self._changed()
+        self._on_change()
 
     def step(self, ticks: int = 1) -> None:
         """Compute some ticks; while running, stop after them. Quick presses add up."""
@@ -238,7 +238,7 @@ class Session:
             self._spawn(nothing, "compile", exclusive=True)
             self.game.change_branch()
             self._think_with(self.game.program)
-            self._changed()
+            self._on_change()
 
     def change_level(self, level: Level, poses: Mapping[str, Pose]) -> None:
         """Continue from the current tick in a changed level, with some robots moved."""
@@ -246,26 +246,26 @@ class Session:
             self.game.change_level(level, poses)
         else:
             self.levels.shown, self.frame = level, game.start_frame(level)
-            self._changed()
+            self._on_change()
 
-    def put(self, robot_name: str, pose: Pose) -> None:
+    def place_robot(self, robot_name: str, pose: Pose) -> None:
         """Put a robot elsewhere at the end of the current tick; its start stays the same."""
         self.change_level(self.level, {robot_name: pose})
 
     def restart(self) -> None:
         self.pause()
-        self._won = None
+        self._last_victory = None
         if self.game is not None:
             self.game.restart()
         self._tell(lambda listener: listener.restarted())
 
     def faster(self) -> None:
         self.pace.faster()
-        self._changed()
+        self._on_change()
 
     def slower(self) -> None:
         self.pace.slower()
-        self._changed()
+        self._on_change()
 
     def release(self, close: Work) -> None:
         self._spawn(close, "close", exclusive=False)
@@ -277,13 +277,13 @@ class Session:
 
     async def _compile(self, text: str, texts: Texts) -> None:
         try:
-            program = await game.compile_program(texts, partial(self._compiled, text))
+            program = await game.compile_program(texts, partial(self._show_progress, text))
         except mind.ProgramError as error:
             if self.movement.kind == "awaiting":
                 self.movement = Movement()
             mistakes = self.sources.mistakes(error)
             self.state = self.state._replace(phase="mistake", mistakes=mistakes)
-            self._changed()
+            self._on_change()
             return
         self.use(program)
 
@@ -291,9 +291,9 @@ class Session:
         sources = self.sources
         try:
             program = await game.compile_program(sources.with_text(text))
-            found = self._warnings(program.for_team(sources.team))
+            diagnostics = self._warnings(program.for_team(sources.team))
         except mind.ProgramError as error:
-            found = sources.mistakes(error)
+            diagnostics = sources.mistakes(error)
         finally:
             if self._checking == text:
                 self._checking = ""
@@ -302,19 +302,19 @@ class Session:
         if self._written != text:
             self.check(self._written)
         elif text not in (self.state.tried, self.state.applied):
-            self.state = self.state._replace(checked=text, found=found)
-            self._changed()
+            self.state = self.state._replace(checked=text, diagnostics=diagnostics)
+            self._on_change()
 
     def _warnings(self, program: mind.Program) -> tuple[mind.Diagnostic, ...]:
         return game.warnings_in(program, self.level, web=is_web_file(self.opened.source))
 
-    def _compiled(self, text: str, done: int, of_all: int) -> None:
+    def _show_progress(self, text: str, count: int, total: int) -> None:
         if self.state.phase == "compiling" and self.state.tried == text:
-            self.state = self.state._replace(compiled=(done, of_all))
-            self._changed()
+            self.state = self.state._replace(compiled=(count, total))
+            self._on_change()
 
     def _think_with(self, program: mind.Program) -> mind.Program:
-        program = self.program = self.sources.seen(program)
+        program = self.program = self.sources.adopt(program)
         self.state = ProgramState.of_applied(program.text, self._warnings(program))
         return program
 
@@ -333,15 +333,15 @@ class Session:
             and not playing.decide
             and (victory := victory_of(playing, self.opened)) is not None
         ):
-            won = victory.program.texts, victory.tick
-            if won != self._won:
-                self._won = won
+            victory_key = victory.program.texts, victory.tick
+            if victory_key != self._last_victory:
+                self._last_victory = victory_key
                 self._tell(lambda listener: listener.won(victory))
-        self._changed()
+        self._on_change()
 
-    def _tell(self, what: Callable[[SessionListener], None]) -> None:
+    def _tell(self, notify: Callable[[SessionListener], None]) -> None:
         for listener in self.listeners:
-            what(listener)
+            notify(listener)
 
     def _begin(self, movement: Movement, work: Going) -> None:
         if self.game is not None:
@@ -360,7 +360,7 @@ class Session:
         finally:
             if self.movement is movement:
                 self.movement = Movement()
-            self._changed()
+            self._on_change()
 
     async def _step(self, playing: game.Game) -> None:
         movement = self.movement

@@ -45,7 +45,7 @@ class TeamSources:
     """A level's programs by team ("" without teams), in order; editor and questions use one."""
 
     def __init__(self, sources: Mapping[str, Source]) -> None:
-        self._sources = {team: each._replace(team=team) for team, each in sources.items()}
+        self._sources = {team: source._replace(team=team) for team, source in sources.items()}
         self._texts = {team: source.text for team, source in sources.items()}
         self.team = next(iter(sources))
         self.hides_others = False
@@ -66,14 +66,14 @@ class TeamSources:
     def source(self, source: Source) -> None:
         self._sources[self.team] = source._replace(team=self.team)
 
-    def of(self, team: str) -> tuple[Source, str]:
+    def source_and_text(self, team: str) -> tuple[Source, str]:
         return self._sources[team], self._texts[team]
 
     def with_text(self, text: str) -> Texts:
         return {**self._texts, self.team: text}
 
-    def seen(self, program: Program) -> Program:
-        """Store all teams' texts, and return the program as the selected team sees it."""
+    def adopt(self, program: Program) -> Program:
+        """Store all teams' texts, and return the selected team's program."""
         self._texts |= program.texts if program.teams else {}
         return program.for_team(self.team)
 
@@ -120,11 +120,11 @@ class Movement:
         """Add steps, capped at a multiple of what is requested at once."""
         self.owed = min(self.owed + steps, max(self.owed, _MOST_OWED * steps))
 
-    def thinking_for(self, now: float, period: float) -> float:
+    def thinking_for(self, time: float, period: float) -> float:
         """Return seconds of the current think, 0.0 while not worth showing; `period` per tick."""
         if not self.thinks:
             return 0.0
-        seconds = now - self.waiting_since - (period if self.kind == "run" else 0.0)
+        seconds = time - self.waiting_since - (period if self.kind == "run" else 0.0)
         return seconds if seconds > _NOTICEABLE else 0.0
 
 
@@ -167,7 +167,7 @@ class ProgramState(NamedTuple):
     """The state of the program; `tried` was compiled last, the robots use `applied`.
 
     `mistakes` are errors of `tried`, or warnings if it runs; `compiled` is (done, total).
-    `checked` is a text that is being written, compiled only to find its errors and warnings.
+    `checked` is a text that is being written, compiled only for its `diagnostics`.
     """
 
     phase: Phase = "fresh"
@@ -177,7 +177,7 @@ class ProgramState(NamedTuple):
     warnings: tuple[Diagnostic, ...] = ()
     compiled: tuple[int, int] = (0, 0)
     checked: str | None = None
-    found: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
 
     @classmethod
     def of_applied(cls, text: str, warnings: tuple[Diagnostic, ...]) -> ProgramState:
@@ -189,12 +189,14 @@ class ProgramState(NamedTuple):
     @property
     def newest(self) -> tuple[str, tuple[Diagnostic, ...]]:
         """The text that was compiled last, for whatever purpose, with what is wrong with it."""
-        return (self.tried, self.mistakes) if self.checked is None else (self.checked, self.found)
+        if self.checked is None:
+            return self.tried, self.mistakes
+        return self.checked, self.diagnostics
 
-    def seen_from(self, text: str) -> ProgramState:
+    def for_text(self, text: str) -> ProgramState:
         """Return the state for an editor's text; errors vanish once the robots' text is back."""
         if self.checked is not None and text in (self.tried, self.applied):
-            return self._replace(checked=None, found=()).seen_from(text)
+            return self._replace(checked=None, diagnostics=()).for_text(text)
         if self.phase != "mistake" or text == self.tried or text != self.applied:
             return self
         return self._replace(phase="applied", tried=text, mistakes=self.warnings)
@@ -256,16 +258,16 @@ class Background:
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
         """Start background work; exclusive work cancels the other work of its group."""
-        for task, known in self._tasks.items():
-            if exclusive and known == group:
+        for task, task_group in self._tasks.items():
+            if exclusive and task_group == group:
                 task.cancel()
         task = asyncio.ensure_future(work())
         self._tasks[task] = group
         task.add_done_callback(self._tasks.pop)
 
-    async def done(self, *, but: str) -> None:
-        """Wait until the work is done, but for groups that begin so; raise what it raises."""
-        while tasks := [each for each, group in self._tasks.items() if not group.startswith(but)]:
+    async def drain(self, *, skip: str) -> None:
+        """Wait for all work but groups whose name begins with `skip`; raise what it raises."""
+        while tasks := [task for task, group in self._tasks.items() if not group.startswith(skip)]:
             for task in (await asyncio.wait(tasks))[0]:
                 if not task.cancelled():
                     task.result()

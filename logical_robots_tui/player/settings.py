@@ -85,9 +85,9 @@ def read_settings(path: Path, read_keys: Callable[[Mapping[str, Any], Complain],
             return Settings()
         return Settings(complaints=(f"{error}. The file is ignored.",))
     hints = {row.name: row.hint for row in rows()} | {"keys": dict[str, Any]}
-    found = file.table(hints, file.data)
-    keys = read_keys(found.get("keys", {}), lambda name, said: file.problem(("keys", name), said))
-    return Settings(**found | {"keys": keys, "complaints": file.problems})
+    values = file.table(hints, file.data)
+    keys = read_keys(values.get("keys", {}), lambda name, text: file.problem(("keys", name), text))
+    return Settings(**values | {"keys": keys, "complaints": file.problems})
 
 
 def write_setting(path: Path, name: str, value: object) -> None:
@@ -97,7 +97,7 @@ def write_setting(path: Path, name: str, value: object) -> None:
         InputError: The file is not valid, or can't be written.
     """
     try:
-        text = _changed(read_text(path, _MOST_BYTES) if path.exists() else "", name, value)
+        text = _edit_text(read_text(path, _MOST_BYTES) if path.exists() else "", name, value)
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, text)
     except (OSError, InputError) as error:
@@ -105,24 +105,24 @@ def write_setting(path: Path, name: str, value: object) -> None:
         raise InputError(f"The setting can't be saved in {path}: {reason}") from error
 
 
-def _changed(text: str, name: str, value: object) -> str:
+def _edit_text(text: str, name: str, value: object) -> str:
     """Return the text with one line changed: tomlkit takes minutes for a hostile megabyte."""
-    wanted = {key: other for key, other in parse_toml(text).items() if key != name}
+    expected = {key: setting for key, setting in parse_toml(text).items() if key != name}
     header = re.search(r"^[ \t]*+\[", text, re.MULTILINE)
     end = header.start() if header else len(text)
     head, tables = text[:end], text[end:]
-    earlier = rf"""^[ \t]*+{name}[ \t]*+=[ \t]*+(?:"[^"\n]*"|'[^'\n]*'|[^\s#]++)"""
+    assignment = rf"""^[ \t]*+{name}[ \t]*+=[ \t]*+(?:"[^"\n]*"|'[^'\n]*'|[^\s#]++)"""
     if value is None:
-        head = re.sub(rf"{earlier}.*\n?", "", head, count=1, flags=re.MULTILINE)
+        head = re.sub(rf"{assignment}.*\n?", "", head, count=1, flags=re.MULTILINE)
     else:
-        wanted[name] = value
+        expected[name] = value
         line = f"{name} = {json.dumps(value, ensure_ascii=False)}"
-        head, number = re.subn(earlier, lambda _: line, head, count=1, flags=re.MULTILINE)
+        head, number = re.subn(assignment, lambda _: line, head, count=1, flags=re.MULTILINE)
         if not number:
-            own = head.rstrip()
-            rest = head[len(own) :] or "\n"
-            head = f"{own}\n{line}{rest}".lstrip("\n")
-    if parse_toml(head + tables) != wanted:
+            body = head.rstrip()
+            tail = head[len(body) :] or "\n"
+            head = f"{body}\n{line}{tail}".lstrip("\n")
+    if parse_toml(head + tables) != expected:
         raise InputError(f"Change {name} there by hand: it is not on a line of its own")
     return head + tables
 
@@ -137,5 +137,5 @@ def as_toml(settings: Settings) -> Iterator[str]:
             yield toml_line(row.name, value, row.sentence)
 
 
-def toml_line(name: str, value: object, about: str) -> str:
-    return f"{f'{name} = {json.dumps(value, ensure_ascii=False)}':<40}  # {about}"
+def toml_line(name: str, value: object, sentence: str) -> str:
+    return f"{f'{name} = {json.dumps(value, ensure_ascii=False)}':<40}  # {sentence}"

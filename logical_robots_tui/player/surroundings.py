@@ -24,41 +24,41 @@ def surroundings(level: Level, state: WorldState, robot_name: str) -> Iterator[s
     Walls are as far as the forward ray would tell in that direction; what no radar would see from
     there is said to be out of sight. Names are not escaped.
     """
-    here = next(n for n, each in enumerate(state.robots) if each.name == robot_name)
-    me, senses, seen = state.robots[here], Senses(level), set()
+    index = next(i for i, robot in enumerate(state.robots) if robot.name == robot_name)
+    me, senses, visible = state.robots[index], Senses(level), set()
     walls = []
-    for turn in sorted(range(_STEP - 180, 181, _STEP), key=lambda each: (abs(each), -each)):
+    for turn in sorted(range(_STEP - 180, 181, _STEP), key=lambda turn: (abs(turn), -turn)):
         robots = list(state.robots)
-        robots[here] = replace(me, angle=me.angle - math.radians(turn))
-        sensor = senses.sense(robots, state.areas, state.tick)[0][here]["sensor"]
-        what, label = sensor["forward_object"], sensor["forward_label"]
-        name = label if what == WALL or label == NO_OBJECT else f"{what} {label}"
-        if what == NO_OBJECT:
+        robots[index] = replace(me, angle=me.angle - math.radians(turn))
+        sensor = senses.sense(robots, state.areas, state.tick)[0][index]["sensor"]
+        kind, label = sensor["forward_object"], sensor["forward_label"]
+        name = label if kind == WALL or label == NO_OBJECT else f"{kind} {label}"
+        if kind == NO_OBJECT:
             walls.append(f"{_direction(turn)}: nothing within {SENSOR_RANGE}")
         else:
             walls.append(f"{_direction(turn)}: {name} at {sensor['forward_distance']}")
         if turn % _RADAR == 0:
-            seen |= {(ray["object"], ray["label"]) for ray in sensor["radar"]}
+            visible |= {(ray["object"], ray["label"]) for ray in sensor["radar"]}
     yield "; ".join(walls) + "."
-    things = [
+    entities = [
         *(("beacon", beacon.name, beacon.x, beacon.y, "") for beacon in level.beacons),
-        *(("robot", each.name, each.x, each.y, "") for each in state.robots if each is not me),
+        *(("robot", robot.name, robot.x, robot.y, "") for robot in state.robots if robot is not me),
         *(
-            ("area", area.name, area.x, area.y, _words(area, now))
-            for area, now in zip(level.areas, state.areas, strict=True)
+            ("area", area.name, area.x, area.y, _area_text(area, state))
+            for area, state in zip(level.areas, state.areas, strict=True)
         ),
     ]
-    found = []
-    for kind, name, x, y, more in things:
+    lines = []
+    for kind, name, x, y, note in entities:
         distance = math.hypot(x - me.x, y - me.y)
         bearing = math.degrees(me.angle - math.atan2(y - me.y, x - me.x))
-        if kind != "area" and (kind, name) not in seen:
-            more = ", out of sight"
-        found.append((distance, f"{_direction(bearing)}: {kind} {name} at {distance:.0f}{more}."))
-    found.sort()
-    yield from (words for _, words in found[:_MOST])
-    if (left := len(found) - _MOST) > 0:
-        yield f"{left} more are farther away."
+        if kind != "area" and (kind, name) not in visible:
+            note = ", out of sight"
+        lines.append((distance, f"{_direction(bearing)}: {kind} {name} at {distance:.0f}{note}."))
+    lines.sort()
+    yield from (words for _, words in lines[:_MOST])
+    if (remaining := len(lines) - _MOST) > 0:
+        yield f"{remaining} more are farther away."
 
 
 def _direction(degrees: float) -> str:
@@ -69,12 +69,12 @@ def _direction(degrees: float) -> str:
     return f"{abs(around)}° {'left' if around > 0 else 'right'}"
 
 
-def _words(area: Area, now: AreaState) -> str:
+def _area_text(area: Area, state: AreaState) -> str:
     words = f", radius {area.radius:.0f}"
     if area.victory_robots:
         words += f", goal of {join_names(area.victory_robots)}"
     if area.impenetrable:
         words += ", solid"
-    if not now.active:
+    if not state.active:
         words += ", switched off"
     return words

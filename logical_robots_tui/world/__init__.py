@@ -32,7 +32,7 @@ __getattr__ = lazy_exports(
     {
         "dynamics": "AreaState RobotState WorldState",
         "level": "Area Beacon Level LevelError Robot Score Team Visibility",
-        "levels.load": "list_arenas list_levels list_shipped load_level name_now",
+        "levels.load": "current_name list_arenas list_levels list_shipped load_level",
         "world": "World",
     },
 )

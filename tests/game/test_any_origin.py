@@ -103,9 +103,9 @@ def _check_link(link: Link, memories: list[Any]) -> None:
             assert values[steps.since - 1] == steps.begin
             pairs = [(values[t], values[t - 1]) for t in range(steps.since, link.tick + 1)]
             assert sum(now != before for now, before in pairs) == steps.times
-            if steps.by is not None:
+            if steps.increment is not None:
                 by = [now - before for now, before in pairs if now != before]  # type: ignore[operator]  # numbers
-                assert by == pytest.approx([steps.by] * steps.times)
+                assert by == pytest.approx([steps.increment] * steps.times)
     for each in link.inputs:
         if each.read is not None and each.read.kind == "memory":
             before = memories[link.tick - 1][each.read.robot]

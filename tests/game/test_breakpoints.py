@@ -74,7 +74,7 @@ async def test_a_run_stops_where_it_is_to_and_says_with_what_values(game: Game) 
             assert values in mine[0].values
             assert len(mine[0].values) < 300
     marks = game.history.marks
-    marked = {t for t in range(1, 201) if "breakpoint" in [mark.kind for mark in marks.at(t)]}
+    marked = {t for t in range(1, 201) if "breakpoint" in [mark.kind for mark in marks.marks_at(t)]}
     assert marked == {hit.tick for hit in hits}
 
 
@@ -111,7 +111,7 @@ async def test_known_ticks_are_watched_unless_a_breakpoint_is_off_or_deleted(gam
     await game.run_until(tick=120)
     assert game.frame.tick == 120
     game.breakpoints.add(enters)
-    assert game.breakpoints.on == (enters,)
+    assert game.breakpoints.enabled == (enters,)
 
 
 async def test_one_that_can_not_be_hit_says_why_and_the_run_goes_on(game: Game) -> None:

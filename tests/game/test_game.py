@@ -35,7 +35,7 @@ async def test_running_ends_with_victory_which_is_marked_and_goes_on_if_asked(ga
     assert won_at == game.frame.tick
     assert not game.running
     assert game.frame.after.areas[0].visitors == ("Ada", "Bo")
-    marked = [(mark.kind, mark.names) for mark in marks.at(won_at)]
+    marked = [(mark.kind, mark.names) for mark in marks.marks_at(won_at)]
     assert marked == [("victory", ()), ("memory", ("Ada", "Bo"))]
     assert marks.nearest(0, 1, ["victory"], None) == won_at
     assert marks.nearest(won_at, 1, ["victory"], None) is None
@@ -214,7 +214,7 @@ async def test_known_ticks_are_gone_through_again_without_thinking(game: Game) -
     await game.step()
     await game.run_until(tick=20)
     assert [game.frame_at(t) for t in range(21)] == first
-    assert game.history.other is None
+    assert game.history.other_ticks is None
     with pytest.raises(NoSuchTickError, match="no other branch"):
         game.change_branch()
     assert (await game.step()).tick == 21
@@ -231,7 +231,7 @@ async def test_another_program_begins_another_branch_and_the_old_one_is_kept(gam
     assert new[9].memories["Ada"] == 9
     with pytest.raises(NoSuchTickError):
         game.frame_at(10)
-    assert game.history.other == range(21)
+    assert game.history.other_ticks == range(21)
     divergence = game.history.divergence
     assert divergence is not None
     assert divergence.tick == 6
@@ -241,7 +241,7 @@ async def test_another_program_begins_another_branch_and_the_old_one_is_kept(gam
     assert game.program.text == COUNTER
     assert [game.frame_at(t) for t in range(21)] == old
     await game.run_until(tick=25)
-    assert game.history.other == range(10)
+    assert game.history.other_ticks == range(10)
     assert game.change_branch() == new[9]
     assert game.program.text == BACKWARDS
     assert (await game.step()).after.robots[0].x < new[9].after.robots[0].x
@@ -252,7 +252,7 @@ async def test_two_programs_that_do_the_same_do_not_part(game: Game) -> None:
     game.go_to(2)
     game.use(Program.compile(COUNTER + "# the same\n"))
     await game.run_until(tick=15)
-    assert game.history.other == range(11)
+    assert game.history.other_ticks == range(11)
     assert game.history.divergence is None
 
 
@@ -264,11 +264,11 @@ async def test_looking_back_past_a_change_of_program_changes_nothing(game: Game)
     game.go_to(2)
     await game.run_until(tick=12)
     assert [game.frame_at(t) for t in range(13)] == first
-    kinds = [[mark.kind for mark in game.history.marks.at(tick)] for tick in range(13)]
+    kinds = [[mark.kind for mark in game.history.marks.marks_at(tick)] for tick in range(13)]
     assert [tick for tick in range(13) if "program" in kinds[tick]] == [6]
     game.restart()
     await game.step()  # under a changed program, which leaves the old branch to compare
-    assert (game.history.other, game.history.last) == (range(13), 1)
+    assert (game.history.other_ticks, game.history.last) == (range(13), 1)
     game.change_branch()
     game.go_to(2)
     game.use(game.program)  # the player says: this one, from here on

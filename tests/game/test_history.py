@@ -146,21 +146,21 @@ class Histories(RuleBasedStateMachine):
         for frame in self.branch[max(self.history.first, 1) :]:
             now, then = frame.memories, frame.memories_before
             changed = tuple(name for name in ROBOTS if now[name] != then[name])
-            marks = self.history.marks.at(frame.tick)
+            marks = self.history.marks.marks_at(frame.tick)
             marked = [mark.names for mark in marks if mark.kind == "memory"]
             assert marked == ([changed] if changed else [])
 
     @invariant()
     def the_first_difference_from_the_other_branch_is_known(self) -> None:
         known = self.history.divergence
-        if self.other is None or self.history.other is None:
+        if self.other is None or self.history.other_ticks is None:
             assert known is None
             return
         pairs = zip(self.branch, self.other, strict=False)
         diverged = next((a.tick for a, b in pairs if differ(a, b)), None)
         if known is not None:
             assert differ(self.branch[known.tick], self.other[known.tick])
-        in_reach = max(self.history.first, self.history.other.start)
+        in_reach = max(self.history.first, self.history.other_ticks.start)
         if diverged is not None and diverged < in_reach:
             # Where the future is forgotten, older ticks are in reach again; nobody compares them.
             self.out_of_reach = self.other
@@ -192,7 +192,7 @@ def test_bytes_are_bounded_and_the_other_branch_goes_first() -> None:
     history = History(start(), LEVEL, most_bytes=4000 + 64 * 2000)
     branch, deed = grown(history, 300, *memory)
     history.add(after(branch[200], deed), NOBODY)
-    assert history.other is not None
+    assert history.other_ticks is not None
     for frame in branch[202:]:
         history.add(frame, NOBODY)
     before = history.first
@@ -200,7 +200,7 @@ def test_bytes_are_bounded_and_the_other_branch_goes_first() -> None:
     while history.first == before:
         last = after(last, [Deed(None, [str(last.tick), *memory], (), 1.0, False)] * 2)
         history.add(last, NOBODY)
-    assert history.other is None
+    assert history.other_ticks is None
     assert history.kept_bytes <= 4000 + 64 * 2000
     assert history.dropped == history.first
     assert as_told(history.replay(last.tick)[1].moment) == as_moment(last)
@@ -211,7 +211,7 @@ def test_of_two_branches_that_were_left_the_longer_one_is_kept() -> None:
     branch, still = grown(history, 50)
     history.add(after(branch[20], still), NOBODY)
     history.add(after(branch[10], still), NOBODY)
-    assert history.other == range(51)
+    assert history.other_ticks == range(51)
     assert history.last == 11
 
 
@@ -240,4 +240,4 @@ async def test_back_and_forth_is_the_same_in_every_tick(play: Play, name: str, m
     assert frames == there[1:]
     decisions, before = ([frame.decisions for frame in way] for way in (frames, there[1:]))
     assert repr(decisions) == repr(before)
-    assert game.history.other is None
+    assert game.history.other_ticks is None

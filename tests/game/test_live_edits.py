@@ -131,7 +131,7 @@ async def test_a_wall_stops_robots_from_the_next_tick_on(game: Game) -> None:
     assert not before.after.robots[0].blocked
     x = int(before.after.robots[0].x)
     game.change_level(walled(original, x + 2))
-    assert game.history.marks.at(20)[0].kind == "edit"
+    assert game.history.marks.marks_at(20)[0].kind == "edit"
     await game.run_until(tick=30)
     assert game.frame.after.robots[0].blocked
     assert game.go_to(19).after.robots == before.before.robots
@@ -173,7 +173,7 @@ async def test_beginning_again_does_not_do_again_what_was_done_by_hand(game: Gam
     game.restart(level)
     assert (await game.run_until(tick=11)) == plain
     assert game.level is level
-    assert game.history.other is not None
+    assert game.history.other_ticks is not None
     game.restart(walled(level, 100))
     assert game.history.level_at(0).walls[30, 100]
 
@@ -198,10 +198,10 @@ async def test_a_new_robot_thinks_from_the_next_tick_on_and_marks_know_who(game:
     while game.frame.tick < 120:
         await game.step()
     assert game.frame.memories == {"Cy": 80, "Ada": 120, "Bo": 120}
-    memory = next(mark for mark in game.history.marks.at(60) if mark.kind == "memory")
+    memory = next(mark for mark in game.history.marks.marks_at(60) if mark.kind == "memory")
     assert set(memory.names) == {"Ada", "Bo", "Cy"}
     assert game.history.marks.nearest(0, 1, (), "Cy") == 41
     game.change_level(without_robot(level, 1))
     while game.frame.tick < 130:
         await game.step()
-    assert set(game.history.marks.at(125)[0].names) == {"Cy", "Bo"}
+    assert set(game.history.marks.marks_at(125)[0].names) == {"Cy", "Bo"}

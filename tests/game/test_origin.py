@@ -69,7 +69,7 @@ async def test_ticks_that_kept_a_value_are_passed_over_and_its_making_told(level
         f"from {link.robot}'s sensor.clock = 4",
     ]
     second, first = await links(level, "memory.seen")
-    assert (second.value, second.tick, second.before) == (2, 6, (1,))
+    assert (second.value, second.tick, second.input_links) == (2, 6, (1,))
     assert stretch(first) == (1, 2, 5)
 
 
@@ -115,7 +115,12 @@ async def test_what_counts_is_one_link_that_goes_on_before_its_steps(level: Leve
         assert stretch(first) == begin
         if field == "down":
             assert count.steps is not None
-            assert (count.value, count.tick, count.steps.by, count.steps.since) == (13, 9, -1, 3)
+            assert (count.value, count.tick, count.steps.increment, count.steps.since) == (
+                13,
+                9,
+                -1,
+                3,
+            )
             assert count.began == 1
 
 

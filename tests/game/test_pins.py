@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.game import MIND, Pin, Reading, pin_of_cell, read
+from logical_robots_tui.game import MIND, Pin, PinReading, pin_of_cell, read
 from logical_robots_tui.mind import QueryError, ResultTable
 
 SCALARS = st.none() | st.booleans() | st.integers(-3, 3) | st.sampled_from(["a", "b", ""])
@@ -23,7 +23,7 @@ def test_a_pinned_value_is_read_off_its_own_row(table: ResultTable, data: st.Dat
     column = data.draw(st.sampled_from(table.columns))
     pin = pin_of_cell("P", table.columns, table.rows, row, column)
     if pin is not None:
-        assert read(pin, table) == Reading(table.rows[row][table.columns.index(column)])
+        assert read(pin, table) == PinReading(table.rows[row][table.columns.index(column)])
         assert hash(pin) == hash(pin), "a pin is a key"
     elif len(table.rows) == 1:
         raise AssertionError("a single row can always be found")
@@ -37,7 +37,7 @@ def test_a_part_of_a_value_is_found_by_its_way(value: object, data: st.DataObjec
         step = data.draw(st.sampled_from(steps))
         pin, part = pin.deeper((step,)), part[step]
     table = ResultTable(("x",), ((value,),))  # type: ignore[arg-type] # of any values
-    assert read(pin, table) == Reading(part)  # type: ignore[arg-type] # a part of it
+    assert read(pin, table) == PinReading(part)  # type: ignore[arg-type] # a part of it
 
 
 def test_rows_are_counted_of_one_mind_or_of_all() -> None:
@@ -61,6 +61,6 @@ def test_what_cant_be_read_says_why() -> None:
 
 
 def test_only_finite_numbers_and_truths_are_numbers() -> None:
-    assert [Reading(value).number for value in (True, 2)] == [1, 2]
+    assert [PinReading(value).number for value in (True, 2)] == [1, 2]
     for value in ("2", None, [1], float("inf"), 10**400):
-        assert Reading(value).number is None
+        assert PinReading(value).number is None

@@ -78,7 +78,8 @@ async def test_looking_at_another_team_changes_nothing(match: Level, play: Play)
     for tick in range(1, 9):
         looking.look_at("red" if tick % 2 else "blue")
         assert await plain.step() == await looking.step()
-    assert all(mark.kind != "program" for at in range(9) for mark in looking.history.marks.at(at))
+    marks = looking.history.marks
+    assert all(mark.kind != "program" for tick in range(9) for mark in marks.marks_at(tick))
     looking.go_to(3)
     assert await looking.run_until(tick=8) == plain.frame
     assert [tick for tick, _ in looking.history.programs(8)] == [1]

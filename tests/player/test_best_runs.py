@@ -18,7 +18,7 @@ from logical_robots_tui.game.replay import load_replay
 from logical_robots_tui.player import best_runs
 from logical_robots_tui.player.best_runs import BestRuns
 from logical_robots_tui.player.library import daily_level
-from logical_robots_tui.player.opening import level_to_begin_with
+from logical_robots_tui.player.opening import initial_level
 from logical_robots_tui.player.recorder import note_level
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.world import load_level
@@ -32,7 +32,7 @@ async def kept(tmp_path: Path) -> AsyncIterator[tuple[Table, BestRuns, list[str]
     """Sit down at a level whose best runs are kept; the list grows with each."""
     async with table(tmp_path) as at:
         best, news = BestRuns(at.session, at.ui, tmp_path / "runs"), list[str]()
-        best.kept = lambda: news.append("kept")
+        best.on_kept = lambda: news.append("kept")
         at.session.listeners.append(best)
         await at.apply(AHEAD)
         yield at, best, news
@@ -41,7 +41,7 @@ async def kept(tmp_path: Path) -> AsyncIterator[tuple[Table, BestRuns, list[str]
 async def win(at: Table) -> int:
     at.session.restart()
     tick = await at.win()
-    await at.ui.done(but="measure")
+    await at.ui.drain(skip="measure")
     return tick
 
 
@@ -75,9 +75,9 @@ async def test_a_win_by_hand_is_not_kept(tmp_path: Path) -> None:
     async with kept(tmp_path) as (at, best, news):
         at.session.step()
         await at.until(lambda: at.session.frame.tick == 1 and not at.session.busy)
-        at.session.put("Pip", (20.0, 12.5, 0.0))
+        at.session.place_robot("Pip", (20.0, 12.5, 0.0))
         await at.win()
-        await at.ui.done(but="measure")
+        await at.ui.drain(skip="measure")
         assert not news
         assert not best.path(at.session.opened).exists()
 
@@ -167,14 +167,14 @@ def test_a_busy_machine_says_so(progress: Progress, monkeypatch: pytest.MonkeyPa
 
 
 def test_the_level_played_last_is_the_one_to_begin_with(progress: Progress, tmp_path: Path) -> None:
-    assert level_to_begin_with(progress).name == "01-first-steps"
+    assert initial_level(progress).name == "01-first-steps"
     own = tmp_path / "own.toml"
     own.write_text(LEVEL, encoding="utf-8")
     for name in ("03-the-long-hall", "daily-2026-11-22-small", str(own)):
         note_level(progress, load_level(name))
-        assert level_to_begin_with(progress).name == load_level(name).name
+        assert initial_level(progress).name == load_level(name).name
 
     own.write_text("walls = 5", encoding="utf-8")  # it can no longer be read
-    assert level_to_begin_with(progress).name == "01-first-steps"
+    assert initial_level(progress).name == "01-first-steps"
     own.unlink()
-    assert level_to_begin_with(progress).name == "01-first-steps"
+    assert initial_level(progress).name == "01-first-steps"

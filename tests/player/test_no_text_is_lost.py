@@ -17,7 +17,7 @@ from logical_robots_tui.game import Source, level_key
 from logical_robots_tui.player import drafts as drafts_module
 from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
 from logical_robots_tui.player.library import Library
-from logical_robots_tui.player.opening import programs_to_begin_with
+from logical_robots_tui.player.opening import initial_programs
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 
@@ -78,14 +78,14 @@ class Session:
         self.drafts = Drafts(folder / "drafts")
         self.recorder = ProgressRecorder(folder / "progress.sqlite")
         self.player = Player([*answers])
-        sources, text = programs_to_begin_with(self.recorder.progress, LEVEL, (), {}, folder)
+        sources, text = initial_programs(self.recorder.progress, LEVEL, (), {}, folder)
         self.editor = Editor(sources[""], sources[""].text if text is None else text)
         self.autosave = Autosave(
             self.drafts,
             state=lambda: UnsavedText(self.editor.source, self.editor.text, level_key(LEVEL)),
             draft=program_draft,
-            failed=self.player.warn,
-            what="Unsaved text",
+            warn=self.player.warn,
+            subject="Unsaved text",
         )
         screen, player = cast("Any", self.editor), cast("Any", self.player)
         parts = (self.recorder, self.drafts, self.autosave)
@@ -93,7 +93,7 @@ class Session:
 
     async def begin(self) -> Session:
         nothing, player = cast("Any", lambda *_: None), cast("Any", self.player)
-        self.recorder.attach(player, changed=nothing, measured=nothing)
+        self.recorder.attach(player, on_change=nothing, on_measured=nothing)
         self.recorder.level_opened(LEVEL)
         self.autosave.flush()
         await self.library.offer(player)

@@ -4,30 +4,30 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.player.recovery import Place
+from logical_robots_tui.player.recovery import GamePosition
 
 texts = st.text(st.characters(codec="utf-8"))
 teams = st.dictionaries(texts, texts, min_size=1, max_size=3)
 
 
 @st.composite
-def places(draw: st.DrawFn) -> Place:
+def places(draw: st.DrawFn) -> GamePosition:
     later = draw(st.sets(st.integers(2, 20_000), max_size=4))
     programs = tuple((begin, draw(teams)) for begin in (1, *sorted(later)))
     last = programs[-1][0]
-    return Place(
+    return GamePosition(
         draw(texts), draw(texts), draw(texts), draw(st.integers(last, last + 100)), programs
     )
 
 
 @given(places())
-def test_a_place_is_read_as_it_was_written(place: Place) -> None:
-    assert Place.from_text(place.as_text()) == place
+def test_a_place_is_read_as_it_was_written(place: GamePosition) -> None:
+    assert GamePosition.from_text(place.as_text()) == place
 
 
 @given(places())
-def test_the_programs_follow_each_other_up_to_the_tick(place: Place) -> None:
-    stretches = place.stretches()
+def test_the_programs_follow_each_other_up_to_the_tick(place: GamePosition) -> None:
+    stretches = place.segments()
     assert [each for each, _ in stretches] == [each for _, each in place.programs]
     assert stretches[-1][1] == place.tick
     assert [end + 1 for _, end in stretches[:-1]] == [begin for begin, _ in place.programs[1:]]
@@ -36,11 +36,11 @@ def test_the_programs_follow_each_other_up_to_the_tick(place: Place) -> None:
 @given(texts)
 def test_nonsense_is_not_a_place(text: str) -> None:
     with pytest.raises(ValueError, match="not a place"):
-        Place.from_text(text)
+        GamePosition.from_text(text)
 
 
-def place_at_5(rest: str) -> Place:
-    return Place.from_text(f'{{"level": "", "title": "", "program": "", "tick": 5, {rest}}}')
+def place_at_5(rest: str) -> GamePosition:
+    return GamePosition.from_text(f'{{"level": "", "title": "", "program": "", "tick": 5, {rest}}}')
 
 
 def test_programs_out_of_order_are_not_place() -> None:

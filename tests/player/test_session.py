@@ -128,13 +128,15 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     data_dir, ui, chronicle = tmp_path / "data", Screen(), Chronicle()
     recorder, drafts = ProgressRecorder(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
     sources, clock = {"": load_program(program)}, VirtualClock()
-    session = Session(load_level(file), sources, spawn=ui.spawn, changed=lambda: None, clock=clock)
+    session = Session(
+        load_level(file), sources, spawn=ui.spawn, on_change=lambda: None, clock=clock
+    )
 
     async def open_level(level: Level) -> None:
         session.open_level(level, {"": session.source}, text)
 
     editing = LevelController(session, ui, data_dir / "levels", drafts, open_level, lambda: None)
-    recorder.attach(ui, changed=lambda: None, measured=lambda level, found, is_here: None)
+    recorder.attach(ui, on_change=lambda: None, on_measured=lambda level, found, is_here: None)
     session.listeners += [editing, recorder, chronicle]
     session.pace.speed = None
     recorder.level_opened(session.opened)

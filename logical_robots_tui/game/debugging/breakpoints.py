@@ -62,8 +62,8 @@ class Breakpoint(NamedTuple):
             case "rows":
                 return f"{self.subject} {'has rows' if self.is_named else 'holds'}{whose}"
             case "no rows":
-                what = "no longer has rows" if self.is_named else "no longer holds"
-                return f"{self.subject} {what}{whose}"
+                verb = "no longer has rows" if self.is_named else "no longer holds"
+                return f"{self.subject} {verb}{whose}"
             case "change":
                 column = f".{self.column}" if self.column else ""
                 return f"{self.subject}{column} changes{whose}"
@@ -97,8 +97,8 @@ class Breakpoints:
         return len(self._is_on)
 
     @property
-    def on(self) -> tuple[Breakpoint, ...]:
-        return tuple(each for each, is_on in self._is_on.items() if is_on)
+    def enabled(self) -> tuple[Breakpoint, ...]:
+        return tuple(breakpoint_ for breakpoint_, is_on in self._is_on.items() if is_on)
 
     def add(self, breakpoint_: Breakpoint) -> None:
         self._is_on[breakpoint_] = True
@@ -116,7 +116,7 @@ class Breakpoints:
 
 def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, ...]:
     if event in OF_QUESTIONS:
-        return tuple(each.name for each in program.predicates if each.has_rows) if program else ()
+        return tuple(p.name for p in program.predicates if p.has_rows) if program else ()
     if event in ("enters", "leaves"):
         return tuple(area.name for area in level.areas)
     if event == "loses sight":
@@ -132,10 +132,10 @@ def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, 
 def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -> str:
     """Return why a breakpoint can't be hit, one sentence, or ""; questions are not checked."""
     robot, subject = breakpoint_.robot, breakpoint_.subject
-    names = tuple(each.name for each in level.robots)
+    names = tuple(r.name for r in level.robots)
     if robot and robot not in names:
         return f"This level has no robot {robot}. {did_you_mean(robot, names)}".rstrip()
-    known = subjects(breakpoint_.event, level, program)
+    options = subjects(breakpoint_.event, level, program)
     if breakpoint_.event in OF_QUESTIONS:
         if program is None:
             return ""
@@ -146,15 +146,15 @@ def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -
         predicate = program.predicate(subject)
         if predicate is not None and not predicate.has_rows:
             return predicate.reason
-        what = "The program has no predicate"
+        problem = "The program has no predicate"
     else:
-        what = {
+        problem = {
             "loses sight": "Nothing in this level is called",
             "notice": "No notice is called",
         }.get(breakpoint_.event, "This level has no area")
-    if not subject or subject in known:
+    if not subject or subject in options:
         return ""
-    return f"{what} {subject}. {did_you_mean(subject, known)}".rstrip()
+    return f"{problem} {subject}. {did_you_mean(subject, options)}".rstrip()
 
 
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
@@ -170,18 +170,18 @@ def matching_rows(question: CompiledQuery, table: ResultTable, robot: str = "") 
     variables, the minds in which they are true; otherwise all rows.
     """
 
-    def counts(row: tuple[Value, ...]) -> bool:
+    def is_match(row: tuple[Value, ...]) -> bool:
         value = row[0] if row else None
         if question.gives == "truth":
             return value == "true"
         return question.gives == "rows" or value not in (None, False)  # 0 is equal to False
 
     table = table.in_mind_of(robot)
-    kept = [n for n, row in enumerate(table.rows) if counts(row)]
+    indices = [n for n, row in enumerate(table.rows) if is_match(row)]
     return replace(
         table,
-        rows=tuple(table.rows[n] for n in kept),
-        viewers=tuple(table.viewers[n] for n in kept) if table.viewers else (),
+        rows=tuple(table.rows[n] for n in indices),
+        viewers=tuple(table.viewers[n] for n in indices) if table.viewers else (),
     )
 
 
@@ -205,61 +205,61 @@ class Watch:
     def __init__(self, breakpoints: Sequence[Breakpoint]) -> None:
         self.breakpoints = breakpoints
         self.problems: dict[Breakpoint, str] = {}
-        self._asked: dict[str, tuple[Frame, ResultTable]] = {}
+        self._tables: dict[str, tuple[Frame, ResultTable]] = {}
         self._questions: dict[str, CompiledQuery | ProgramError] = {}
 
-    def hits(self, past: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
+    def hits(self, old: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
         """Return the breakpoints that a tick hits; always pass the same mind. Raises Stopped."""
-        found = []
-        for each in self.breakpoints:
+        hits = []
+        for point in self.breakpoints:
             try:
-                if each.event in OF_QUESTIONS:
-                    values = self._change_of_rows(each, past, frame, mind, stop)
+                if point.event in OF_QUESTIONS:
+                    values = self._change_of_rows(point, old, frame, mind, stop)
                 else:
-                    values = "; ".join(_occurrences(each, past, frame))
+                    values = "; ".join(_occurrences(point, old, frame))
             except ProgramError as error:
-                self.problems[each] = f"This can't be asked: {error.diagnostics[0].message}."
+                self.problems[point] = f"This can't be asked: {error.diagnostics[0].message}."
                 continue
             except QueryError as error:
-                self.problems[each] = f"Tick {frame.tick}: {error}"
+                self.problems[point] = f"Tick {frame.tick}: {error}"
                 continue
-            self.problems.pop(each, None)
+            self.problems.pop(point, None)
             if values:
-                found.append(Hit(each, frame.tick, values))
-        return tuple(found)
+                hits.append(Hit(point, frame.tick, values))
+        return tuple(hits)
 
     def _change_of_rows(
-        self, each: Breakpoint, past: Frame, frame: Frame, mind: Mind, stop: threading.Event
+        self, point: Breakpoint, previous: Frame, frame: Frame, mind: Mind, stop: threading.Event
     ) -> str:
-        before = self._rows(each, past, mind, stop)
-        after = self._rows(each, frame, mind, stop)
-        if each.event == "rows":
-            return "" if before or not after else _join(after)
-        if each.event == "no rows":
-            return "" if after or not before else f"there was {_join(before)}"
-        gone, new = _without(before, after), _without(after, before)
-        if not gone and not new:
+        old_rows = self._rows(point, previous, mind, stop)
+        new_rows = self._rows(point, frame, mind, stop)
+        if point.event == "rows":
+            return "" if old_rows or not new_rows else _join(new_rows)
+        if point.event == "no rows":
+            return "" if new_rows or not old_rows else f"there was {_join(old_rows)}"
+        removed, added = _subtract(old_rows, new_rows), _subtract(new_rows, old_rows)
+        if not removed and not added:
             return ""
-        return " → ".join(_join(rows) if rows else "nothing" for rows in (gone, new))
+        return " → ".join(_join(rows) if rows else "nothing" for rows in (removed, added))
 
-    def _rows(self, each: Breakpoint, frame: Frame, mind: Mind, stop: threading.Event) -> _Rows:
-        table = self._table(each.subject, frame, mind, stop)
-        question = self._questions.get(each.subject)
-        if each.event != "change" and question is not None and not isinstance(question, Exception):
+    def _rows(self, point: Breakpoint, frame: Frame, mind: Mind, stop: threading.Event) -> _Rows:
+        table = self._table(point.subject, frame, mind, stop)
+        question = self._questions.get(point.subject)
+        if point.event != "change" and question is not None and not isinstance(question, Exception):
             table = matching_rows(question, table)
-        return _rows_for(each, table)
+        return _rows_for(point, table)
 
     def _table(self, subject: str, frame: Frame, mind: Mind, stop: threading.Event) -> ResultTable:
-        asked = self._asked.get(subject)
-        if asked is not None and asked[0] is frame:
-            return asked[1]
+        entry = self._tables.get(subject)
+        if entry is not None and entry[0] is frame:
+            return entry[1]
         question = self._question(subject, mind, stop)
         sensors, memories = frame.sensors, frame.memories_before
         if question is None:
             table = mind.query(subject, sensors, memories, stop=stop)
         else:
             table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-        self._asked[subject] = (frame, table)
+        self._tables[subject] = (frame, table)
         return table
 
     def _question(self, subject: str, mind: Mind, stop: threading.Event) -> CompiledQuery | None:
@@ -280,34 +280,34 @@ class Watch:
         raise question
 
 
-def _rows_for(each: Breakpoint, table: ResultTable) -> _Rows:
+def _rows_for(point: Breakpoint, table: ResultTable) -> _Rows:
     rows: Sequence[tuple[Value, ...]] = table.rows
-    if each.robot and "robot_name" in table.columns:
-        at = table.columns.index("robot_name")
-        rows = [row for row in rows if row[at] == each.robot]
+    if point.robot and "robot_name" in table.columns:
+        index = table.columns.index("robot_name")
+        rows = [row for row in rows if row[index] == point.robot]
     else:
-        rows = table.in_mind_of(each.robot).rows
-    if not each.column:
+        rows = table.in_mind_of(point.robot).rows
+    if not point.column:
         return list(rows)
-    if each.column not in table.columns:
+    if point.column not in table.columns:
         if not table.rows:
             return []
-        raise QueryError(f"{each.subject} has no column {each.column}.")
-    at = table.columns.index(each.column)
-    return [(row[at],) for row in rows]
+        raise QueryError(f"{point.subject} has no column {point.column}.")
+    index = table.columns.index(point.column)
+    return [(row[index],) for row in rows]
 
 
-def _without(rows: _Rows, others: _Rows) -> _Rows:
-    if rows == others:
+def _subtract(rows: _Rows, other_rows: _Rows) -> _Rows:
+    if rows == other_rows:
         return []
     from logical_robots_tui.mind.sqlite.stored import to_json
 
-    left = Counter(to_json(row) for row in others)
+    counts = Counter(to_json(row) for row in other_rows)
     missing = []
     for row in rows:
-        written = to_json(row)
-        if left[written]:
-            left[written] -= 1
+        text = to_json(row)
+        if counts[text]:
+            counts[text] -= 1
         else:
             missing.append(row)
     return missing
@@ -318,42 +318,42 @@ def _join(rows: _Rows) -> str:
 
     texts = [list(map(to_json, row)) for row in rows[:_FEW]]
     short = ([t if len(t) <= _LONGEST else f"{t[:_LONGEST]}…" for t in row] for row in texts)
-    told = map(", ".join, short)
-    more = len(rows) - _FEW
-    return "; ".join(told) + (f" and {more} more" if more > 0 else "")
+    lines = map(", ".join, short)
+    surplus = len(rows) - _FEW
+    return "; ".join(lines) + (f" and {surplus} more" if surplus > 0 else "")
 
 
-def _occurrences(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
-    match each.event:
+def _occurrences(point: Breakpoint, previous: Frame, frame: Frame) -> Iterator[str]:
+    match point.event:
         case "enters":
-            yield from _moves(each, past, frame, "is in")
+            yield from _moves(point, previous, frame, "is in")
         case "leaves":
-            yield from _moves(each, frame, past, "was in")
+            yield from _moves(point, frame, previous, "was in")
         case "blocked":
-            for then, now in zip(past.after.robots, frame.after.robots, strict=True):
-                if now.blocked and not then.blocked and each.robot in ("", now.name):
-                    yield f"{now.name} at {now.x:.1f}, {now.y:.1f}"
+            for old, robot in zip(previous.after.robots, frame.after.robots, strict=True):
+                if robot.blocked and not old.blocked and point.robot in ("", robot.name):
+                    yield f"{robot.name} at {robot.x:.1f}, {robot.y:.1f}"
         case "loses sight":
-            yield from _losses(each, past, frame)
+            yield from _losses(point, previous, frame)
         case _:
-            yield from _notices(each, past, frame)
+            yield from _notices(point, previous, frame)
 
 
-def _moves(each: Breakpoint, before: Frame, after: Frame, verb: str) -> Iterator[str]:
-    for then, now in zip(before.after.areas, after.after.areas, strict=True):
-        if each.subject in ("", now.name):
-            for name in now.visitors:
-                if name not in then.visitors and each.robot in ("", name):
-                    yield f"{name} {verb} {now.name}"
+def _moves(point: Breakpoint, start: Frame, end: Frame, verb: str) -> Iterator[str]:
+    for old, area in zip(start.after.areas, end.after.areas, strict=True):
+        if point.subject in ("", area.name):
+            for name in area.visitors:
+                if name not in old.visitors and point.robot in ("", name):
+                    yield f"{name} {verb} {area.name}"
 
 
-def _losses(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
-    for then, now in zip(past.sensors, frame.sensors, strict=True):
-        name = now["robot_name"]
-        if each.robot in ("", name):
-            still = _distances(now)
-            for label, distance in _distances(then).items():
-                if label not in still and each.subject in ("", label):
+def _losses(point: Breakpoint, previous: Frame, frame: Frame) -> Iterator[str]:
+    for old_row, row in zip(previous.sensors, frame.sensors, strict=True):
+        name = row["robot_name"]
+        if point.robot in ("", name):
+            distances = _distances(row)
+            for label, distance in _distances(old_row).items():
+                if label not in distances and point.subject in ("", label):
                     yield f"{name} saw {label} last at distance {distance:g}"
 
 
@@ -365,11 +365,11 @@ def _distances(row: SensorRow) -> dict[str, float]:
     }
 
 
-def _notices(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
-    known = {(decision.robot_name, n.kind) for decision in past.decisions for n in decision.notices}
+def _notices(point: Breakpoint, previous: Frame, frame: Frame) -> Iterator[str]:
+    old_notices = {(d.robot_name, n.kind) for d in previous.decisions for n in d.notices}
     for decision in frame.decisions:
-        if each.robot in ("", decision.robot_name):
+        if point.robot in ("", decision.robot_name):
             for notice in decision.notices:
-                is_new = (decision.robot_name, notice.kind) not in known
-                if is_new and each.subject in ("", notice.kind):
+                is_new = (decision.robot_name, notice.kind) not in old_notices
+                if is_new and point.subject in ("", notice.kind):
                     yield f"{decision.robot_name}: {notice.message}"

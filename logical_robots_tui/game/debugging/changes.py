@@ -19,13 +19,13 @@ class Steps:
     """Changes that go on in the same manner, up to the last one.
 
     Attributes:
-        by: The difference between two values; None if the value changed in each tick, by any.
+        increment: The difference between two values; None if each tick changed it differently.
         since: The tick of the first of these changes.
         times: The number of changes.
         begin: The value before them.
     """
 
-    by: float | None
+    increment: float | None
     since: int
     times: int
     begin: Value
@@ -65,19 +65,19 @@ async def last_change(memories: AsyncIterator[Sequence[Value]], path: Path, tick
             if changes is None:
                 changes = _Changes(memory, path, tick)
             elif not changes.go_back(memory):
-                return changes.found(is_known=True)
+                return changes.as_change(is_known=True)
     if changes is None:
         raise QueryError(f"What was remembered after tick {tick} is no longer known.")
-    return changes.found(is_known=bool(changes.ticks))
+    return changes.as_change(is_known=bool(changes.ticks))
 
 
 class _Changes:
     def __init__(self, memory: Value, path: Path, tick: int) -> None:
         self.ticks: list[int] = []  # of the changes, the last one first
         self._tick, self._memory = tick, memory
-        self._path = _from_the_start(memory, path)
+        self._path = _absolute_path(memory, path)
         self._values = [part_of(memory, self._path)]  # after each change, and before the first
-        self._by: float | None = None
+        self._increment: float | None = None
         self._even = 0  # changes by the same difference
         self._running = 0  # changes in consecutive ticks
 
@@ -85,74 +85,76 @@ class _Changes:
         """Compare with the memory before; return whether still earlier ones are needed."""
         tick, self._tick = self._tick, self._tick - 1
         if not self.ticks:
-            path = _place_before(memory, self._memory, self._path)
+            path = _old_path(memory, self._memory, self._path)
             if path is not None:
                 self._path, self._memory = path, memory
                 return True
         try:
-            before = part_of(memory, self._path)
+            old_value = part_of(memory, self._path)
         except QueryError:
             self._tick = tick
             self.ticks += [] if self.ticks else [tick]
             return False
-        if not is_same(self._values[-1], before):
-            self._compare(tick, before)
+        if not is_same(self._values[-1], old_value):
+            self._compare(tick, old_value)
         elif self._running == len(self.ticks) and self._even < len(self.ticks):
             return False
         return len(self.ticks) in (self._even, self._running)
 
-    def found(self, *, is_known: bool) -> Change:
+    def as_change(self, *, is_known: bool) -> Change:
         tick = self.ticks[0] if self.ticks else self._tick
         return Change(tick, self._path, self._values[0], is_known, self._steps())
 
-    def _compare(self, tick: int, before: Value) -> None:
-        pair = (self._values[-1], before)
+    def _compare(self, tick: int, old_value: Value) -> None:
+        pair = (self._values[-1], old_value)
         numbers = [v for v in pair if isinstance(v, int | float) and not isinstance(v, bool)]
-        by = numbers[0] - numbers[1] if len(numbers) == 2 else None
+        increment = numbers[0] - numbers[1] if len(numbers) == 2 else None
         if not self.ticks:
-            self._by = by
-        if by is not None and self._by is not None and math.isclose(by, self._by):
+            self._increment = increment
+        step = self._increment
+        if increment is not None and step is not None and math.isclose(increment, step):
             self._even += self._even == len(self.ticks)
         if not self.ticks or tick == self.ticks[-1] - 1:
             self._running += self._running == len(self.ticks)
         self.ticks.append(tick)
-        self._values.append(before)
+        self._values.append(old_value)
 
     def _steps(self) -> Steps | None:
         is_even = self._even >= FEWEST_STEPS
         times = self._even if is_even else self._running
         if times < FEWEST_STEPS:
             return None
-        by = self._by if is_even else None
-        return Steps(by, self.ticks[times - 1], times, self._values[times])
+        increment = self._increment if is_even else None
+        return Steps(increment, self.ticks[times - 1], times, self._values[times])
 
 
-def _place_before(memory: Value, now: Value, path: Path) -> Path | None:
-    if memory is now:
+def _old_path(memory: Value, new_memory: Value, path: Path) -> Path | None:
+    if memory is new_memory:
         return path
-    at = next((n for n in reversed(range(len(path))) if isinstance(path[n], int)), None)
+    index = next((n for n in reversed(range(len(path))) if isinstance(path[n], int)), None)
     try:
-        if at is None:
-            return path if is_same(part_of(memory, path), part_of(now, path)) else None
-        items, items_now = part_of(memory, path[:at]), part_of(now, path[:at])
-        place = path[at]
-        if isinstance(items, list) and isinstance(items_now, list) and isinstance(place, int):
-            element = items_now[place]
+        if index is None:
+            return path if is_same(part_of(memory, path), part_of(new_memory, path)) else None
+        items, new_items = part_of(memory, path[:index]), part_of(new_memory, path[:index])
+        place = path[index]
+        if isinstance(items, list) and isinstance(new_items, list) and isinstance(place, int):
+            element = new_items[place]
             if not (place < len(items) and is_same(items[place], element)):
-                others = (n for n, each in enumerate(items) if is_same(each, element))
-                place = next(others, place)
-            before = (*path[:at], place, *path[at + 1 :])
-            return before if is_same(part_of(memory, before), part_of(now, path)) else None
+                indices = (n for n, item in enumerate(items) if is_same(item, element))
+                place = next(indices, place)
+            old_path = (*path[:index], place, *path[index + 1 :])
+            if is_same(part_of(memory, old_path), part_of(new_memory, path)):
+                return old_path
         return None
     except QueryError:
         return None
 
 
-def _from_the_start(memory: Value, path: Path) -> Path:
-    found: Path = ()
+def _absolute_path(memory: Value, path: Path) -> Path:
+    absolute_path: Path = ()
     for name in path:
-        value = part_of(memory, found)
+        value = part_of(memory, absolute_path)
         if isinstance(name, int) and name < 0 and isinstance(value, list):
             name += len(value)
-        found = (*found, name)
-    return found
+        absolute_path = (*absolute_path, name)
+    return absolute_path

@@ -70,9 +70,9 @@ class Pin(NamedTuple):
     def words(self) -> str:
         """Its full description, such as ``Robot.memory for Ada``."""
         parts = (
-            one if name in ROBOT_COLUMNS else f"{name} {one}"
+            text if name in ROBOT_COLUMNS else f"{name} {text}"
             for name, value in self.where
-            for one in [value if isinstance(value, str) else spell(value, is_rounded=True)]
+            for text in [value if isinstance(value, str) else spell(value, is_rounded=True)]
         )
         return f"{self.name} for {', '.join(parts)}" if self.where else self.name
 
@@ -80,7 +80,7 @@ class Pin(NamedTuple):
         return self._replace(path=self.path + path)
 
 
-class Reading(NamedTuple):
+class PinReading(NamedTuple):
     """The value of a pin at a tick."""
 
     value: Value = None
@@ -98,8 +98,8 @@ class Reading(NamedTuple):
         return number if math.isfinite(number) else None
 
 
-def path_text(path: Path, what: str = "memory") -> str:
-    return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
+def path_text(path: Path, root: str = "memory") -> str:
+    return root + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
 
 
 def pin_of_cell(
@@ -109,32 +109,32 @@ def pin_of_cell(
 
     As few columns as needed identify the row. None if only the value itself distinguishes it.
     """
-    mine = rows[row]
-    others = [each for at, each in enumerate(rows) if at != row]
+    cells = rows[row]
+    candidates = [cells for index, cells in enumerate(rows) if index != row]
     where: list[tuple[str, Value]] = []
     names = [name for name in ROBOT_COLUMNS if name in columns]
     for name in (*names, *(name for name in columns if name not in ROBOT_COLUMNS)):
         place = columns.index(name)
-        value = mine[place]
-        left = [each for each in others if _is_same(each[place], value)]
-        tells = name in ROBOT_COLUMNS or len(left) < len(others)
-        if tells and name != column and isinstance(value, bool | int | float | str):
+        value = cells[place]
+        matches = [candidate for candidate in candidates if _is_same(candidate[place], value)]
+        is_distinctive = name in ROBOT_COLUMNS or len(matches) < len(candidates)
+        if is_distinctive and name != column and isinstance(value, bool | int | float | str):
             where.append((name, value))
-            others = left
-    return None if others else Pin(predicate, column, tuple(where))
+            candidates = matches
+    return None if candidates else Pin(predicate, column, tuple(where))
 
 
-def read(pin: Pin, table: ResultTable | QueryError) -> Reading:
+def read(pin: Pin, table: ResultTable | QueryError) -> PinReading:
     if isinstance(table, QueryError):
-        return Reading(problem=str(table))
+        return PinReading(problem=str(table))
     for name in (*(name for name, _ in pin.where), pin.column):
         if table.rows and name not in (*table.columns, MIND, ""):
-            return Reading(problem=f"{pin.predicate} has no column {name}.")
+            return PinReading(problem=f"{pin.predicate} has no column {name}.")
     rows = list(_matching(table, pin.where))
     if not pin.column:
-        return Reading(len(rows))
+        return PinReading(len(rows))
     if len(rows) != 1:
-        return Reading(problem=f"{len(rows)} rows." if rows else "No row.")
+        return PinReading(problem=f"{len(rows)} rows." if rows else "No row.")
     return _inside(rows[0][table.columns.index(pin.column)], pin.path)
 
 
@@ -154,24 +154,24 @@ def _matching(
             yield row
 
 
-def _is_same(value: Value, wanted: Value) -> bool:
+def _is_same(value: Value, expected: Value) -> bool:
     """Return whether a value identifies the same row; angles may differ in the last digits."""
-    if isinstance(value, float) and isinstance(wanted, float):
-        return math.isclose(value, wanted, rel_tol=1e-6, abs_tol=1e-9)
-    return value == wanted
+    if isinstance(value, float) and isinstance(expected, float):
+        return math.isclose(value, expected, rel_tol=1e-6, abs_tol=1e-9)
+    return value == expected
 
 
-def _inside(value: Value, path: Path) -> Reading:
+def _inside(value: Value, path: Path) -> PinReading:
     for step in path:
         if isinstance(step, str):
             if not isinstance(value, Mapping) or step not in value:
-                return Reading(problem=f"There is no field {step}.")
+                return PinReading(problem=f"There is no field {step}.")
             value = value[step]
         elif isinstance(value, Sequence) and not isinstance(value, str) and step < len(value):
             value = value[step]
         else:
-            return Reading(problem=f"There is no item {step}.")
-    return Reading(value)
+            return PinReading(problem=f"There is no item {step}.")
+    return PinReading(value)
 
 
 T = TypeVar("T")
@@ -212,28 +212,28 @@ class Inquiry:
 
         return await self._do(self._asker, program, work)
 
-    async def prepare(self, program: Program, asked: Ask) -> None:
+    async def prepare(self, program: Program, question: Ask) -> None:
         """Do what a question needs before there is a frame."""
         from logical_robots_tui.explain.why.probing import decompose
 
         def work(stop: threading.Event) -> None:
             with contextlib.suppress(QueryError):
-                decompose(program, asked.predicate, asked.within, stop=lambda: stop)
+                decompose(program, question.predicate, question.within, stop=lambda: stop)
 
         await self._explainer.do(work)
 
-    async def why(self, program: Program, robot: str, frame: Frame, asked: Ask) -> Explanation:
+    async def why(self, program: Program, robot: str, frame: Frame, question: Ask) -> Explanation:
         """Explain a predicate's rows, or their absence, or raise QueryError."""
         return await self._explain(
-            self._explainer, program, robot, frame, lambda each: each.why(asked)
+            self._explainer, program, robot, frame, lambda explainer: explainer.why(question)
         )
 
     async def proof(
-        self, program: Program, robot: str, frame: Frame, asked: Ask, *, depth: int = 100
+        self, program: Program, robot: str, frame: Frame, question: Ask, *, depth: int = 100
     ) -> Proof:
         """Prove the first row that is asked for, `depth` predicates deep; raises as `why`."""
         return await self._explain(
-            self._explainer, program, robot, frame, lambda each: each.proof(asked, depth=depth)
+            self._explainer, program, robot, frame, lambda e: e.proof(question, depth=depth)
         )
 
     async def calls(
@@ -241,16 +241,16 @@ class Inquiry:
     ) -> ResultTable:
         """Return a function's calls in a robot's reasoning at a frame, or raise QueryError."""
         return await self._explain(
-            self._surveyor, program, robot, frame, lambda each: each.calls(predicate)
+            self._surveyor, program, robot, frame, lambda explainer: explainer.calls(predicate)
         )
 
     async def nearest(
-        self, program: Program, robot: str, frame: Frame, asked: Ask
+        self, program: Program, robot: str, frame: Frame, question: Ask
     ) -> list[tuple[int, Suggestion]]:
         """Return lines with changes that would give a row, smallest first, or raise QueryError."""
 
         def work(explainer: Explainer) -> list[tuple[int, Suggestion]]:
-            return [(rule.line, found) for rule, found in explainer.nearest(asked)]
+            return [(rule.line, suggestion) for rule, suggestion in explainer.nearest(question)]
 
         return await self._explain(self._explainer, program, robot, frame, work)
 
@@ -259,25 +259,25 @@ class Inquiry:
         names = [p.name for p in program.predicates if p.kind == "program" and p.has_rows]
 
         def work(mind: Mind, stop: threading.Event) -> list[QueryPlan]:
-            found = []
+            plans = []
             for name in names:
                 with contextlib.suppress(QueryError):
                     sensors, memories = frame.sensors, frame.memories_before
                     mind.query(name, sensors, memories, stop=stop)  # the first time is slower
-                    found.append(mind.query_plan(name, sensors, memories, stop=stop))
-            return sorted(found, key=lambda each: -each.milliseconds)
+                    plans.append(mind.query_plan(name, sensors, memories, stop=stop))
+            return sorted(plans, key=lambda plan: -plan.milliseconds)
 
         return await self._do(self._explainer, program, work)
 
     async def survey(self, program: Program, frame: Frame) -> dict[str, ResultTable | QueryError]:
         """Return the rows of all predicates that have rows, or why one has none."""
-        names = [each.name for each in program.predicates if each.has_rows]
+        names = [predicate.name for predicate in program.predicates if predicate.has_rows]
         return await self._do(self._surveyor, program, partial(_tables, names, frame))
 
     async def readings(
         self, program: Program, frame: Frame, pins: Sequence[Pin]
-    ) -> dict[Pin, Reading]:
-        def work(mind: Mind, stop: threading.Event) -> dict[Pin, Reading]:
+    ) -> dict[Pin, PinReading]:
+        def work(mind: Mind, stop: threading.Event) -> dict[Pin, PinReading]:
             tables = _tables(dict.fromkeys(pin.predicate for pin in pins), frame, mind, stop)
             return {pin: read(pin, tables[pin.predicate]) for pin in pins}
 
@@ -322,18 +322,18 @@ class Inquiry:
 def _tables(
     predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
 ) -> dict[str, ResultTable | QueryError]:
-    found: dict[str, ResultTable | QueryError] = {}
+    tables: dict[str, ResultTable | QueryError] = {}
     sensors, memories = frame.sensors, frame.memories_before
     for name in predicates:
         try:
             if name.isidentifier():
-                found[name] = mind.query(name, sensors, memories, stop=stop)
+                tables[name] = mind.query(name, sensors, memories, stop=stop)
             else:
                 question = mind.program.question(name, stop=stop, limits=mind.limits)
                 table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-                found[name] = matching_rows(question, table)
+                tables[name] = matching_rows(question, table)
         except ProgramError as error:
-            found[name] = QueryError(f"This can't be asked: {error.diagnostics[0].message}.")
+            tables[name] = QueryError(f"This can't be asked: {error.diagnostics[0].message}.")
         except QueryError as error:
-            found[name] = error
-    return found
+            tables[name] = error
+    return tables

@@ -64,8 +64,8 @@ async def find_matches(
     """Evaluate a question at every tick up to victory, by default for any robot; cached."""
     about = (run.key, question.text, question.sql, robot, ticks)
     name = hashlib.sha256(msgspec.json.encode(about)).hexdigest()
-    if (known := _find(name)) is not None:
-        return known
+    if (matches := _find(name)) is not None:
+        return matches
 
     def ask(frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Frame, bool | str]:
         return frame, _answer(question, frame, mind, stop, robot)
@@ -83,10 +83,10 @@ async def find_matches(
         elif answer:
             _add(holds, last)
         report(last)
-    found = Matches(last, won_at, tuple(holds), tuple(failed), reason, is_reliable)
-    if is_reliable and run.lasts and not failed:  # it may have failed only for lack of time
-        _keep(name, found)
-    return found
+    matches = Matches(last, won_at, tuple(holds), tuple(failed), reason, is_reliable)
+    if is_reliable and run.is_reproducible and not failed:  # or it may have lacked time
+        _keep(name, matches)
+    return matches
 
 
 def _answer(
@@ -119,21 +119,21 @@ def _find(name: str) -> Matches | None:
     try:
         if digest != _digest(name, body):
             raise ValueError("another answer, or not all of it")
-        found = msgspec.json.decode(body, type=Matches)
-        ends = [end for stretch in found.stretches for end in stretch]
-        if ends != sorted(ends) or not all(0 < end <= found.ticks for end in ends):
+        matches = msgspec.json.decode(body, type=Matches)
+        ends = [end for stretch in matches.stretches for end in stretch]
+        if ends != sorted(ends) or not all(0 < end <= matches.ticks for end in ends):
             raise ValueError("no stretches of these ticks")
     except (ValueError, msgspec.DecodeError):
         _folder().drop(name)
         return None
-    return found
+    return matches
 
 
-def _keep(name: str, found: Matches) -> None:
+def _keep(name: str, matches: Matches) -> None:
     folder = _folder()
     if folder.place is None:
         return
-    body = msgspec.json.encode(found)
+    body = msgspec.json.encode(matches)
     if len(body) < _LARGEST:
         folder.keep(name, [_digest(name, body), b"\n", body])
 
@@ -165,49 +165,49 @@ class SearchResult:
 async def search_ticks(
     game: Game,
     query: str,
-    way: Literal[-1, 1],
+    direction: Literal[-1, 1],
     report: Callable[[int], object] = lambda _tick: None,
 ) -> SearchResult:
-    """Find the nearest later (`way` is 1) or earlier (-1) tick in which a question holds.
+    """Find the nearest later (`direction` is 1) or earlier (-1) tick in which a question holds.
 
     Adjacent ticks are skipped if it holds now. `report` gets each searched tick, and may end the
     search with an exception. Raises ProgramError for a wrong query.
     """
-    program, history, here = game.program, game.history, game.frame.tick
-    end = history.last if way > 0 else history.first
-    ticks = range(here, end + way, way)
+    program, history, start = game.program, game.history, game.frame.tick
+    end = history.last if direction > 0 else history.first
+    ticks = range(start, end + direction, direction)
     thinker = Thinker("search")
 
     def ask(
-        question: CompiledQuery, some: Sequence[_Tick], stop: threading.Event
+        question: CompiledQuery, batch: Sequence[_Tick], stop: threading.Event
     ) -> list[bool | str]:
         answers: list[bool | str] = []
-        for before, known in some:
-            frame, mind = thinker.replay(program, before, known, game.limits)
+        for previous, stored_tick in batch:
+            frame, mind = thinker.replay(program, previous, stored_tick, game.limits)
             answers.append(_answer(question, frame, mind, stop))
             if stop.is_set():
                 raise Stopped
         return answers
 
-    problem, holds_here, is_outside, last = "", False, False, here
+    problem, holds_here, is_outside, last = "", False, False, start
     try:
         question = await thinker.do(
             lambda stop: program.question(query, stop=stop, limits=game.limits)
         )
-        together = max(1, min(_TOGETHER, _ROBOTS // len(game.level.robots)))
-        for at in range(0, len(ticks), together):
-            numbers = ticks[at : at + together]
+        size = max(1, min(_TOGETHER, _ROBOTS // len(game.level.robots)))
+        for offset in range(0, len(ticks), size):
+            batch_ticks = ticks[offset : offset + size]
             try:
-                some = [history.replay(tick) for tick in numbers]
+                batch = [history.replay(tick) for tick in batch_ticks]
             except NoSuchTickError:  # dropped in the meantime
                 break
-            answers = await thinker.do(partial(ask, question, some))
-            for tick, answer in zip(numbers, answers, strict=True):
+            answers = await thinker.do(partial(ask, question, batch))
+            for tick, answer in zip(batch_ticks, answers, strict=True):
                 last = tick
                 if isinstance(answer, str):
                     problem = problem or f"Tick {tick}: {answer}"
                 holds = answer is True
-                if tick == here:
+                if tick == start:
                     holds_here = holds
                 elif holds and is_outside:
                     return SearchResult(tick, tick, holds_here, problem)

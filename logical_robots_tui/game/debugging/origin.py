@@ -44,7 +44,7 @@ class Link:
         source: What it was made from; None if it was there already, or if that can't be told.
         path: The part of the robot's memory that it is; None if it is none.
         steps: Changes that led to it in the same manner, if it was made from its last value.
-        before: For each of the inputs, the index of its link, or None if it is an end.
+        input_links: For each of the inputs, the index of its link, or None if it is an end.
         began: The index of the link of the value before all steps.
         problem: Why the source can't be told, or "".
     """
@@ -57,7 +57,7 @@ class Link:
     source: ValueSource | None = None
     path: Path | None = None
     steps: Steps | None = None
-    before: tuple[int | None, ...] = ()
+    input_links: tuple[int | None, ...] = ()
     began: int | None = None
     problem: str = ""
 
@@ -72,7 +72,7 @@ class Link:
             inputs = (source, *inputs)
         if self.steps is None:
             return inputs
-        return tuple(each for each in inputs if (self.robot, self.path) not in _memories_in(each))
+        return tuple(s for s in inputs if (self.robot, self.path) not in _memories_in(s))
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ async def origin_in_run(
     report: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
     """Trace a value at a tick of a run, or raise QueryError."""
-    return await _origin_of(_PastOfRun(run, report), robot, subject, tick)
+    return await _origin_of(_RunTicks(run, report), robot, subject, tick)
 
 
 async def origin_in_game(
@@ -106,23 +106,23 @@ async def origin_in_game(
     Each tick is examined with the program that decided it. Raises QueryError, or Superseded if
     the game switched to another branch.
     """
-    past = _PastOfGame(game, report)
+    ticks = _GameTicks(game, report)
     try:
         tick = game.frame.tick if tick is None else tick
-        return await _origin_of(past, robot, subject, tick)
+        return await _origin_of(ticks, robot, subject, tick)
     finally:
-        await past.thinker.close()
+        await ticks.thinker.close()
 
 
-async def _origin_of(past: _Past, robot: str, subject: Subject, tick: int) -> Origin:
+async def _origin_of(ticks: _Ticks, robot: str, subject: Subject, tick: int) -> Origin:
     """Trace a value at a tick, or raise QueryError."""
-    tracing = _Tracing(past)
+    tracing = _Tracing(ticks)
     if is_memory(subject):
         await tracing.memory(robot, subject.path, tick)
     elif tick < 1:
         raise QueryError("No decision yet.")
     else:
-        source = await past.source(tick, robot, subject)
+        source = await ticks.source(tick, robot, subject)
         column = subject.column or source.name.rpartition(".")[2]
         subject = replace(subject, column=column)
         tracing.value(source, robot, tick, subject_name(robot, subject))
@@ -140,13 +140,13 @@ def read_part(text: str) -> tuple[str, Path]:
 
     Returns the column and the path in it.
     """
-    found = re.fullmatch(r"(\w+)((?:\.[^.\[\]]+|\[-?\d+\])*)", text.strip())
-    if found is None:
+    match = re.fullmatch(r"(\w+)((?:\.[^.\[\]]+|\[-?\d+\])*)", text.strip())
+    if match is None:
         raise ValueError(
             f"{text!r} is not a part such as memory.plan, memory.seen[0] or desire.left_engine"
         )
-    pieces = re.findall(r"\.([^.\[\]]+)|\[(-?\d+)\]", found.group(2))
-    return found.group(1), tuple(name if name else int(number) for name, number in pieces)
+    pieces = re.findall(r"\.([^.\[\]]+)|\[(-?\d+)\]", match.group(2))
+    return match.group(1), tuple(name if name else int(number) for name, number in pieces)
 
 
 def subject_name(robot: str, subject: Subject) -> str:
@@ -160,7 +160,7 @@ def subject_name(robot: str, subject: Subject) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class _Waiting:
+class _PendingInput:
     """What a link goes on with: a read of a memory after a tick, or a value in a tick.
 
     `place` is that of the input, or None for the value before all steps.
@@ -174,40 +174,40 @@ class _Waiting:
 
 
 class _Tracing:
-    def __init__(self, past: _Past) -> None:
-        self._past = past
+    def __init__(self, ticks: _Ticks) -> None:
+        self._ticks = ticks
         self._links: list[Link] = []
         self._numbers: dict[str, int] = {}
-        self._waiting: list[_Waiting] = []
+        self._pending: list[_PendingInput] = []
         self._complete = True
         self._asks = _MOST_STEPS
 
     async def finish(self) -> Origin:
-        while self._waiting:
+        while self._pending:
             if len(self._links) >= _MOST_LINKS:
                 self._complete = False
                 break
-            each = self._waiting.pop(0)
-            source, read = each.source, each.source.read
+            pending = self._pending.pop(0)
+            source, read = pending.source, pending.source.read
             try:
                 if read is not None:
-                    number = await self.memory(read.robot, read.path, each.tick)
+                    number = await self.memory(read.robot, read.path, pending.tick)
                 else:
-                    number = self.value(source, each.robot, each.tick, source.name)
+                    number = self.value(source, pending.robot, pending.tick, source.name)
             except QueryError:
                 self._complete = False
             else:
-                self._connect(each, number)
+                self._connect(pending, number)
         return Origin(tuple(self._links), self._complete)
 
     async def memory(self, robot: str, path: Path, tick: int) -> int:
         """Add the link of a part of a memory after a tick; return its number."""
-        change = await last_change(self._past.memories(robot, tick), path, tick)
+        change = await last_change(self._ticks.memories(robot, tick), path, tick)
         name = f"{robot}'s {path_text(path)}"
         link = Link(robot, name, change.value, change.tick, tick, path=change.path)
         key = repr((robot, change.path, change.tick))
         if key not in self._numbers and change.is_known:
-            link = await self._made(link, change)
+            link = await self._with_source(link, change)
         elif change.tick and not change.is_known:
             self._complete = False
         return self._add(key, link)
@@ -217,9 +217,9 @@ class _Tracing:
         key = repr((robot, tick, source.span, source.value, source.inputs))
         return self._add(key, Link(robot, name, source.value, tick, tick, source))
 
-    async def _made(self, link: Link, change: Change) -> Link:
+    async def _with_source(self, link: Link, change: Change) -> Link:
         try:
-            source = await self._past.source(change.tick, link.robot, Subject(path=change.path))
+            source = await self._ticks.source(change.tick, link.robot, Subject(path=change.path))
             if not alike(source.value, change.value):
                 raise QueryError("its source can't be determined")
         except QueryError as error:
@@ -229,74 +229,76 @@ class _Tracing:
 
     async def _steps(self, link: Link, change: Change, source: ValueSource) -> Steps | None:
         """Return the steps to a value, if it was made from the one before in each of them."""
-        steps, own = change.steps, (link.robot, change.path)
-        if steps is None or own not in _memories_in(source) or steps.by is not None:
-            return steps if own in _memories_in(source) else None
-        at = change.tick
-        while at > steps.since and self._asks > 0:
+        steps, key = change.steps, (link.robot, change.path)
+        if steps is None or key not in _memories_in(source) or steps.increment is not None:
+            return steps if key in _memories_in(source) else None
+        first_tick = change.tick
+        while first_tick > steps.since and self._asks > 0:
             self._asks -= 1
-            earlier = await self._past.source(at - 1, link.robot, Subject(path=change.path))
-            if own not in _memories_in(earlier):
+            subject = Subject(path=change.path)
+            old_source = await self._ticks.source(first_tick - 1, link.robot, subject)
+            if key not in _memories_in(old_source):
                 break
-            source, at = earlier, at - 1
-        times = change.tick - at + 1
+            source, first_tick = old_source, first_tick - 1
+        times = change.tick - first_tick + 1
         if times < FEWEST_STEPS:
             return None
-        return Steps(None, at, times, _memories_in(source)[own])
+        return Steps(None, first_tick, times, _memories_in(source)[key])
 
     def _add(self, key: str, link: Link) -> int:
         if key in self._numbers:
             return self._numbers[key]
         number = self._numbers[key] = len(self._links)
-        self._links.append(replace(link, before=(None,) * len(link.inputs)))
+        self._links.append(replace(link, input_links=(None,) * len(link.inputs)))
         if link.steps is not None and link.path is not None:
             read = Read("memory", link.robot, link.path, link.steps.begin)
             source = ValueSource("", read.value, read=read)
-            self._waiting.append(_Waiting(number, None, source, "", link.steps.since - 1))
+            self._pending.append(_PendingInput(number, None, source, "", link.steps.since - 1))
         reads = 0
         is_older = link.tick != self._links[0].tick  # then only what it was made from is traced
         decided_by = link.source.decided_by if link.source is not None and is_older else ()
         for place, source in enumerate(link.inputs):
-            if any(source is each for each in decided_by):
+            if any(source is s for s in decided_by):
                 continue
             if source.read is None:
                 if source.inputs and not source.is_constant:
-                    self._waiting.append(_Waiting(number, place, source, link.robot, link.tick))
+                    pending = _PendingInput(number, place, source, link.robot, link.tick)
+                    self._pending.append(pending)
             elif source.read.kind == "memory" and source.value is not None:
                 reads += 1
                 if reads <= _MOST_READS:
-                    self._waiting.append(_Waiting(number, place, source, "", link.tick - 1))
+                    self._pending.append(_PendingInput(number, place, source, "", link.tick - 1))
         self._complete = self._complete and reads <= _MOST_READS
         return number
 
-    def _connect(self, waiting: _Waiting, number: int) -> None:
-        link = self._links[waiting.parent]
-        if waiting.place is None:
-            self._links[waiting.parent] = replace(link, began=number)
-        elif number != waiting.parent:
-            before = list(link.before)
-            before[waiting.place] = number
-            self._links[waiting.parent] = replace(link, before=tuple(before))
+    def _connect(self, pending: _PendingInput, number: int) -> None:
+        link = self._links[pending.parent]
+        if pending.place is None:
+            self._links[pending.parent] = replace(link, began=number)
+        elif number != pending.parent:
+            input_links = list(link.input_links)
+            input_links[pending.place] = number
+            self._links[pending.parent] = replace(link, input_links=tuple(input_links))
 
 
 def _memories_in(source: ValueSource) -> dict[tuple[str, Path | None], Value]:
-    found: dict[tuple[str, Path | None], Value] = {}
-    waiting, known = [source], {id(source)}
-    while waiting:
-        each = waiting.pop()
-        if each.read is not None and each.read.kind == "memory":
-            found[each.read.robot, each.read.path] = each.read.value
-        inner = [one for one in (*each.inputs, *each.decided_by) if id(one) not in known]
-        known.update(map(id, inner))
-        waiting += inner
-    return found
+    memories: dict[tuple[str, Path | None], Value] = {}
+    stack, visited = [source], {id(source)}
+    while stack:
+        node = stack.pop()
+        if node.read is not None and node.read.kind == "memory":
+            memories[node.read.robot, node.read.path] = node.read.value
+        inner = [child for child in (*node.inputs, *node.decided_by) if id(child) not in visited]
+        visited.update(map(id, inner))
+        stack += inner
+    return memories
 
 
-_Past: TypeAlias = "_PastOfRun | _PastOfGame"
+_Ticks: TypeAlias = "_RunTicks | _GameTicks"
 """The ticks in which a value is traced."""
 
 
-class _PastOfRun:
+class _RunTicks:
     def __init__(self, run: Run, report: Callable[[int], object]) -> None:
         self._run, self._report = run, report
 
@@ -311,11 +313,11 @@ class _PastOfRun:
         def work(frame: Frame, mind: Mind, stop: threading.Event) -> ValueSource:
             return _source(robot, subject, frame, mind, stop)
 
-        (found,) = [each async for each in self._run.each(tick, tick, work)]
-        return found
+        (source,) = [source async for source in self._run.each(tick, tick, work)]
+        return source
 
 
-class _PastOfGame:
+class _GameTicks:
     def __init__(self, game: Game, report: Callable[[int], object]) -> None:
         self._game, self._report = game, report
         self._turns = game.history.turns
@@ -325,9 +327,9 @@ class _PastOfGame:
         history = self._game.history
         while tick >= 0:
             batch: list[Value] = []
-            for at in range(tick, max(tick - _SLICE, -1), -1):
+            for past_tick in range(tick, max(tick - _SLICE, -1), -1):
                 try:
-                    batch.append(history.memory(at, robot))
+                    batch.append(history.memory(past_tick, robot))
                 except (NoSuchTickError, LookupError):
                     break
             yield batch
@@ -343,16 +345,16 @@ class _PastOfGame:
         self._report(tick)
         history = self._game.history
         try:
-            before, known = history.replay(tick)
+            previous, stored_tick = history.replay(tick)
         except NoSuchTickError:
             raise QueryError(f"Tick {tick} is no longer in the timeline.") from None
-        if not known.moment.decisions:
+        if not stored_tick.moment.decisions:
             raise QueryError("No robot has decided in this tick.")
         program = history.program_at(tick) or self._game.program
-        program = program.for_team(known.level.team_of(robot))
+        program = program.for_team(stored_tick.level.team_of(robot))
 
         def work(stop: threading.Event) -> ValueSource:
-            frame, mind = self.thinker.replay(program, before, known, self._game.limits)
+            frame, mind = self.thinker.replay(program, previous, stored_tick, self._game.limits)
             return _source(robot, subject, frame, mind, stop)
 
         return await self.thinker.do(work)
@@ -366,10 +368,10 @@ def _source(
     robot: str, subject: Subject, frame: Frame, mind: Mind, stop: threading.Event
 ) -> ValueSource:
     explainer = explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
-    decided = _decided(frame.decision_of(robot), subject)
-    if decided:
-        asked = replace(subject.query, given={**subject.query.given, **decided})
-        subject = replace(subject, query=asked)
+    known_columns = _decided(frame.decision_of(robot), subject)
+    if known_columns:
+        question = replace(subject.query, given={**subject.query.given, **known_columns})
+        subject = replace(subject, query=question)
     return explainer.source(subject)
 
 
@@ -417,15 +419,15 @@ def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
     verb = "from"
     if source.read is not None:
         verb = "copied from" if source.read.kind == "memory" else "read from"
-    pairs = list(zip(link.inputs, link.before, strict=True))
-    for each, number in pairs[:_SHOWN_INPUTS]:
+    pairs = list(zip(link.inputs, link.input_links, strict=True))
+    for part, number in pairs[:_SHOWN_INPUTS]:
         goes_on = f" ({number + 1}.)" if number is not None else ""
-        yield f"{verb} {_input(each, written)}{goes_on}"
+        yield f"{verb} {_input(part, written)}{goes_on}"
         verb = "from"
-    if (more := len(pairs) - len(pairs[:_SHOWN_INPUTS]) + source.excess) > 0:
+    if (rest_count := len(pairs) - len(pairs[:_SHOWN_INPUTS]) + source.excess) > 0:
         numbers = [f"{n + 1}." for _, n in pairs[_SHOWN_INPUTS:] if n is not None]
         goes_on = f" ({', '.join(numbers)})" if numbers else ""
-        yield f"and from {more} more{goes_on}"
+        yield f"and from {rest_count} more{goes_on}"
 
 
 def _without_source(link: Link) -> str:
@@ -438,11 +440,11 @@ def _without_source(link: Link) -> str:
 
 def _steps(steps: Steps, tick: int) -> str:
     since = f"since tick {steps.since}"
-    if steps.by is None:
+    if steps.increment is None:
         return f"changes in each tick {since}"
-    way = f"counts {'up' if steps.by > 0 else 'down'} by {abs(steps.by):.10g}"
+    words = f"counts {'up' if steps.increment > 0 else 'down'} by {abs(steps.increment):.10g}"
     is_in_each_tick = steps.times == tick - steps.since + 1
-    return f"{way} {since}" if is_in_each_tick else f"{way}, {steps.times} times {since}"
+    return f"{words} {since}" if is_in_each_tick else f"{words}, {steps.times} times {since}"
 
 
 def _input(source: ValueSource, written: Callable[[Value], str]) -> str:
@@ -458,8 +460,8 @@ def _input(source: ValueSource, written: Callable[[Value], str]) -> str:
 
 def _ray(read: Read) -> str:
     ray = read.value if isinstance(read.value, dict) else {}
-    seen, label = ray.get("object"), ray.get("label")
-    what = f"{seen}" if label in (seen, None) else f'{seen} "{label}"'
+    kind, label = ray.get("object"), ray.get("label")
+    body = f"{kind}" if label in (kind, None) else f'{kind} "{label}"'
     angle = ray.get("angle")
     degrees = f"{math.degrees(angle):.0f}°" if isinstance(angle, int | float) else "?"
-    return f"{read.robot}'s ray {read.path[1]} at {degrees}: {what}, distance {ray.get('distance')}"
+    return f"{read.robot}'s ray {read.path[1]} at {degrees}: {body}, distance {ray.get('distance')}"

@@ -52,7 +52,7 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
     turns = history.turns
     branches = (
         (history.program_at(tick), history.replay(tick)),
-        (history.program_in_other(tick), history.in_other(tick)),
+        (history.program_in_other(tick), history.replay_other(tick)),
     )
     thinker = Thinker("compare")
 
@@ -88,8 +88,8 @@ def _line(node: ProofNode) -> str:
     return f"{node.text} = {values}" if values else node.text
 
 
-def _differing_lines(here: list[str], there: list[str]) -> Iterator[str]:
-    for line in islice(unified_diff(here, there, n=_CONTEXT, lineterm=""), 2, None):
+def _differing_lines(lines: list[str], other_lines: list[str]) -> Iterator[str]:
+    for line in islice(unified_diff(lines, other_lines, n=_CONTEXT, lineterm=""), 2, None):
         if not line.startswith("@@"):
             yield line
         elif not line.startswith(_FROM_THE_TOP):

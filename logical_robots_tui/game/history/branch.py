@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from logical_robots_tui.game.advancing import RecordedTick
-from logical_robots_tui.game.frame import Frame, driven
+from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
 from logical_robots_tui.game.history.packing import Packed, TickState
 from logical_robots_tui.mind import Decision
@@ -28,16 +28,16 @@ Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
-    """A difference between the current branch (`here`) and the other one for one robot.
+class BranchDifference:
+    """A difference between the current branch (`value`) and the other one for one robot.
 
     A ``position`` includes heading and engines.
     """
 
     robot_name: str
     matter: Matter
-    here: Any
-    there: Any
+    value: Any
+    other_value: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,28 +45,30 @@ class Divergence:
     """The first tick in which two branches differ; decisions first, in file order."""
 
     tick: int
-    differences: tuple[Difference, ...]
+    differences: tuple[BranchDifference, ...]
 
     def reversed(self) -> Divergence:
-        turned = (replace(each, here=each.there, there=each.here) for each in self.differences)
-        return Divergence(self.tick, tuple(turned))
+        swapped = (replace(d, value=d.other_value, other_value=d.value) for d in self.differences)
+        return Divergence(self.tick, tuple(swapped))
 
 
-def find_divergence(here: TickState, there: TickState) -> Divergence | None:
-    if here.decisions == there.decisions and here.after == there.after:
+def find_divergence(state: TickState, other_state: TickState) -> Divergence | None:
+    if state.decisions == other_state.decisions and state.after == other_state.after:
         return None
-    return Divergence(here.after.tick, (*_of_decisions(here, there), *_of_robots(here, there)))
+    decisions = _decision_differences(state, other_state)
+    return Divergence(state.after.tick, (*decisions, *_robot_differences(state, other_state)))
 
 
-def _of_decisions(here: TickState, there: TickState) -> Iterator[Difference]:
-    others = {decision.robot_name: decision for decision in there.decisions}
-    for mine in here.decisions:
-        other = others.get(mine.robot_name)
-        if other is not None and mine != other:
-            those = _matters(other)
-            for matter, value in _matters(mine).items():
-                if value != those[matter]:
-                    yield Difference(mine.robot_name, matter, value, those[matter])
+def _decision_differences(state: TickState, other_state: TickState) -> Iterator[BranchDifference]:
+    other_decisions = {decision.robot_name: decision for decision in other_state.decisions}
+    for decision in state.decisions:
+        rival = other_decisions.get(decision.robot_name)
+        if rival is not None and decision != rival:
+            rival_matters = _matters(rival)
+            for matter, value in _matters(decision).items():
+                if value != rival_matters[matter]:
+                    name, other_value = decision.robot_name, rival_matters[matter]
+                    yield BranchDifference(name, matter, value, other_value)
 
 
 def _matters(decision: Decision) -> dict[Matter, object]:
@@ -77,17 +79,18 @@ def _matters(decision: Decision) -> dict[Matter, object]:
     }
 
 
-def _of_robots(here: TickState, there: TickState) -> Iterator[Difference]:
-    others = {robot.name: robot for robot in there.after.robots}
-    for mine in here.after.robots:
-        other = others.get(mine.name)
-        if other is None:
+def _robot_differences(state: TickState, other_state: TickState) -> Iterator[BranchDifference]:
+    other_robots = {robot.name: robot for robot in other_state.after.robots}
+    for robot in state.after.robots:
+        rival = other_robots.get(robot.name)
+        if rival is None:
             continue
-        place, that = (mine.x, mine.y, mine.angle), (other.x, other.y, other.angle)
-        if place != that:
-            yield Difference(mine.name, "position", place, that)
-        if mine.battery_level != other.battery_level:
-            yield Difference(mine.name, "battery", mine.battery_level, other.battery_level)
+        pose, other_pose = (robot.x, robot.y, robot.angle), (rival.x, rival.y, rival.angle)
+        if pose != other_pose:
+            yield BranchDifference(robot.name, "position", pose, other_pose)
+        if robot.battery_level != rival.battery_level:
+            charge, other_charge = robot.battery_level, rival.battery_level
+            yield BranchDifference(robot.name, "battery", charge, other_charge)
 
 
 _TOGETHER = 32  # moments in a pack, unless they are heavy
@@ -96,7 +99,7 @@ _HEAVY = 12_000_000  # bytes of objects in a pack, unless a single moment has mo
 _begin_of = attrgetter("first")
 
 
-class Branch:
+class HistoryBranch:
     """The last ticks of a history, without gaps; diverging branches share immutable packs."""
 
     def __init__(self, frame: Frame, level: Level, length: int) -> None:
@@ -129,12 +132,12 @@ class Branch:
 
     def add(self, frame: Frame, program: Program) -> bool:
         """Store the next tick and the program that decided it; return whether ticks were packed."""
-        before = self._loose[-1]
-        self._loose.append(TickState.of(frame, before.driven + driven(frame.before, frame.after)))
-        for kind, who in marks_of(frame, before.decisions):
+        previous = self._loose[-1]
+        self._loose.append(TickState.from_frame(frame, previous.driven + frame.distance))
+        for kind, who in marks_of(frame, previous.decisions):
             self.marks.note(frame.tick, kind, who)
-        earlier, robots = self._blocked, frame.after.robots
-        self._blocked = {r.name: earlier.get(r.name, 0) + 1 for r in robots if r.blocked}
+        counts_before, robots = self._blocked, frame.after.robots
+        self._blocked = {r.name: counts_before.get(r.name, 0) + 1 for r in robots if r.blocked}
         counts = [self._blocked.get(robot.name) for robot in robots]
         if stuck := sum(1 << i for i, count in enumerate(counts) if count == STUCK_AFTER):
             self.marks.note(frame.tick, "stuck", stuck)
@@ -150,13 +153,13 @@ class Branch:
             self._programs.append((frame.tick, program))
             self._rounds = Rounds()
         is_packed = False
-        while together := self._ready():
+        while count := self._ready():
             try:
-                self.packs.append(Packed(self._loose[:together]))
+                self.packs.append(Packed(self._loose[:count]))
             except MemoryError:
                 self.packs.clear()  # drop everything older as well, because there must be no gaps
-                self._forget_before(self._loose[together].after.tick)
-            del self._loose[:together]
+                self._forget_before(self._loose[count].after.tick)
+            del self._loose[:count]
             is_packed = True
         while self.packs and self._begin_after_first_pack() <= self.last - self._length:
             self.forget_pack()
@@ -164,7 +167,7 @@ class Branch:
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue from the last tick, which is never packed, in another level."""
-        self._loose[-1] = TickState.of(frame, self._loose[-1].driven)
+        self._loose[-1] = TickState.from_frame(frame, self._loose[-1].driven)
         self.marks.refer_to(frame.after)
         if frame.tick > self._oldest:
             self.marks.note(frame.tick, "edit")
@@ -194,40 +197,40 @@ class Branch:
         pack = self.packs[bisect_right(self.packs, tick, key=_begin_of) - 1]
         return pack.memory(tick - pack.first, robot)
 
-    def known(self, tick: int) -> RecordedTick:
+    def stored_tick(self, tick: int) -> RecordedTick:
         moment = self.moment(tick)
-        return RecordedTick(self.levels.at(tick - bool(moment.decisions)), moment)
+        return RecordedTick(self.levels.level_at(tick - bool(moment.decisions)), moment)
 
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
-        return self.moment(max(tick - 1, 0)), self.known(tick)
+        return self.moment(max(tick - 1, 0)), self.stored_tick(tick)
 
-    def up_to(self, tick: int) -> Branch:
-        copy = Branch.__new__(Branch)
+    def up_to(self, tick: int) -> HistoryBranch:
+        copy = HistoryBranch.__new__(HistoryBranch)
         copy.marks = self.marks.copy(tick)
         copy.levels = self.levels.up_to(tick)
-        copy.hits = {at: hits for at, hits in self.hits.items() if at <= tick}
+        copy.hits = {t: hits for t, hits in self.hits.items() if t <= tick}
         copy._length = self._length
         copy._oldest = self._oldest
         copy._unreliable_from = self._unreliable_from if not self.is_reliable_up_to(tick) else None
         copy._blocked_from = self._blocked_from if self.is_blocked_up_to(tick) else None
         copy._programs = self.programs(tick)
         begins = [*map(_begin_of, self.packs), self._loose[0].after.tick]
-        whole = bisect_right(begins, tick) - 1
-        copy.packs = self.packs[:whole]
-        begin = begins[whole]
-        copy._loose = [self.moment(at) for at in range(begin, tick + 1)]
+        count = bisect_right(begins, tick) - 1
+        copy.packs = self.packs[:count]
+        begin = begins[count]
+        copy._loose = [self.moment(number) for number in range(begin, tick + 1)]
         copy._blocked = self._blocked_until(tick)
         copy._rounds = Rounds()
         return copy
 
     def _blocked_until(self, tick: int) -> dict[str, int]:
         counts: dict[str, int] = {}
-        for at in range(tick, max(self.first, tick - STUCK_AFTER) - 1, -1):
-            blocked = [robot.name for robot in self.moment(at).after.robots if robot.blocked]
-            still = [name for name in blocked if counts.get(name, 0) == tick - at]
-            if not still:
+        for number in range(tick, max(self.first, tick - STUCK_AFTER) - 1, -1):
+            blocked = [robot.name for robot in self.moment(number).after.robots if robot.blocked]
+            names = [name for name in blocked if counts.get(name, 0) == tick - number]
+            if not names:
                 break
-            counts.update(dict.fromkeys(still, tick - at + 1))
+            counts.update(dict.fromkeys(names, tick - number + 1))
         return counts
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
@@ -244,24 +247,24 @@ class Branch:
 
     def _ready(self) -> int:
         loose = self._loose
-        together, weight = 1, loose[0].weight
-        while together < min(len(loose) - 1, _TOGETHER) and weight <= _HEAVY:
-            weight += loose[together].weight
-            together += 1
+        count, weight = 1, loose[0].weight
+        while count < min(len(loose) - 1, _TOGETHER) and weight <= _HEAVY:
+            weight += loose[count].weight
+            count += 1
         if len(loose) >= 2 * _TOGETHER:
-            return together
+            return count
         is_heavy = len(loose) > 1 and self.loose_weight > 2 * _HEAVY
-        return together if is_heavy else 0
+        return count if is_heavy else 0
 
     def _begin_after_first_pack(self) -> int:
-        rest = self.packs[1:2] or self._loose[:1]
-        return rest[0].first if isinstance(rest[0], Packed) else rest[0].after.tick
+        oldest = self.packs[1:2] or self._loose[:1]
+        return oldest[0].first if isinstance(oldest[0], Packed) else oldest[0].after.tick
 
     def _forget_before(self, tick: int) -> None:
         self._oldest = tick
         self.marks.forget_before(tick)
         self.levels.forget_before(tick)
-        self.hits = {at: hits for at, hits in self.hits.items() if at >= tick}
+        self.hits = {t: hits for t, hits in self.hits.items() if t >= tick}
 
 
 _NO_WALLS = np.zeros((0, 0), np.bool_)
@@ -273,59 +276,59 @@ class Levels:
     def __init__(self, tick: int, level: Level) -> None:
         self._ticks = [tick]
         self._latest = level
-        self._earlier: list[_Packed] = []
-        self._opened: tuple[_Packed, Level] | None = None
+        self._earlier: list[_PackedLevel] = []
+        self._cache: tuple[_PackedLevel, Level] | None = None
 
     @property
     def packed_bytes(self) -> int:
         return sum(len(packed.walls.compressed) for packed in self._earlier)
 
-    def at(self, tick: int) -> Level:
-        place = max(bisect_right(self._ticks, tick) - 1, 0)
-        if place == len(self._earlier):
+    def level_at(self, tick: int) -> Level:
+        index = max(bisect_right(self._ticks, tick) - 1, 0)
+        if index == len(self._earlier):
             return self._latest
-        packed = self._earlier[place]
-        if self._opened is None or self._opened[0] is not packed:
-            self._opened = packed, packed.level()
-        return self._opened[1]
+        packed = self._earlier[index]
+        if self._cache is None or self._cache[0] is not packed:
+            self._cache = packed, packed.level()
+        return self._cache[1]
 
     def is_changed_in(self, tick: int) -> bool:
         return tick in self._ticks[1:]
 
     def is_changed_up_to(self, tick: int) -> bool:
-        return any(changed <= tick for changed in self._ticks[1:])
+        return any(change <= tick for change in self._ticks[1:])
 
     def change(self, tick: int, level: Level) -> None:
         """Set the level from a tick's end on; the same level means that robots were moved."""
         is_moved_at_start = level is self._latest and len(self._ticks) == 1
         if tick > self._ticks[-1] or is_moved_at_start:
-            self._earlier.append(_Packed.of(self._latest))
+            self._earlier.append(_PackedLevel.pack(self._latest))
             self._ticks.append(tick)
         self._latest = level
 
     def up_to(self, tick: int) -> Levels:
-        copy = Levels(self._ticks[0], self.at(tick))
-        place = max(bisect_right(self._ticks, tick), 1)
-        copy._ticks = self._ticks[:place]
-        copy._earlier = self._earlier[: place - 1]
+        copy = Levels(self._ticks[0], self.level_at(tick))
+        index = max(bisect_right(self._ticks, tick), 1)
+        copy._ticks = self._ticks[:index]
+        copy._earlier = self._earlier[: index - 1]
         return copy
 
     def forget_before(self, tick: int) -> None:
-        place = bisect_right(self._ticks, tick) - 1
-        if place > 0:
-            del self._ticks[:place], self._earlier[:place]
+        index = bisect_right(self._ticks, tick) - 1
+        if index > 0:
+            del self._ticks[:index], self._earlier[:index]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Packed:
-    rest: Level
+class _PackedLevel:
+    description: Level
     walls: PackedBits
 
     @classmethod
-    def of(cls, level: Level) -> _Packed:
+    def pack(cls, level: Level) -> _PackedLevel:
         return cls(replace(level, walls=_NO_WALLS), PackedBits.pack(level.walls))
 
     def level(self) -> Level:
         walls = self.walls.bits()
         walls.flags.writeable = False
-        return replace(self.rest, walls=walls)
+        return replace(self.description, walls=walls)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import RecordedTick, Worlds, frame_of
 from logical_robots_tui.game.frame import Frame, NoSuchTickError
-from logical_robots_tui.game.history.branch import Branch, Divergence, find_divergence
+from logical_robots_tui.game.history.branch import Divergence, HistoryBranch, find_divergence
 from logical_robots_tui.game.history.marks import Marks
 from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.world import Level
@@ -38,8 +38,8 @@ class History:
     ) -> None:
         self._length = length
         self._most_bytes = most_bytes
-        self._branch = Branch(start, level, length)
-        self._other: Branch | None = None
+        self._branch = HistoryBranch(start, level, length)
+        self._other: HistoryBranch | None = None
         self.turns = 0
         self.dropped = 0
         self.divergence: Divergence | None = None
@@ -58,7 +58,7 @@ class History:
         return self._branch.marks
 
     @property
-    def other(self) -> range | None:
+    def other_ticks(self) -> range | None:
         return range(self._other.first, self._other.last + 1) if self._other else None
 
     @property
@@ -70,8 +70,8 @@ class History:
 
     @property
     def kept_bytes(self) -> int:
-        other = self._other.loose_weight if self._other is not None else 0
-        return self.packed_bytes + self._branch.loose_weight + other
+        other_weight = self._other.loose_weight if self._other is not None else 0
+        return self.packed_bytes + self._branch.loose_weight + other_weight
 
     def add(self, frame: Frame, program: Program) -> None:
         """Store a finished tick; storing an earlier one again begins another branch."""
@@ -99,7 +99,7 @@ class History:
         return self._branch.moment(0).after == start.after
 
     def begin_anew(self, start: Frame, level: Level) -> None:
-        self._abandon(Branch(start, level, self._length))
+        self._abandon(HistoryBranch(start, level, self._length))
 
     def forget_future(self, tick: int) -> None:
         if tick < self.last:
@@ -143,19 +143,19 @@ class History:
         self._check(tick)
         return self._branch.replay(tick)
 
-    def known_ahead(
-        self, tick: int, most: int, texts: Texts, *, is_branch_wanted: bool
+    def stored_ahead(
+        self, tick: int, limit: int, texts: Texts, *, follow_branch: bool
     ) -> list[RecordedTick]:
         """Return the stored next ticks that can be replayed under a program.
 
         A branch that ends with it counts as a whole, until the player asks for the other branch.
         """
-        leads_here = is_branch_wanted and self._is_by(texts, self.last)
-        same = takewhile(
-            lambda at: leads_here or (self._is_by(texts, at) and not self.is_changed_in(at)),
-            range(tick + 1, min(tick + most, self.last) + 1),
+        is_on_branch = follow_branch and self._is_by(texts, self.last)
+        ticks = takewhile(
+            lambda t: is_on_branch or (self._is_by(texts, t) and not self.is_changed_in(t)),
+            range(tick + 1, min(tick + limit, self.last) + 1),
         )
-        return [self._branch.known(at) for at in same]
+        return [self._branch.stored_tick(t) for t in ticks]
 
     def _is_by(self, texts: Texts, tick: int) -> bool:
         program = self.program_at(tick)
@@ -169,19 +169,19 @@ class History:
         """Return the program that decided a tick; None at the start."""
         return self._branch.program_at(tick)
 
-    def in_other(self, tick: int) -> tuple[TickState, RecordedTick]:
+    def replay_other(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before and a tick of the other branch, or raise NoSuchTickError."""
-        there = self._other
-        if there is None or not there.first <= tick <= there.last:
+        branch = self._other
+        if branch is None or not branch.first <= tick <= branch.last:
             raise NoSuchTickError(f"The other branch does not hold tick {tick}.")
-        return there.replay(tick)
+        return branch.replay(tick)
 
     def program_in_other(self, tick: int) -> Program | None:
         return None if self._other is None else self._other.program_at(tick)
 
     def level_at(self, tick: int) -> Level:
         """Return the level from the end of a tick on."""
-        return self._branch.levels.at(tick)
+        return self._branch.levels.level_at(tick)
 
     def is_changed_in(self, tick: int) -> bool:
         """Return whether the level was edited or a robot moved at the end of a tick."""
@@ -200,18 +200,18 @@ class History:
             self.marks.note(tick, "breakpoint")
 
     def _look_for_divergence(self, tick: int) -> None:
-        there = self._other
-        if self.divergence is None and there is not None and there.first <= tick <= there.last:
-            self.divergence = find_divergence(self._branch.moment(tick), there.moment(tick))
+        branch = self._other
+        if self.divergence is None and branch is not None and branch.first <= tick <= branch.last:
+            self.divergence = find_divergence(self._branch.moment(tick), branch.moment(tick))
 
-    def _abandon(self, new: Branch) -> None:
+    def _abandon(self, new: HistoryBranch) -> None:
         """Switch to a truncated copy of the current branch, and keep the full one."""
-        left = self._branch
+        old_branch = self._branch
         self._switch_to(new)
-        if self._other is None or self._other.last <= left.last:
-            self._other, self.divergence = left, None
+        if self._other is None or self._other.last <= old_branch.last:
+            self._other, self.divergence = old_branch, None
 
-    def _switch_to(self, new: Branch) -> None:
+    def _switch_to(self, new: HistoryBranch) -> None:
         self._branch = new
         self.turns += 1
         if self.divergence is not None and self.divergence.tick > new.last:
@@ -230,9 +230,9 @@ class Past:
     def frame(self, tick: int) -> Frame:
         """Return the exact frame of a tick, or raise NoSuchTickError."""
         history = self._history
-        before, known = history.replay(tick)
+        previous, stored_tick = history.replay(tick)
         if self._last is None or self._last.tick != tick or self._turns != history.turns:
-            self._last = frame_of(self.worlds, before, known)
+            self._last = frame_of(self.worlds, previous, stored_tick)
             self._turns = history.turns
         return self._last
 

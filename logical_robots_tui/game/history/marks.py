@@ -42,10 +42,10 @@ class Mark(NamedTuple):
 
 
 _BLOCKED = f"stuck: blocked for {STUCK_AFTER} ticks."
-_AGAIN = f"in circles: {ROUNDS} times the same way."
+_CIRCLES = f"in circles: {ROUNDS} times the same way."
 _TROUBLE: dict[MarkKind, tuple[str, str]] = {
     "stuck": (f"is {_BLOCKED}", f"are {_BLOCKED}"),
-    "circling": (f"goes round {_AGAIN}", f"go round {_AGAIN}"),
+    "circling": (f"goes round {_CIRCLES}", f"go round {_CIRCLES}"),
 }
 """What is said of one robot, and of several."""
 
@@ -57,33 +57,31 @@ def trouble(mark: Mark) -> str:
     return f"{names} {words[len(mark.names) > 1]}" if words is not None else ""
 
 
-def marks_of(
-    frame: Frame, decisions_before: tuple[Decision, ...]
-) -> Iterator[tuple[MarkKind, int]]:
+def marks_of(frame: Frame, old_decisions: tuple[Decision, ...]) -> Iterator[tuple[MarkKind, int]]:
     """Return the events of a tick, each with the indices concerned, as bits."""
-    before, after = frame.before, frame.after
-    if after.won_at == frame.tick and frame.tick:
+    start, end = frame.before, frame.after
+    if end.won_at == frame.tick and frame.tick:
         yield "victory", 1
-    if areas := _differing([a.active for a in before.areas], [a.active for a in after.areas]):
+    if areas := _difference_bits([a.active for a in start.areas], [a.active for a in end.areas]):
         yield "area", areas
     if any(decision.notices for decision in frame.decisions):
-        kinds = [{notice.kind for notice in each.notices} for each in frame.decisions]
-        known = [{notice.kind for notice in each.notices} for each in decisions_before]
-        known = known or [set()] * len(kinds)
-        pairs = zip(kinds, known, strict=True)
-        if new := sum(1 << i for i, (now, then) in enumerate(pairs) if now - then):
-            yield "notice", new
+        kinds = [{notice.kind for notice in decision.notices} for decision in frame.decisions]
+        old_kinds = [{notice.kind for notice in decision.notices} for decision in old_decisions]
+        old_kinds = old_kinds or [set()] * len(kinds)
+        pairs = zip(kinds, old_kinds, strict=True)
+        if robots := sum(1 << i for i, (new_kinds, old) in enumerate(pairs) if new_kinds - old):
+            yield "notice", robots
     if frame.memories != frame.memories_before:
-        was, now = frame.memories_before, frame.memories
-        yield "memory", _differing([was[name] for name in now], list(now.values()))
+        memories, old = frame.memories, frame.memories_before
+        yield "memory", _difference_bits([old[name] for name in memories], [*memories.values()])
 
 
-def _differing(before: list[object], after: list[object]) -> int:
+def _difference_bits(old: list[object], new: list[object]) -> int:
     """Return the indices at which two lists of equal length differ, as bits."""
-    if before == after:
+    if old == new:
         return 0
-    pairs = zip(before, after, strict=True)
-    return sum(1 << i for i, (then, now) in enumerate(pairs) if then != now)
+    pairs = zip(old, new, strict=True)
+    return sum(1 << i for i, (a, b) in enumerate(pairs) if a != b)
 
 
 class Marks:
@@ -97,14 +95,14 @@ class Marks:
     def note(self, tick: int, kind: MarkKind, who: int = 1) -> None:
         """Store a mark; `who` is a bit set of indices. Fastest for a tick after all others."""
         if places := self._places.get(kind):
-            who = sum(1 << place for now, place in enumerate(places) if who >> now & 1)
+            who = sum(1 << place for index, place in enumerate(places) if who >> index & 1)
         ticks, everyone = self._ticks[kind], self._who[kind]
-        at = len(ticks) if not ticks or ticks[-1] < tick else bisect_left(ticks, tick)
-        if at < len(ticks) and ticks[at] == tick:
-            everyone[at] |= who
+        position = len(ticks) if not ticks or ticks[-1] < tick else bisect_left(ticks, tick)
+        if position < len(ticks) and ticks[position] == tick:
+            everyone[position] |= who
         else:
-            ticks.insert(at, tick)
-            everyone.insert(at, who)
+            ticks.insert(position, tick)
+            everyone.insert(position, who)
 
     def refer_to(self, state: WorldState) -> None:
         robots = _places([robot.name for robot in state.robots], self._robots)
@@ -113,16 +111,16 @@ class Marks:
         self._places: dict[MarkKind, list[int]] = dict.fromkeys(of_robots, robots)
         self._places["area"] = areas
 
-    def at(self, tick: int) -> tuple[Mark, ...]:
+    def marks_at(self, tick: int) -> tuple[Mark, ...]:
         """Return the marks of one tick, the most significant first."""
-        found = []
+        marks = []
         for kind, ticks in self._ticks.items():
-            at = bisect_left(ticks, tick)
-            if at < len(ticks) and ticks[at] == tick:
-                who, names = self._who[kind][at], self._areas if kind == "area" else self._robots
-                which = enumerate(names if kind in self._places else ())
-                found.append(Mark(kind, tuple(name for n, name in which if who >> n & 1)))
-        return tuple(found)
+            index = bisect_left(ticks, tick)
+            if index < len(ticks) and ticks[index] == tick:
+                who, names = self._who[kind][index], self._areas if kind == "area" else self._robots
+                indexed_names = enumerate(names if kind in self._places else ())
+                marks.append(Mark(kind, tuple(name for n, name in indexed_names if who >> n & 1)))
+        return tuple(marks)
 
     def has(self, kind: MarkKind, first: int, last: int, robot: str | None = None) -> bool:
         """Return whether ticks `first` to `last` have a mark; for a robot, of its own memory."""
@@ -137,13 +135,13 @@ class Marks:
         self, tick: int, steps: Literal[-1, 1], kinds: Collection[MarkKind], robot: str | None
     ) -> int | None:
         """Return the nearest other tick with a mark, or with a change of the robot's memory."""
-        found = [self._next(kind, tick, steps, ~0) for kind in kinds]
+        candidates = [self._next(kind, tick, steps, ~0) for kind in kinds]
         if robot in self._robots:
-            found.append(self._next("memory", tick, steps, 1 << self._robots.index(robot)))
-        known = [each for each in found if each is not None]
-        if not known:
+            candidates.append(self._next("memory", tick, steps, 1 << self._robots.index(robot)))
+        ticks = [candidate for candidate in candidates if candidate is not None]
+        if not ticks:
             return None
-        return min(known) if steps > 0 else max(known)
+        return min(ticks) if steps > 0 else max(ticks)
 
     def copy(self, last: int) -> Marks:
         copy = Marks.__new__(Marks)
@@ -161,26 +159,26 @@ class Marks:
 
     def _next(self, kind: MarkKind, tick: int, steps: Literal[-1, 1], who: int) -> int | None:
         ticks, everyone = self._ticks[kind], self._who[kind]
-        at = bisect_right(ticks, tick) if steps > 0 else bisect_left(ticks, tick) - 1
-        while 0 <= at < len(ticks):
-            if everyone[at] & who:
-                return ticks[at]
-            at += steps
+        index = bisect_right(ticks, tick) if steps > 0 else bisect_left(ticks, tick) - 1
+        while 0 <= index < len(ticks):
+            if everyone[index] & who:
+                return ticks[index]
+            index += steps
         return None
 
 
-def _places(names: list[str], known: list[str]) -> list[int]:
+def _places(names: list[str], registry: list[str]) -> list[int]:
     """Return the indices of names among the known ones, adding new ones; [] if identical."""
-    left = list(enumerate(known))
+    free = list(enumerate(registry))
     places = []
     for name in names:
-        found = next((pair for pair in left if pair[1] == name), None)
-        if found is None:
-            found = len(known), name
-            known.append(name)
+        match = next((pair for pair in free if pair[1] == name), None)
+        if match is None:
+            match = len(registry), name
+            registry.append(name)
         else:
-            left.remove(found)
-        places.append(found[0])
+            free.remove(match)
+        places.append(match[0])
     return [] if places == list(range(len(names))) else places
 
 
@@ -206,28 +204,28 @@ class Rounds:
 
     def follow(self, robots: Sequence[RobotState]) -> int:
         """Return the indices of robots that have just ended their last round, as bits."""
-        found = 0
+        bits = 0
         self._tick += 1
         for index, robot in enumerate(robots):
-            place = _place_of(robot)
+            place = _map_place(robot)
             trace = self._traces.get(robot.name)
             if trace is None:
                 trace = self._traces[robot.name] = _Trace()
             if place != trace.place and trace.enter(place, self._tick):
-                found |= 1 << index
-        return found
+                bits |= 1 << index
+        return bits
 
 
 def last_rounds(path: Sequence[RobotState]) -> tuple[int, int] | None:
     """Return index and period of the rounds in which one robot's path ends, or None."""
     trace = _Trace()
     for tick, robot in enumerate(path):
-        if (place := _place_of(robot)) != trace.place:
+        if (place := _map_place(robot)) != trace.place:
             trace.enter(place, tick)
     end = len(path) - 1
     if trace.place is None or not trace.goes_round(end):
         return None
-    if end - trace.seen[trace.place] > trace.period:
+    if end - trace.visits[trace.place] > trace.period:
         return None  # it has stopped since
     return max(trace.since - trace.period, 0), trace.period
 
@@ -235,7 +233,7 @@ def last_rounds(path: Sequence[RobotState]) -> tuple[int, int] | None:
 _Place = tuple[float, float, float]
 
 
-def _place_of(robot: RobotState) -> _Place:
+def _map_place(robot: RobotState) -> _Place:
     sector = robot.angle % math.tau * _SECTORS // math.tau
     return robot.x // _CELL, robot.y // _CELL, sector
 
@@ -247,21 +245,21 @@ class _Trace:
     reached a period after their last visit, `misses` others in a row.
     """
 
-    __slots__ = ("hits", "is_told", "misses", "period", "place", "seen", "since")
+    __slots__ = ("hits", "is_reported", "misses", "period", "place", "since", "visits")
 
     def __init__(self) -> None:
         self.place: _Place | None = None
-        self.seen: dict[_Place, int] = {}
+        self.visits: dict[_Place, int] = {}
         self.period = self.since = self.hits = self.misses = 0
-        self.is_told = False
+        self.is_reported = False
 
     def enter(self, place: _Place, tick: int) -> bool:
         """Record a visit to a place; return whether to report the rounds now."""
         self.place = place
-        if len(self.seen) >= _MOST:
-            self.seen.clear()
-        lag = tick - self.seen.get(place, tick)
-        self.seen[place] = tick
+        if len(self.visits) >= _MOST:
+            self.visits.clear()
+        lag = tick - self.visits.get(place, tick)
+        self.visits[place] = tick
         if 0 < lag < _SHORTEST:
             return False
         if self.period and abs(lag - self.period) <= max(3, self.period // 10):
@@ -270,16 +268,16 @@ class _Trace:
             self.misses += 1
             if not self.period or self.misses > _MISSES:
                 self.period, self.since, self.hits, self.misses = lag, tick, 0, 0
-                self.is_told = self.is_told and lag > 0
-        if self.is_told or not self.goes_round(tick):
+                self.is_reported = self.is_reported and lag > 0
+        if self.is_reported or not self.goes_round(tick):
             return False
-        self.is_told = True
+        self.is_reported = True
         return True
 
     def goes_round(self, tick: int) -> bool:
-        again = ROUNDS - 1
+        repeats = ROUNDS - 1
         return (
             self.period > 0
-            and tick - self.since >= max(again * self.period, _SOONEST)
-            and self.hits >= again * _FEWEST
+            and tick - self.since >= max(repeats * self.period, _SOONEST)
+            and self.hits >= repeats * _FEWEST
         )

@@ -45,9 +45,9 @@ class TickState:
     weight: int = field(default=0, compare=False)
 
     @classmethod
-    def of(cls, frame: Frame, driven: float) -> TickState:
-        before, decisions = frame.memories_before, frame.decisions
-        weight = sum(d.weight for d in decisions if d.memory is not before.get(d.robot_name))
+    def from_frame(cls, frame: Frame, driven: float) -> TickState:
+        old_memories, decisions = frame.memories_before, frame.decisions
+        weight = sum(d.weight for d in decisions if d.memory is not old_memories.get(d.robot_name))
         weight += sum(len(notice.message) for d in decisions for notice in d.notices)
         weight += _BODY_BYTES * len(decisions)
         milliseconds = frame.think_milliseconds
@@ -76,41 +76,41 @@ class Packed:
         """Return its size in bytes."""
         return len(self._bytes)
 
-    def moment(self, at: int) -> TickState:
-        return moment_in(_opened.runs(self), at)
+    def moment(self, index: int) -> TickState:
+        return moment_in(_open_packs.runs(self), index)
 
-    def memory(self, at: int, robot: str) -> Value:
+    def memory(self, index: int, robot: str) -> Value:
         """Return a robot's memory in one moment; raise LookupError if it is not there."""
-        return memory_in(_opened.runs(self), at, robot)
+        return memory_in(_open_packs.runs(self), index, robot)
 
-    def opened(self) -> tuple[int, list[Any]]:
+    def unpack(self) -> tuple[int, list[Any]]:
         """Return its runs, and the approximate bytes of their objects."""
         return self.weight, marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
 
 
-class Openable(Protocol):
+class UnpackableRuns(Protocol):
     """Packed moments."""
 
-    def opened(self) -> tuple[int, list[Any]]: ...
+    def unpack(self) -> tuple[int, list[Any]]: ...
 
 
-class Opened:
-    """The packs that were opened last, up to so many bytes of objects."""
+class OpenPacks:
+    """A cache of unpacked runs, up to so many bytes of objects."""
 
     def __init__(self, most_bytes: int) -> None:
         self._most_bytes = most_bytes
-        self._kept: OrderedDict[Openable, tuple[int, list[Any]]] = OrderedDict()
+        self._packs: OrderedDict[UnpackableRuns, tuple[int, list[Any]]] = OrderedDict()
 
-    def runs(self, pack: Openable) -> list[Any]:
+    def runs(self, pack: UnpackableRuns) -> list[Any]:
         """Return what a pack holds, in the layout of `lay_out`."""
-        is_new = pack not in self._kept
-        self._kept[pack] = found = self._kept.pop(pack, None) or pack.opened()
-        while is_new and sum(weight for weight, _ in self._kept.values()) > self._most_bytes:
-            self._kept.popitem(last=False)
-        return found[1]
+        is_new = pack not in self._packs
+        self._packs[pack] = entry = self._packs.pop(pack, None) or pack.unpack()
+        while is_new and sum(weight for weight, _ in self._packs.values()) > self._most_bytes:
+            self._packs.popitem(last=False)
+        return entry[1]
 
 
-_opened = Opened(_HEAVIEST_OPEN)
+_open_packs = OpenPacks(_HEAVIEST_OPEN)
 
 
 def lay_out(moments: Sequence[TickState]) -> list[Any]:
@@ -119,38 +119,38 @@ def lay_out(moments: Sequence[TickState]) -> list[Any]:
     return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
 
 
-def moment_in(runs: Sequence[Any], at: int) -> TickState:
+def moment_in(runs: Sequence[Any], index: int) -> TickState:
     """Return one moment of this layout, which may have been through JSON."""
-    rest = iter(runs)
-    begin, names, area_names, facts, areas, bodies, thoughts, values = next(rest)
-    while at >= len(facts):
-        at -= len(facts)
-        begin, names, area_names, facts, areas, bodies, thoughts, values = next(rest)
-    won_at, tallies, milliseconds, driven, weight, has_decided = facts[at]
-    robots = [RobotState(name, *body[at]) for name, body in zip(names, bodies, strict=True)]
-    there = [
+    iterator = iter(runs)
+    begin, names, area_names, facts, areas, bodies, thoughts, values = next(iterator)
+    while index >= len(facts):
+        index -= len(facts)
+        begin, names, area_names, facts, areas, bodies, thoughts, values = next(iterator)
+    won_at, tallies, milliseconds, driven, weight, has_decided = facts[index]
+    robots = [RobotState(name, *body[index]) for name, body in zip(names, bodies, strict=True)]
+    area_states = [
         AreaState(name, active, tuple(visitors))
-        for name, (active, visitors) in zip(area_names, areas[at], strict=True)
+        for name, (active, visitors) in zip(area_names, areas[index], strict=True)
     ]
-    tallied = tuple(map(tuple, tallies))
-    after = WorldState(begin + at, tuple(robots), tuple(there), won_at, tallied)
+    team_tallies = tuple(map(tuple, tallies))
+    state = WorldState(begin + index, tuple(robots), tuple(area_states), won_at, team_tallies)
     memories, decisions = {}, []
     for name, thought in zip(names, thoughts, strict=True):
-        places, desire, notices = thought[at]
+        places, engines, notices = thought[index]
         memories[name] = memory = _memory(places, values)
         if has_decided:
-            wanted = None if desire is None else Desire(*desire)
-            told = tuple([Notice(*notice) for notice in notices])
-            decisions.append(Decision(name, wanted, memory, told))
-    return TickState(after, memories, tuple(decisions), milliseconds, driven, weight)
+            desire = None if engines is None else Desire(*engines)
+            decision_notices = tuple([Notice(*notice) for notice in notices])
+            decisions.append(Decision(name, desire, memory, decision_notices))
+    return TickState(state, memories, tuple(decisions), milliseconds, driven, weight)
 
 
-def memory_in(runs: Sequence[Any], at: int, robot: str) -> Value:
+def memory_in(runs: Sequence[Any], index: int, robot: str) -> Value:
     """Return a robot's memory in one moment of this layout; raise LookupError if there is none."""
     for _, names, _, facts, _, _, thoughts, values in runs:
-        if at < len(facts) and robot in names:
-            return _memory(thoughts[names.index(robot)][at][0], values)
-        at -= len(facts)
+        if index < len(facts) and robot in names:
+            return _memory(thoughts[names.index(robot)][index][0], values)
+        index -= len(facts)
     raise LookupError(robot)
 
 
@@ -162,8 +162,8 @@ def _memory(places: Any, values: Sequence[Value]) -> Value:
 
 
 def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
-    after = moment.after
-    return [robot.name for robot in after.robots], [area.name for area in after.areas]
+    state = moment.after
+    return [robot.name for robot in state.robots], [area.name for area in state.areas]
 
 
 def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
@@ -196,10 +196,10 @@ class _Values:
         return place
 
 
-def _thought_of(moment: TickState, at: int, name: str, values: _Values) -> tuple[object, ...]:
+def _thought_of(moment: TickState, index: int, name: str, values: _Values) -> tuple[object, ...]:
     if not moment.decisions:
         return values.places(moment.memories[name]), None, ()
-    decision = moment.decisions[at]
+    decision = moment.decisions[index]
     desire = decision.desire
     return (
         values.places(decision.memory),
@@ -219,26 +219,26 @@ def is_moment(moment: TickState, tick: int, level: Level) -> bool:
         and _are_numbers(moment.think_milliseconds, moment.driven)
         and type(moment.weight) is int
         and moment.weight >= 0
-        and [each.robot_name for each in moment.decisions] == (names if tick else [])
-        and all(_is_decision(each) for each in moment.decisions)
+        and [decision.robot_name for decision in moment.decisions] == (names if tick else [])
+        and all(_is_decision(decision) for decision in moment.decisions)
     )
 
 
-def is_state(after: WorldState, memories: Any, tick: int, level: Level) -> bool:
+def is_state(state: WorldState, memories: Any, tick: int, level: Level) -> bool:
     """Return whether a state from a file is valid, as `is_moment` does."""
     names = [robot.name for robot in level.robots]
     return (
-        type(after.tick) is int
-        and after.tick == tick
-        and (after.won_at is None or (type(after.won_at) is int and 0 < after.won_at <= tick))
-        and [robot.name for robot in after.robots] == names
-        and all(_is_body(robot) for robot in after.robots)
-        and [area.name for area in after.areas] == [area.name for area in level.areas]
+        type(state.tick) is int
+        and state.tick == tick
+        and (state.won_at is None or (type(state.won_at) is int and 0 < state.won_at <= tick))
+        and [robot.name for robot in state.robots] == names
+        and all(_is_body(robot) for robot in state.robots)
+        and [area.name for area in state.areas] == [area.name for area in level.areas]
         and all(
-            type(area.active) is bool and set(area.visitors) <= set(names) for area in after.areas
+            type(area.active) is bool and set(area.visitors) <= set(names) for area in state.areas
         )
-        and [len(each) for each in after.tallies] == [len(level.teams)] * len(level.scores)
-        and all(type(n) is int and 0 <= n < 1 << 63 for each in after.tallies for n in each)
+        and [len(row) for row in state.tallies] == [len(level.teams)] * len(level.scores)
+        and all(type(n) is int and 0 <= n < 1 << 63 for row in state.tallies for n in row)
         and type(memories) is dict
         and list(memories) == names
     )
@@ -270,4 +270,4 @@ def is_shallow(value: Any, depth: int = _DEEPEST) -> bool:
     if type(value) not in (list, dict):
         return True
     inside = value.values() if type(value) is dict else value
-    return depth > 0 and all(is_shallow(each, depth - 1) for each in inside)
+    return depth > 0 and all(is_shallow(element, depth - 1) for element in inside)

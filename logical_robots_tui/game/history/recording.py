@@ -21,7 +21,7 @@ import orjson
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.history.packing import (
-    Opened,
+    OpenPacks,
     TickState,
     is_moment,
     lay_out,
@@ -48,7 +48,7 @@ _HEAVIEST = 48_000_000  # most bytes of the objects of a piece, unless it is a s
 _QUICK = 2  # zlib level
 
 
-class DamagedError(ValueError):
+class DamagedRunError(ValueError):
     """The file is not a recording of this run."""
 
 
@@ -63,11 +63,11 @@ class Recording:
         self._key = key
         self._level = level
         self._start = start
-        self._pieces: list[_Piece] = []
+        self._pieces: list[_RecordedPiece] = []
         self._loose = [start]
-        self._opened = Opened(_HEAVIEST)
+        self._open_packs = OpenPacks(_HEAVIEST)
         self._is_new = False
-        self._lasting: float = math.inf
+        self._last_reproducible: float = math.inf
         self._read()
 
     @property
@@ -77,65 +77,65 @@ class Recording:
     @property
     def first(self) -> int:
         """The first tick after the gap, or 0."""
-        at = self._packed
+        tick = self._packed
         for piece in reversed(self._pieces):
-            if piece.ticks.stop != at:
-                return at
-            at = piece.first
-        return at
+            if piece.ticks.stop != tick:
+                return tick
+            tick = piece.first
+        return tick
 
     @property
-    def lasts(self) -> bool:
+    def is_reproducible(self) -> bool:
         """Whether every tick is reproducible: no time limit cut off a thought."""
-        return self._lasting >= self.last
+        return self._last_reproducible >= self.last
 
     def is_in_gap(self, tick: int) -> bool:
         """Return whether the state after a tick was stored, but has been dropped."""
         return tick < self._packed and tick not in self._piece(tick).ticks
 
     def return_to_gap(self) -> None:
-        before = list(_contiguous_prefix(self._pieces))
-        if len(before) < len(self._pieces):
-            self._pieces, self._loose = before, []
+        pieces = list(_contiguous_prefix(self._pieces))
+        if len(pieces) < len(self._pieces):
+            self._pieces, self._loose = pieces, []
 
     def moment(self, tick: int) -> TickState:
-        """Return the state after a stored tick; raises DamagedError if its file is invalid."""
+        """Return the state after a stored tick; raises DamagedRunError if its file is invalid."""
         if tick >= self._packed:
             return self._loose[tick - self._packed]
         piece = self._piece(tick)
-        with _damage_told():
-            moment = moment_in(self._opened.runs(piece), tick - piece.first)
-            if not (piece.own or is_moment(moment, tick, self._level)):
-                raise DamagedError(f"this is not tick {tick}")
+        with _damage_errors():
+            moment = moment_in(self._open_packs.runs(piece), tick - piece.first)
+            if not (piece.is_own or is_moment(moment, tick, self._level)):
+                raise DamagedRunError(f"this is not tick {tick}")
         return moment
 
     def memory(self, tick: int, robot: str) -> Value:
-        """Return a robot's memory after a stored tick; raises DamagedError as `moment` does."""
+        """Return a robot's memory after a stored tick; raises DamagedRunError as `moment` does."""
         if tick >= self._packed:
             return self._loose[tick - self._packed].memories[robot]
         piece = self._piece(tick)
-        with _damage_told():
-            return memory_in(self._opened.runs(piece), tick - piece.first, robot)
+        with _damage_errors():
+            return memory_in(self._open_packs.runs(piece), tick - piece.first, robot)
 
     def add(self, moment: TickState) -> None:
         """Store the state after the next tick; not on disk once the clock has cut off a thought."""
         self._loose.append(moment)
         self._is_new = True
         if not moment.is_reliable:
-            self._lasting = min(self._lasting, self.last - 1)
-        if len(self._loose) >= _TOGETHER or sum(each.weight for each in self._loose) > _HEAVY:
+            self._last_reproducible = min(self._last_reproducible, self.last - 1)
+        if len(self._loose) >= _TOGETHER or sum(m.weight for m in self._loose) > _HEAVY:
             self._pieces += _pieces_of(self._loose)
             self._loose = []
             total = sum(len(piece.content) for piece in self._pieces)
-            at = len(_fitting_prefix(_contiguous_prefix(self._pieces))) or 1
-            while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
-                total -= len(self._pieces.pop(at).content)
+            index = len(_fitting_prefix(_contiguous_prefix(self._pieces))) or 1
+            while total > MAX_HELD_BYTES and index < len(self._pieces) - 1:
+                total -= len(self._pieces.pop(index).content)
 
     def forget(self) -> None:
         """Discard everything after the start, also on disk."""
         _folder().drop(self._key)
         self._pieces, self._loose = [], [self._start]
-        self._lasting = math.inf
+        self._last_reproducible = math.inf
 
     def save(self) -> None:
         """Write the added ticks to disk, up to a size limit, unless the file holds more ticks."""
@@ -143,11 +143,11 @@ class Recording:
         if folder.place is None or not self._is_new:
             return
         self._is_new = False
-        pieces = _fitting_prefix(self._up_to(min(self._lasting, self.last)))
+        pieces = _fitting_prefix(self._up_to(min(self._last_reproducible, self.last)))
         count = sum(piece.count for piece in pieces)
-        there = folder.read(self._key, MAX_BYTES)
+        old_content = folder.read(self._key, MAX_BYTES)
         with suppress(ValueError, TypeError, KeyError):  # a damaged file holds nothing
-            if there is not None and int(_index(there)[0]["moments"]) >= count:
+            if old_content is not None and int(_index(old_content)[0]["moments"]) >= count:
                 return
         parts = [[len(p.content), p.digest, p.count] for p in pieces]
         line = json.dumps({"key": self._key, "moments": count, "pieces": parts}).encode()
@@ -158,79 +158,80 @@ class Recording:
     def _packed(self) -> int:
         return self._pieces[-1].ticks.stop if self._pieces else 0
 
-    def _piece(self, tick: int) -> _Piece:
+    def _piece(self, tick: int) -> _RecordedPiece:
         return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
 
-    def _up_to(self, last: float) -> Iterator[_Piece]:
-        before = list(_contiguous_prefix(self._pieces))
-        for piece in before:
+    def _up_to(self, last: float) -> Iterator[_RecordedPiece]:
+        pieces = list(_contiguous_prefix(self._pieces))
+        for piece in pieces:
             if piece.ticks[-1] > last:
-                few = range(piece.first, int(last) + 1)
-                yield from _pieces_of([self.moment(tick) for tick in few])
+                ticks = range(piece.first, int(last) + 1)
+                yield from _pieces_of([self.moment(tick) for tick in ticks])
                 return
             yield piece
-        if len(before) == len(self._pieces):
-            few = range(self._packed, int(last) + 1)
-            yield from _pieces_of([self.moment(tick) for tick in few])
+        if len(pieces) == len(self._pieces):
+            ticks = range(self._packed, int(last) + 1)
+            yield from _pieces_of([self.moment(tick) for tick in ticks])
 
     def _read(self) -> None:
         content = _folder().read(self._key, MAX_BYTES)
         if content is None:
             return
         try:
-            index, rest = _index(content)
+            index, size = _index(content)
             if index["key"] != self._key or not index["moments"] > 0:
-                raise DamagedError("another run")
-            at = len(content) - rest
+                raise DamagedRunError("another run")
+            offset = len(content) - size
             for length, digest, count in index["pieces"]:
                 if not 0 < count <= _TOGETHER:
-                    raise DamagedError("no such piece")
-                piece = _Piece(self._packed, count, content[at : at + length], digest, own=False)
+                    raise DamagedRunError("no such piece")
+                body = content[offset : offset + length]
+                piece = _RecordedPiece(self._packed, count, body, digest, is_own=False)
                 self._pieces.append(piece)
-                at += length
-            if at != len(content) or self._packed != index["moments"]:
-                raise DamagedError("not all of it")
+                offset += length
+            if offset != len(content) or self._packed != index["moments"]:
+                raise DamagedRunError("not all of it")
             self._loose = []
             if self._pieces[-1].count < _TOGETHER:
                 self._loose = [self.moment(tick) for tick in self._pieces[-1].ticks]
                 del self._pieces[-1]
             if self.moment(0) != self._start:
-                raise DamagedError("another start")
+                raise DamagedRunError("another start")
         except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
             self.forget()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Piece:
-    """Some moments as compressed JSON; `own` pieces are known to unpack within limits."""
+class _RecordedPiece:
+    """Some moments as compressed JSON; `is_own` pieces are known to unpack within limits."""
 
     first: int
     count: int
     content: bytes
     digest: str
-    own: bool = True
+    is_own: bool = True
     fits: bool = True
 
     @property
     def ticks(self) -> range:
         return range(self.first, self.first + self.count)
 
-    def opened(self) -> tuple[int, list[Any]]:
-        """Return its runs, and the approximate bytes of their objects, or raise DamagedError."""
+    def unpack(self) -> tuple[int, list[Any]]:
+        """Return its runs, and the approximate bytes of their objects, or raise DamagedRunError."""
         if _digest(self.content) != self.digest:
-            raise DamagedError("the piece is damaged")
+            raise DamagedRunError("the piece is damaged")
         unpacking = zlib.decompressobj()
         try:
-            text = unpacking.decompress(self.content, 0 if self.own else _HEAVIEST).decode()
+            text = unpacking.decompress(self.content, 0 if self.is_own else _HEAVIEST).decode()
         except zlib.error as error:
-            raise DamagedError("the piece can't be unpacked") from error
-        if not unpacking.eof or not (self.own or _may_be_opened(text)):
-            raise DamagedError("the piece is too large")
+            raise DamagedRunError("the piece can't be unpacked") from error
+        if not unpacking.eof or not (self.is_own or _may_be_opened(text)):
+            raise DamagedRunError("the piece is too large")
         try:
             runs = orjson.loads(text)
         except ValueError:
             runs = json.loads(text)  # infinite numbers, lone surrogates
-        if not self.own:
+        if not self.is_own:
             orjson.dumps(runs)  # raises TypeError for what is nested too deeply
         return weight_of_text(text), runs
 
@@ -238,7 +239,7 @@ class _Piece:
 _first_of = attrgetter("first")
 
 
-def _contiguous_prefix(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
+def _contiguous_prefix(pieces: Sequence[_RecordedPiece]) -> Iterator[_RecordedPiece]:
     last = 0
     for piece in pieces:
         if piece.first != last:
@@ -247,7 +248,7 @@ def _contiguous_prefix(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
         yield piece
 
 
-def _pieces_of(moments: Sequence[TickState]) -> Iterator[_Piece]:
+def _pieces_of(moments: Sequence[TickState]) -> Iterator[_RecordedPiece]:
     if not moments:
         return
     text = json.dumps(lay_out(moments), separators=(",", ":"))
@@ -258,7 +259,7 @@ def _pieces_of(moments: Sequence[TickState]) -> Iterator[_Piece]:
         yield from _pieces_of(moments[half:])
         return
     content = zlib.compress(text.encode(), _QUICK)
-    yield _Piece(moments[0].after.tick, len(moments), content, _digest(content), fits=fits)
+    yield _RecordedPiece(moments[0].after.tick, len(moments), content, _digest(content), fits=fits)
 
 
 def _may_be_opened(text: str) -> bool:
@@ -269,14 +270,14 @@ _WRONG = (ValueError, TypeError, LookupError, AttributeError, StopIteration, Rec
 
 
 @contextmanager
-def _damage_told() -> Iterator[None]:
-    """Raise DamagedError for whatever reading a piece raises that is not a piece."""
+def _damage_errors() -> Iterator[None]:
+    """Raise DamagedRunError for whatever reading a damaged piece raises."""
     try:
         yield
-    except DamagedError:
+    except DamagedRunError:
         raise
     except _WRONG as error:
-        raise DamagedError("these are not moments") from error
+        raise DamagedRunError("these are not moments") from error
 
 
 def _folder() -> CacheFolder:
@@ -285,23 +286,23 @@ def _folder() -> CacheFolder:
 
 
 def _index(content: bytes) -> tuple[dict[str, Any], int]:
-    """Return the index of a file and the number of bytes after it, or raise DamagedError."""
-    digest, _, rest = content.partition(b"\n")
-    line, _, pieces = rest.partition(b"\n")
+    """Return the index of a file and the number of bytes after it, or raise DamagedRunError."""
+    digest, _, tail = content.partition(b"\n")
+    line, _, pieces = tail.partition(b"\n")
     if digest.decode() != _digest(line):
-        raise DamagedError("the index is damaged")
+        raise DamagedRunError("the index is damaged")
     index: dict[str, Any] = json.loads(line)
     return index, len(pieces)
 
 
-def _fitting_prefix(pieces: Iterable[_Piece]) -> list[_Piece]:
-    total, found = 0, []
+def _fitting_prefix(pieces: Iterable[_RecordedPiece]) -> list[_RecordedPiece]:
+    total, prefix = 0, []
     for piece in pieces:
         total += len(piece.content) + 100
         if total > MAX_BYTES - 1000 or not piece.fits:
             break
-        found.append(piece)
-    return found
+        prefix.append(piece)
+    return prefix
 
 
 def _digest(content: bytes) -> str:

@@ -16,7 +16,7 @@ from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.player.drafts import leave
-from logical_robots_tui.player.opening import Opening, Player
+from logical_robots_tui.player.opening import LocalPlayer, Opening
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
@@ -91,7 +91,7 @@ class MainScreen(Screen[None], SessionListener):
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
         self.scheduler = FrameScheduler(self, self._draw, clock)
         self.program = ProgramPane()
-        self.player = Player(
+        self.player = LocalPlayer(
             opening, recorder, self.ui, self.program, self.scheduler.soon, with_keys
         )
         self.session, self.library = self.player.session, self.player.library
@@ -164,7 +164,7 @@ class MainScreen(Screen[None], SessionListener):
             pause=lambda: self.scheduler.rate.calm if self.is_typing else math.inf,
             is_test=lambda: self.editing.is_testing,
             look=self._look_of_pictures,
-            following=library.following,
+            following=library.next_name,
             run=self.action_command,
         )
         listeners = [
@@ -217,7 +217,9 @@ class MainScreen(Screen[None], SessionListener):
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts afterwards."""
         self.program.editor.load_text(self.player.first_text)
-        self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
+        self.recorder.attach(
+            self.ui, on_change=self.scheduler.soon, on_measured=self.announcer.measured
+        )
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
         self.announcer.level_opened(self.session.level)
@@ -380,7 +382,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(RobotPut)
     def _robot_put(self, event: RobotPut) -> None:
-        self.session.put(event.name, event.pose)
+        self.session.place_robot(event.name, event.pose)
 
     @on(Sighted)
     def _sight_pointed(self, event: Sighted) -> None:

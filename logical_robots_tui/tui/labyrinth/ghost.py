@@ -32,7 +32,7 @@ class GhostController(SessionListener):
         self._best, self._replays = best, replays
         self._reached: dict[int, int] = {}
         self._tick = self._turns = 0
-        best.kept = self._best_kept
+        best.on_kept = self._best_kept
 
     async def toggle(self) -> None:
         """Show the player's best run of the level, or no ghost."""

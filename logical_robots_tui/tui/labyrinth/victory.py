@@ -87,7 +87,7 @@ class VictoryAnnouncer(SessionListener):
         if is_match_over(level, frame.tick):
             standing = one_line(standing_words(level, frame.after))
             self._ui.tell(f"The match is over: {standing}.")
-        for mark in history.marks.at(frame.tick):
+        for mark in history.marks.marks_at(frame.tick):
             if words := trouble(mark):
                 self._ui.tell(words)
 

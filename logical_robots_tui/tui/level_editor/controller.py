@@ -75,8 +75,8 @@ class LevelController(SessionListener):
             delay=_DRAFT_DELAY,
             state=self._unsaved_state,
             draft=lambda state: _draft_of(*state),
-            failed=ui.warn,
-            what="The edited level",
+            warn=ui.warn,
+            subject="The edited level",
         )
         self.levels = session.levels
         self._reset()
@@ -220,7 +220,9 @@ class LevelController(SessionListener):
         if ref is None or self.editor.entity is None:
             self.ui.warn(with_keys("Select an object first: click it, or press {next_object}."))
         else:
-            self.ui.show(ThingForm(self.editor, ref, self.session.put), lambda _: self.changed())
+            self.ui.show(
+                ThingForm(self.editor, ref, self.session.place_robot), lambda _: self.changed()
+            )
 
     def edit_level(self) -> None:
         from logical_robots_tui.tui.level_editor.forms import LevelForm

@@ -135,7 +135,7 @@ class ProgramPane(Pane):
         self.editor.put(text)
 
     def show(self, state: ProgramState, name: str, *, saved: bool) -> None:
-        state = state.seen_from(self.text)
+        state = state.for_text(self.text)
         star = "" if saved else "*"
         self.note(f"{self._verdict(state)} · {clip(one_line(name), 24)}{star}")
         if state != self._state:
@@ -239,7 +239,7 @@ class ProgramPane(Pane):
             found = count_of(len(state.mistakes), "error")
             return found if state.applied is None else f"{found}, the old version is still running"
         if text != state.applied:
-            found = count_of(len(state.found), "error") if text == state.checked else ""
-            return f"not applied, {found}" if state.found and found else "not applied"
+            found = count_of(len(state.diagnostics), "error") if text == state.checked else ""
+            return f"not applied, {found}" if state.diagnostics and found else "not applied"
         warnings = len(state.mistakes)
         return f"applied, {count_of(warnings, 'warning')}" if warnings else "applied"

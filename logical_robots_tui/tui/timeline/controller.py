@@ -110,14 +110,12 @@ class TimelineController(SessionListener):
 
     def compare(self) -> None:
         game, history = self._session.game, self._history
-        if game is None or history is None or history.other is None:
+        if game is None or history is None or history.other_ticks is None:
             self._say_there_is_none()
             return
         if history.divergence is None:
-            common_tick = min(history.last, history.other[-1])
-            self._ui.tell(
-                f"The two branches are equal as far as both are known, up to {common_tick}."
-            )
+            known = min(history.last, history.other_ticks[-1])
+            self._ui.tell(f"The two branches are equal as far as both are known, up to {known}.")
             return
         from logical_robots_tui.tui.timeline.divergence import DivergencePage
 
@@ -131,10 +129,8 @@ class TimelineController(SessionListener):
         )
 
     def _elsewhere(self, tick: int) -> str:
-        other_ticks = self._history.other if self._history is not None else None
-        return (
-            " The other branch holds it." if other_ticks is not None and tick in other_ticks else ""
-        )
+        other = self._history.other_ticks if self._history is not None else None
+        return " The other branch holds it." if other is not None and tick in other else ""
 
     def breakpoints(self) -> None:
         from logical_robots_tui.tui.timeline.breakpoints import BreakpointList

@@ -20,7 +20,7 @@ from logical_robots_tui.values import Desire
 from logical_robots_tui.wording import clip, one_line, visible
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Difference, Divergence, Game
+    from logical_robots_tui.game import BranchDifference, Divergence, Game
     from logical_robots_tui.game.history.branch import Matter
 
 _LONGEST = 600  # characters of a value
@@ -94,15 +94,13 @@ def describe_divergence(divergence: Divergence) -> Content:
     return Content("\n").join(lines)
 
 
-def _sides(difference: Difference) -> list[str]:
+def _sides(each: BranchDifference) -> list[str]:
     """Return both values, with enough digits to see the difference."""
     texts: list[str] = []
     for digits in (6, 17):
-        texts = [
-            _describe_matter(difference.matter, side, digits)
-            for side in (difference.here, difference.there)
-        ]
-        if texts[0] != texts[1]:
+        sides = (each.value, each.other_value)
+        said = [_describe_matter(each.matter, side, digits) for side in sides]
+        if said[0] != said[1]:
             break
     return texts
 

@@ -171,7 +171,7 @@ class Timeline(Widget, can_focus=True):
         self._decisions = session.frame.decisions
         self._span = TimelineSpan(0, 0, session.frame.tick)
         if history is not None:
-            other_last = history.other[-1] if history.other else None
+            other_last = history.other_ticks[-1] if history.other_ticks else None
             diverged = history.divergence.tick if history.divergence else None
             self._span = TimelineSpan(
                 history.first, history.last, self._span.tick, other_last, diverged
@@ -206,7 +206,7 @@ class Timeline(Widget, can_focus=True):
 
     def _note(self, width: int) -> Content:
         span, history = self._span, self._history
-        marks = history.marks.at(span.tick) if history is not None else ()
+        marks = history.marks.marks_at(span.tick) if history is not None else ()
         remarks = [(mark.kind, part) for mark in marks if (part := self._describe_mark(mark))]
         short = text = f"tick {span.tick}"
         if span.last > span.first:

@@ -232,7 +232,7 @@ def test_a_link_tells_the_rays_and_how_much_more_was_read() -> None:
         for n, ray in enumerate(rays)
     )
     source = ValueSource("d", 43, span, span, inputs=inputs)
-    link = Link("Ada", "Ada's memory.d", 43, 12, 12, source, ("d",), before=(None,) * 7)
+    link = Link("Ada", "Ada's memory.d", 43, 12, 12, source, ("d",), input_links=(None,) * 7)
     told = [line.plain for line in lines_of(0, link, 80)]
     assert told[:4] == [
         "1. Ada's memory.d = 43",

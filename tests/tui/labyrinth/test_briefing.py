@@ -97,7 +97,7 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
         await game.write(backwards.replace("memory: 1", "memory: 2"))
         await game.until(lambda: "memory: 2" in (game.session.state.applied or ""))
         await game.run_until(first + 20)
-        assert [mark.kind for mark in history.marks.at(first)].count("stuck") == 1
+        assert [mark.kind for mark in history.marks.marks_at(first)].count("stuck") == 1
         history.marks.note(first + 20, "circling")
         game.session.go_to(first + 20)
         await game.sees("↻ Pip goes in circles")
@@ -112,7 +112,7 @@ async def test_a_robot_that_goes_round_in_circles_is_told_and_marked(tmp_path: P
         assert history is not None
         first = history.marks.nearest(500, -1, ["circling"], None)
         assert first is not None
-        (words,) = filter(None, map(trouble, history.marks.at(first)))
+        (words,) = filter(None, map(trouble, history.marks.marks_at(first)))
         assert words == "Pip goes round in circles: 3 times the same way."
         at.session.go_to(first)
         await at.apply(turning.replace("memory: 1", "memory: 2"))

@@ -138,7 +138,7 @@ async def test_an_honest_replay_is_raced(tmp_path: Path, monkeypatch: pytest.Mon
         await race.toggle()
         race.at.session.restart()
         await race.run_to(3)
-        race.at.session.put("Pip", (30.0, 12.0, 0.5))
+        race.at.session.place_robot("Pip", (30.0, 12.0, 0.5))
         await race.run_to(5)
         assert "can't be raced against" in await race.choose(monkeypatch)
         assert race.length is None

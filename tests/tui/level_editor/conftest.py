@@ -156,7 +156,9 @@ class Bench:
 async def bench(data_dir: Path, file: Path) -> AsyncIterator[Bench]:
     ui, drafts = Answers(), Drafts(data_dir / "drafts")
     sources, clock = {"": source_of(AHEAD, data_dir / "programs")}, VirtualClock()
-    session = Session(load_level(file), sources, spawn=ui.spawn, changed=lambda: None, clock=clock)
+    session = Session(
+        load_level(file), sources, spawn=ui.spawn, on_change=lambda: None, clock=clock
+    )
 
     async def open_level(level: Level) -> None:
         session.open_level(level, sources, AHEAD)

@@ -132,7 +132,7 @@ async def test_a_robot_under_way_meets_walls_and_is_taken(data_dir: Path, room_f
         await b.stroke((85, 20), (85, 80))
         assert session.level.walls[50, 85]
         assert session.game is not None
-        assert session.game.history.marks.at(10)[0].kind == "edit"
+        assert session.game.history.marks.marks_at(10)[0].kind == "edit"
         session.run()
         await b.until(lambda: session.frame.after.robots[0].blocked)
         b.command("hand")

@@ -231,7 +231,7 @@ async def test_mistakes_are_marked_when_the_keys_rest_and_can_be_reached(data_di
         misspelt = STILL.replace("Sensor(", "Sensr(")
         game.editor.put(misspelt)
         await game.until(lambda: game.session.state.checked == misspelt)
-        assert len(game.session.state.found) == 1
+        assert len(game.session.state.diagnostics) == 1
         game.editor.put(STILL)
         await game.until(lambda: title(game).startswith("Program · applied · "))
         assert not game.shows("✗")

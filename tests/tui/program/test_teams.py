@@ -80,7 +80,7 @@ async def test_each_team_has_a_text_of_its_own_that_may_be_unsaved(data_dir: Pat
         await game.press("escape", "n", tick=1)
         ada, bo, _ = game.session.frame.after.robots
         assert (ada.x, bo.x) == (41, 40)
-        blue, _ = game.main.session.sources.of("blue")
+        blue, _ = game.main.session.sources.source_and_text("blue")
         draft = Draft("program", blue.name, blue.draft, BLUE + "# unsaved\n")
         game.main.select("Ada")
         game.main.library._continue_with(draft)
@@ -114,6 +114,6 @@ async def test_teams_with_one_file_have_texts_of_their_own(data_dir: Path) -> No
         game.main.select("Ada")
         assert game.editor.text == RED + "# mine\n"
         game.main.player.autosave.flush()
-        kept = {draft.path[-5:]: draft.text for draft in game.main.player.drafts._mine.values()}
+        kept = {draft.path[-5:]: draft.text for draft in game.main.player.drafts._drafts.values()}
         assert kept["=blue"] == RED + "# theirs\n"
         assert kept["m=red"] == RED + "# mine\n"

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from logical_robots_tui.player.drafts import Drafts
-from logical_robots_tui.player.recovery import Place, place_of
+from logical_robots_tui.player.recovery import GamePosition, position_of
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from tests.game.playing import BACKWARDS, COUNTER
 from tests.short import AHEAD
@@ -62,18 +62,18 @@ async def test_the_start_and_changes_by_hand_are_no_bookmarks(data_dir: Path, sh
         assert not isinstance(game.app.screen, QuestionDialog)
         session = game.session
         assert session.game is not None
-        assert place_of(session.game, session.opened, session.source) is None
+        assert position_of(session.game, session.opened, session.source) is None
         await game.press("n", tick=1)
-        assert place_of(session.game, session.opened, session.source) is not None
+        assert position_of(session.game, session.opened, session.source) is not None
         session.change_level(session.level, {"Pip": (20.0, 20.0, 1.0)})
         await game.press("n", tick=2)
-        assert place_of(session.game, session.opened, session.source) is None
+        assert position_of(session.game, session.opened, session.source) is None
 
 
 async def test_an_older_version_s_bookmark_leads_to_its_tick_with_all_teams(data_dir: Path) -> None:
     text = OLD.read_text("utf-8").replace("{level}", str(data_dir / "match.toml"))
     both = {"red": COUNTER, "blue": COUNTER}
-    place = Place.from_text(json.loads(text)["text"])
+    place = GamePosition.from_text(json.loads(text)["text"])
     assert place.programs == ((1, {"red": COUNTER, "blue": BACKWARDS}), (5, both))
     (data_dir / "drafts").mkdir(parents=True)
     (data_dir / "drafts/be3f4e68438a93fb-1bac1478a299539b.json").write_text(text, "utf-8")

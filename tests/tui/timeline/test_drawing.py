@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.game import MARK_KINDS, Difference, Divergence, MarkKind
+from logical_robots_tui.game import MARK_KINDS, BranchDifference, Divergence, MarkKind
 from logical_robots_tui.game.debugging.proof_difference import Comparison
 from logical_robots_tui.tui.timeline.breakpoints import tick_of
 from logical_robots_tui.tui.timeline.divergence import describe_comparison, describe_divergence
@@ -64,10 +64,10 @@ def test_a_tick_is_typed_as_a_number_or_as_so_many_ticks_from_here() -> None:
 
 def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
     differences = (
-        Difference("Ada", "desire", Desire(0.5, 1.0), None),
-        Difference("Ada", "position", (1.0, 2.0, 0.0), (1.0 + 2**-30, 2.0, 0.0)),
-        Difference("Bo", "memory", {"n": 1}, "none"),
-        Difference("Bo", "notices", (), ("Robot has no row for Bo.",)),
+        BranchDifference("Ada", "desire", Desire(0.5, 1.0), None),
+        BranchDifference("Ada", "position", (1.0, 2.0, 0.0), (1.0 + 2**-30, 2.0, 0.0)),
+        BranchDifference("Bo", "memory", {"n": 1}, "none"),
+        BranchDifference("Bo", "notices", (), ("Robot has no row for Bo.",)),
     )
     assert "an area" in describe_divergence(Divergence(3, ())).plain, "only an area differs"
     assert describe_divergence(Divergence(7, differences)).plain.splitlines() == [

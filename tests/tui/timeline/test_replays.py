@@ -35,7 +35,7 @@ async def test_runs_are_saved_and_opened_again(data_dir: Path, short: Path, tmp_
         await game.sees("Run the robots first")
         assert not (data_dir / "replays").exists()
         await game.press("n", "n", "n", tick=3)
-        game.session.put("Pip", (30.0, 12.0, 0.5))
+        game.session.place_robot("Pip", (30.0, 12.0, 0.5))
         await game.apply(STILL)
         await game.press("escape", "n", "n", tick=5)
         assert game.session.game is not None

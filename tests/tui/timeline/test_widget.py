@@ -187,7 +187,7 @@ async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, sho
         await game.press("space", until=lambda: game.tick > 16)
         await game.press("space", until=lambda: not game.session.busy)
         assert game.session.history is not None
-        assert game.session.history.other is None
+        assert game.session.history.other_ticks is None
 
 
 async def test_a_notice_is_told_beside_its_tick(data_dir: Path, short: Path) -> None:
@@ -283,7 +283,9 @@ async def test_a_breakpoint_is_made_of_known_names(data_dir: Path, short: Path, 
         await game.until(lambda: game.app.screen.query_one("#column").display)
         await game.press("enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
         await game.press(*"Near", "tab", *"Pip", "tab", *"robot_name", "enter", on=BreakpointList)
-        assert game.session.breakpoints.on[1] == Breakpoint("change", "Near", "Pip", "robot_name")
+        assert game.session.breakpoints.enabled[1] == Breakpoint(
+            "change", "Near", "Pip", "robot_name"
+        )
 
         # It can be any question.
         await game.press("a", on=BreakpointForm)
@@ -293,7 +295,7 @@ async def test_a_breakpoint_is_made_of_known_names(data_dir: Path, short: Path, 
         await game.press("enter", sees="Sensor has no column sensr.")
         subject.value = AT
         await game.press("enter", on=BreakpointList)
-        assert game.session.breakpoints.on[2] == Breakpoint("rows", AT)
+        assert game.session.breakpoints.enabled[2] == Breakpoint("rows", AT)
         await game.sees_no("!")
         await game.press("escape", until=lambda: game.app.screen is game.main)
         await game.press("space", until=lambda: game.tick == 3 and not game.session.busy)

@@ -24,7 +24,7 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Pin, Reading
+    from logical_robots_tui.game import Pin, PinReading
     from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 
 _NOTHING = (
@@ -55,7 +55,7 @@ class WatchView(CursorView):
         self.ticks = range(0)
         self._page, self._samples = page, page.samples
         self.pins: tuple[Pin, ...] = ()
-        self._readings: Mapping[Pin, Reading] = {}
+        self._readings: Mapping[Pin, PinReading] = {}
         self._tick = 0
         self._plain = False
 
@@ -74,7 +74,9 @@ class WatchView(CursorView):
         self.redraw()
         return is_new
 
-    def show(self, ticks: range, tick: int, readings: Mapping[Pin, Reading], plain: bool) -> None:
+    def show(
+        self, ticks: range, tick: int, readings: Mapping[Pin, PinReading], plain: bool
+    ) -> None:
         self.ticks, self._tick, self._readings, self._plain = ticks, tick, readings, plain
         super().redraw()
 
@@ -176,7 +178,7 @@ class _PinHistory:
                 return tick, missing_pins
         return None
 
-    async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, Reading]:
+    async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, PinReading]:
         """Read pins at a frame; raises Superseded without a program or after a newer call."""
         run_key = self._questions.run_key
         if run_key != self._run_key:
@@ -191,7 +193,7 @@ class _PinHistory:
         return readings
 
 
-def _sample(reading: Reading) -> PlotSample:
+def _sample(reading: PinReading) -> PlotSample:
     if reading.problem:
         return PlotSample(None, None)
     return PlotSample(reading.number, hash(repr(reading.value)))
@@ -205,7 +207,7 @@ class WatchPage(Page):
     def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         self.samples = _PinHistory(questions)
         super().__init__(entry, questions, WatchView(self))
-        self._shown: tuple[int, Mapping[Pin, Reading]] = 0, {}
+        self._shown: tuple[int, Mapping[Pin, PinReading]] = 0, {}
         self._is_reading = False
         self._filler: Worker[None] | None = None
 
