@@ -49,13 +49,7 @@ def test_each_tick_has_a_character(
 
 
 def test_what_is_not_a_number_shows_where_it_changes() -> None:
-    told = [
-        PlotSample(None, 1),
-        PlotSample(None, 1),
-        PlotSample(None, 2),
-        None,
-        PlotSample(None, None),
-    ]
+    told = [*[PlotSample(None, 1)] * 2, PlotSample(None, 2), None, PlotSample(None, None)]
     assert sparkline(told, counts=False) == "──┼ ·"
     assert sparkline(told, counts=False, plain=True) == "--| ."
     assert sparkline([PlotSample(3, 1)] * 2, counts=True) == "██"
