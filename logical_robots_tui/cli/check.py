@@ -41,15 +41,15 @@ def check(options: argparse.Namespace) -> int:
     level = world.load_level(options.level) if options.level else None
     results = []
     status = FINE
-    own = own_programs(options)
+    folder = own_programs(options)
     for name in options.programs:
-        text = game.load_program(name, own, pipes=True).text
-        found = diagnostics(text, level, web=options.web)
-        if any(diagnostic.severity == "error" for diagnostic in found):
+        text = game.load_program(name, folder, pipes=True).text
+        findings = diagnostics(text, level, web=options.web)
+        if any(diagnostic.severity == "error" for diagnostic in findings):
             status = WRONG
-        results.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
+        results.append({"file": name, "diagnostics": [asdict(d) for d in findings]})
         if not options.json:
-            for diagnostic in found:
+            for diagnostic in findings:
                 print(*map(harmless, _lines(name, text, diagnostic)), sep="\n")
     if options.json:
         print_json({"ok": status == FINE, "programs": results})
@@ -73,11 +73,11 @@ def _lines(file: str, text: str, diagnostic: mind.Diagnostic) -> Iterator[str]:
     lines = text.split("\n")
     line = lines[diagnostic.line - 1] if diagnostic.line <= len(lines) else ""
     if line.strip():
-        first = max(0, diagnostic.column - WIDEST // 2) if len(line) > WIDEST else 0
-        shown = line[first : first + WIDEST].replace("\t", " ").rstrip()
-        before = harmless(shown[: diagnostic.column - 1 - first])
-        marked = max(1, min(len(diagnostic.excerpt), len(shown) - diagnostic.column + 1 + first))
-        yield f"  {shown}"
-        yield f"  {' ' * len(before)}{'^' * marked}"
+        start = max(0, diagnostic.column - WIDEST // 2) if len(line) > WIDEST else 0
+        excerpt = line[start : start + WIDEST].replace("\t", " ").rstrip()
+        prefix = harmless(excerpt[: diagnostic.column - 1 - start])
+        length = max(1, min(len(diagnostic.excerpt), len(excerpt) - diagnostic.column + 1 + start))
+        yield f"  {excerpt}"
+        yield f"  {' ' * len(prefix)}{'^' * length}"
     if diagnostic.hint:
         yield f"  {diagnostic.hint}"

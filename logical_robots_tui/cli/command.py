@@ -53,8 +53,8 @@ def declare(name: str, *parts: Part) -> Callable[[Start], Start]:
 
 def group(name: str, summary: str, examples: str) -> None:
     """Declare a command that consists of commands."""
-    more = f"`logical-robots {name} COMMAND --help` explains a command."
-    _GROUPS[name] = summary, f"examples:\n{examples}\n{more}\n"
+    hint = f"`logical-robots {name} COMMAND --help` explains a command."
+    _GROUPS[name] = summary, f"examples:\n{examples}\n{hint}\n"
 
 
 def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str) -> None:
@@ -67,8 +67,8 @@ def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], n
         description = f"{summary[0].upper()}{summary[1:]}."
     else:
         start, parts = _COMMANDS[name]
-        summary, _, rest = (start.__doc__ or "").partition("\n\n")
-        description, _, epilog = dedent(rest).partition("\n\n")
+        summary, _, body = (start.__doc__ or "").partition("\n\n")
+        description, _, epilog = dedent(body).partition("\n\n")
     parser = commands.add_parser(
         name.rpartition(" ")[2],
         help=summary,
@@ -78,11 +78,11 @@ def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], n
     )
     if name in _GROUPS:
         inner = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-        for each in _COMMANDS:
-            if each.startswith(f"{name} "):
-                add_command(inner, each)
+        for member in _COMMANDS:
+            if member.startswith(f"{name} "):
+                add_command(inner, member)
         return
-    parser.set_defaults(start=start, wants_json=lambda given: getattr(given, "json", False))
+    parser.set_defaults(start=start, wants_json=lambda options: getattr(options, "json", False))
     for part in parts:
         part(parser)
 
@@ -92,8 +92,8 @@ def option(names: str, metavar: str | None, about: str, **settings: Any) -> Part
 
     def add(parser: argparse._ActionsContainer) -> None:
         default = settings.get("default")
-        called = {"default": default()} if callable(default) else {}
-        parser.add_argument(*names.split(), metavar=metavar, help=about, **settings | called)
+        overrides = {"default": default()} if callable(default) else {}
+        parser.add_argument(*names.split(), metavar=metavar, help=about, **settings | overrides)
 
     return add
 
@@ -113,21 +113,21 @@ def one_of(*options: Part) -> Part:
 
     def add(parser: argparse._ActionsContainer) -> None:
         inner = parser.add_mutually_exclusive_group()
-        for each in options:
-            each(inner)
+        for part in options:
+            part(inner)
 
     return add
 
 
-def number_from(least: int) -> Callable[[str], int]:
+def number_from(minimum: int) -> Callable[[str], int]:
     def read(text: str) -> int:
         try:
-            number = int(text)
+            integer = int(text)
         except ValueError:
-            number = least - 1
-        if number < least:
-            raise argparse.ArgumentTypeError(f"{text!r} is not an integer of at least {least}")
-        return number
+            integer = minimum - 1
+        if integer < minimum:
+            raise argparse.ArgumentTypeError(f"{text!r} is not an integer of at least {minimum}")
+        return integer
 
     return read
 
@@ -269,39 +269,39 @@ def cut(text: str, width: int) -> str:
 
 
 @contextmanager
-def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[..., None]]:
+def progress_bar(title: str, ticks: int, *, delay: float = 0.0) -> Iterator[Callable[..., None]]:
     """Show a progress bar after some seconds; yield a callback for finished ticks, and of all."""
     began = monotonic()
-    with drawn_bar(title, after) as draw:
+    with drawn_bar(title, delay) as draw:
 
-        def show(tick: int, of_all: int = ticks) -> None:
+        def show(tick: int, total: int = ticks) -> None:
             pace = tick / max(monotonic() - began, 1e-9)
-            draw(tick, of_all, f"tick {tick} of {of_all}", f"{pace:.0f} ticks/s")
+            draw(tick, total, f"tick {tick} of {total}", f"{pace:.0f} ticks/s")
 
         yield show
 
 
-_REDRAW_EVERY = 0.1  # seconds
+_REDRAW_SECONDS = 0.1  # seconds
 
 
 @contextmanager
-def drawn_bar(title: str, after: float = 0.0) -> Iterator[Callable[[int, int, str, str], None]]:
+def drawn_bar(title: str, delay: float = 0.0) -> Iterator[Callable[[int, int, str, str], None]]:
     """Yield what draws a bar: part, whole, and two texts beside it. In a pipe it does nothing."""
-    due = monotonic() + after if sys.stderr.isatty() else float("inf")
+    next_time = monotonic() + delay if sys.stderr.isatty() else float("inf")
     bar: Progress | None = None
     with ExitStack() as stack:
 
-        def draw(part: int, whole: int, count: str, rest: str) -> None:
-            nonlocal bar, due
-            now = monotonic()
-            if now < due:
+        def draw(part: int, whole: int, count: str, note: str) -> None:
+            nonlocal bar, next_time
+            current_time = monotonic()
+            if current_time < next_time:
                 return
-            due = now + _REDRAW_EVERY
+            next_time = current_time + _REDRAW_SECONDS
             if bar is None:
                 bar = stack.enter_context(_new_bar())
-                bar.add_task(harmless(title), total=whole, count="", rest="")
+                bar.add_task(harmless(title), total=whole, count="", note="")
             task = bar.task_ids[0]
-            bar.update(task, completed=part, total=whole, count=count, rest=rest, refresh=True)
+            bar.update(task, completed=part, total=whole, count=count, note=note, refresh=True)
 
         yield draw
 
@@ -314,7 +314,7 @@ def _new_bar() -> Progress:
         TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.fields[count]}", markup=False),
-        TextColumn("{task.fields[rest]}", markup=False),
+        TextColumn("{task.fields[note]}", markup=False),
         console=Console(stderr=True),
         auto_refresh=False,
         transient=True,
@@ -352,11 +352,11 @@ def report_output(error: OSError) -> int:
 
 def report_bug(error: Exception, *, as_json: bool) -> int:
     """Write a bug's traceback to a log file, print its path, and return the exit status."""
-    kept = _write_log("".join(traceback.format_exception(error)))
+    log = _write_log("".join(traceback.format_exception(error)))
     name = type(error).__name__
-    where = f"See {kept} for details" if kept else "The details could not be written to a log file"
+    where = f"See {log} for details" if log else "The details could not be written to a log file"
     if as_json:
-        print_json({"error": {"kind": "bug", "message": name, "log": str(kept or "")}})
+        print_json({"error": {"kind": "bug", "message": name, "log": str(log or "")}})
     if is_out_of_memory(error):
         _say(f"The game has run out of memory. {where}.")
     else:
@@ -372,8 +372,8 @@ def _as_data(error: LogicalRobotsError) -> dict[str, Any]:
             "kind": "program",
             "place": error.place,
             "diagnostics": [
-                {key: value for key, value in asdict(found).items() if key != "severity"}
-                for found in error.diagnostics
+                {key: value for key, value in asdict(diagnostic).items() if key != "severity"}
+                for diagnostic in error.diagnostics
             ],
         }
     if isinstance(error, InputError):
@@ -385,14 +385,14 @@ def _lines(error: LogicalRobotsError) -> list[str]:
     if not isinstance(error, ProgramFileError):
         return [str(error)]
     lines = []
-    for found in error.diagnostics:
-        lines.append(f"{error.place}:{found.line}:{found.column}: {found.message}")
-        lines += [f"    {more}" for more in (found.excerpt.strip(), found.hint) if more]
+    for diagnostic in error.diagnostics:
+        lines.append(f"{error.place}:{diagnostic.line}:{diagnostic.column}: {diagnostic.message}")
+        lines += [f"    {text}" for text in (diagnostic.excerpt.strip(), diagnostic.hint) if text]
     return lines
 
 
-def _say(head: str, *more: str) -> None:
-    lines = f"logical-robots: {harmless(head)}", *map(harmless, more)
+def _say(head: str, *details: str) -> None:
+    lines = f"logical-robots: {harmless(head)}", *map(harmless, details)
     with suppress(OSError):  # the exit status still says it
         print(*lines, sep="\n", file=sys.stderr)
 
@@ -404,11 +404,11 @@ class CrashLog(logging.Handler):
         _write_log(self.format(record))
 
 
-def _write_log(what: str) -> Path | None:
+def _write_log(message: str) -> Path | None:
     """Write a new file in the system's log folder; return None if it can't be written."""
     moment = datetime.now(UTC)
     versions = f"logical-robots {__version__}, Python {platform.python_version()}, {sys.platform}"
-    text = f"{versions}\n{moment.isoformat(timespec='seconds')}\n\n{what}"
+    text = f"{versions}\n{moment.isoformat(timespec='seconds')}\n\n{message}"
     try:
         folder = _log_folder()
         folder.mkdir(parents=True, exist_ok=True)

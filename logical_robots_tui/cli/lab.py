@@ -270,8 +270,8 @@ def _play(options: argparse.Namespace) -> int:
         for file, content in zip(files, (text, program), strict=True):
             file.write_text(content, "utf-8")
         words = ["play", *map(str, files), "--start", str(options.start_number)]
-        played = parser("play").parse_args(words + ["--plain"] * options.plain)
-        return int(played.start(played))
+        play_options = parser("play").parse_args(words + ["--plain"] * options.plain)
+        return int(play_options.start(play_options))
 
 
 def _look(options: argparse.Namespace, write: Callable[[Folder, Manifest, Ledger], None]) -> int:
@@ -293,19 +293,19 @@ def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
     print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
 
 
-def _work(options: argparse.Namespace, folder: Folder, planned: Manifest) -> int:
+def _work(options: argparse.Namespace, folder: Folder, first_manifest: Manifest) -> int:
     from logical_robots_tui.lab import closing_engine, engine_for, rounds
 
     student = getattr(options, "student", None)
     if student:
-        planned = _only(planned, student)
+        first_manifest = _for_student(first_manifest, student)
     with folder.ledger(mixed=options.mixed) as ledger:
         ledger.forget_failures()
-        work = rounds(folder, planned, ledger)
+        work = rounds(folder, first_manifest, ledger)
         manifest, coordinator = first = next(work)
         with _interruptible() as is_stopped:
             engine = engine_for(
-                options.workers, options.dask, lambda said: print(harmless(said), file=sys.stderr)
+                options.workers, options.dask, lambda text: print(harmless(text), file=sys.stderr)
             )
             try:
                 with closing_engine(engine):
@@ -330,7 +330,7 @@ def _work(options: argparse.Namespace, folder: Folder, planned: Manifest) -> int
         return status
 
 
-def _only(manifest: Manifest, name: str) -> Manifest:
+def _for_student(manifest: Manifest, name: str) -> Manifest:
     """Return the part of a manifest for one student."""
     from msgspec.structs import replace
 
@@ -350,12 +350,12 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
     seconds = f"{ledger.seconds():,.1f} s of processor time"
     print(harmless(f"{manifest.title}: {count_of(tally.done, 'run')} done, {seconds}"))
     if tally.failed:
-        said = f"{count_of(tally.failed, 'run')} could not be done (infrastructure)"
-        print(f"{said}." if is_grading else f"{said}, for example:")
+        message = f"{count_of(tally.failed, 'run')} could not be done (infrastructure)"
+        print(f"{message}." if is_grading else f"{message}, for example:")
     if tally.failed and not is_grading:
-        for done in islice(failed_runs(manifest, ledger), 5):
-            _, _, reason = done.result.first or (0, "", "")
-            print(harmless(f"  {manifest.label_of(done.cell)}, start {done.start}: {reason}"))
+        for run in islice(failed_runs(manifest, ledger), 5):
+            _, _, reason = run.result.first or (0, "", "")
+            print(harmless(f"  {manifest.label_of(run.cell)}, start {run.start}: {reason}"))
     if is_grading and (ungraded := ungraded_lines(manifest, ledger)):
         print("Ungraded:", *(harmless(f"  {line}") for line in ungraded), sep="\n")
     if tally.differing:
@@ -378,8 +378,8 @@ def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
     from logical_robots_tui.lab.reporting import export
     from logical_robots_tui.tui.labyrinth.svg import svg
 
-    written = export(folder, manifest, ledger, svg)
-    print(harmless(f"Written to {folder.path}: {', '.join(written)}"))
+    file_names = export(folder, manifest, ledger, svg)
+    print(harmless(f"Written to {folder.path}: {', '.join(file_names)}"))
     if not has_extra("pyarrow"):
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")
 
@@ -387,22 +387,22 @@ def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
     """Yield a test for interruption: the first ^C sets it, the second one exits at once."""
-    stopped = threading.Event()
+    stop_event = threading.Event()
 
     def stop(_signal: int, _frame: object) -> None:
-        if stopped.is_set():
+        if stop_event.is_set():
             raise KeyboardInterrupt
-        stopped.set()
+        stop_event.set()
         print("Stopping after the runs at hand; ^C again stops at once.", file=sys.stderr)
 
-    before = {each: signal.signal(each, stop) for each in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield stopped.is_set
+        yield stop_event.is_set
     except KeyboardInterrupt:
-        stopped.set()
+        stop_event.set()
     finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
 
 
 _LINE_SECONDS = 5.0
@@ -415,15 +415,15 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
     if not coordinator.tally().due:
         yield lambda: None
         return
-    pace, due = WorkProgress(manifest, coordinator), monotonic() + _LINE_SECONDS
+    pace, next_time = WorkProgress(manifest, coordinator), monotonic() + _LINE_SECONDS
     with drawn_bar(manifest.title) as draw:
 
         def show() -> None:
-            nonlocal due
-            done, total, count, rest = pace.summary()
-            draw(done, total, count, harmless(rest))
-            if not sys.stderr.isatty() and monotonic() >= due:
-                due = monotonic() + _LINE_SECONDS
-                print(harmless(f"{count}, {rest}"), file=sys.stderr, flush=True)
+            nonlocal next_time
+            part, total, count, details = pace.summary()
+            draw(part, total, count, harmless(details))
+            if not sys.stderr.isatty() and monotonic() >= next_time:
+                next_time = monotonic() + _LINE_SECONDS
+                print(harmless(f"{count}, {details}"), file=sys.stderr, flush=True)
 
         yield show

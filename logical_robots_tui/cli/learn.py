@@ -23,7 +23,7 @@ from logical_robots_tui.cli.command import (
     say,
 )
 from logical_robots_tui.cli.query import table_lines
-from logical_robots_tui.cli.run import SOON
+from logical_robots_tui.cli.run import BAR_DELAY
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.level_questions import (
     Examiner,
@@ -69,17 +69,17 @@ def learn(options: argparse.Namespace) -> int:
     level = world.load_level(options.level)
     number = options.question
     if number is not None and number > len(level.questions):
-        asked = len(level.questions)
-        raise InputError(f"There is no question {number}.", hint=f"{level.title} has {asked}.")
+        count = len(level.questions)
+        raise InputError(f"There is no question {number}.", hint=f"{level.title} has {count}.")
     file = folder_of(options.data_dir) / FILE_NAME
-    with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as kept:
-        lesson = _Lesson(level, kept, is_silent=options.json)
+    with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as db:
+        lesson = _Lesson(level, db, is_silent=options.json)
         try:
             if options.answer is None:
-                return lesson.give(number)
+                return lesson.present(number)
             if number is None and len(level.questions) != 1:
                 raise InputError("Which question does it answer?", hint="Add --question N.")
-            return lesson.take(number or 1, options.answer)
+            return lesson.grade(number or 1, options.answer)
         finally:
             lesson.close()
 
@@ -94,12 +94,12 @@ class _Lesson:
         self._runner.run(self._examiner.close())
         self._runner.close()
 
-    def give(self, number: int | None) -> int:
+    def present(self, number: int | None) -> int:
         """Print the lesson and ask its questions, or only one of them."""
         level = self._level
         if self._is_silent:
             answers = self._answers()
-            questions = [self._data(each, answers) for each in level.questions]
+            questions = [self._data(question, answers) for question in level.questions]
             print(
                 line_of_json({"level": level.name, "lesson": level.lesson, "questions": questions})
             )
@@ -108,16 +108,16 @@ class _Lesson:
             say(level.title)
             print()
             _print_lesson(level.lesson or "This level has no lesson.")
-        for each, question in enumerate(level.questions, start=1):
-            if number in (None, each) and not self._ask(each, question):
+        for index, question in enumerate(level.questions, start=1):
+            if number in (None, index) and not self._ask(index, question):
                 break
         if level.questions:
             answers = self._answers()
-            answered = sum(question.ask in answers for question in level.questions)
-            say(f"\n{answered} of {len(level.questions)} answered.")
+            answer_count = sum(question.ask in answers for question in level.questions)
+            say(f"\n{answer_count} of {len(level.questions)} answered.")
         return DONE
 
-    def take(self, number: int, query: str) -> int:
+    def grade(self, number: int, query: str) -> int:
         """Check an answer to a question, and print the verdict."""
         question = self._level.questions[number - 1]
         try:
@@ -130,19 +130,19 @@ class _Lesson:
         if self._is_silent:
             table = verdict.table
             rows = {"columns": table.columns, "rows": table.rows} if table else {}
-            data = {"right": verdict.is_right, "tick": verdict.tick, "verdict": verdict.words}
-            print(line_of_json(data | rows))
+            report = {"right": verdict.is_right, "tick": verdict.tick, "verdict": verdict.words}
+            print(line_of_json(report | rows))
         else:
             say(*_verdict(verdict))
         return DONE if verdict.is_right else WRONG
 
     def _ask(self, number: int, question: LevelQuestion) -> bool:
         """Ask a question until it is answered or skipped; return False at the end of the input."""
-        former = self._answers().get(question.ask)
+        old_answer = self._answers().get(question.ask)
         print()
-        say(*_question(self._level, number, is_answered=former is not None))
-        usable = [each.name for each in self._runner.run(self._examiner.predicates(question))]
-        say(*_wrapped(f"A query may use {', '.join(usable)}. An empty line goes on."))
+        say(*_question(self._level, number, is_answered=old_answer is not None))
+        names = [p.name for p in self._runner.run(self._examiner.predicates(question))]
+        say(*_wrap(f"A query may use {', '.join(names)}. An empty line goes on."))
         while True:
             print("> ", end="", flush=True)
             line = sys.stdin.readline()
@@ -158,7 +158,7 @@ class _Lesson:
                 return True
 
     def _check(self, question: LevelQuestion, query: str) -> Verdict:
-        with progress_bar(self._level.title, question.ticks[-1], after=SOON) as show:
+        with progress_bar(self._level.title, question.ticks[-1], delay=BAR_DELAY) as show:
             verdict = self._runner.run(self._examiner.check(question, query, show))
         if verdict.is_right:
             self._progress.answer(level_key(self._level), question.ask, query)
@@ -180,8 +180,8 @@ async def answer_in_game(level: world.Level, learning: Learning, number: int, qu
     """Check an answer in a game in lines; list the questions if there is none."""
     questions = level.questions
     if not query or not 0 < number <= len(questions):
-        for each, question in enumerate(questions, start=1):
-            say(*_question(level, each, is_answered=question.ask in learning.answers))
+        for index, question in enumerate(questions, start=1):
+            say(*_question(level, index, is_answered=question.ask in learning.answers))
         say(f"{learning.answered} answered." if questions else "This level has no questions.")
         return
     examiner, question = Examiner(level), questions[number - 1]
@@ -199,8 +199,8 @@ async def answer_in_game(level: world.Level, learning: Learning, number: int, qu
 
 def _question(level: world.Level, number: int, *, is_answered: bool) -> Iterator[str]:
     question = level.questions[number - 1]
-    done = ", answered" if is_answered else ""
-    yield from _wrapped(f"Question {number} of {len(level.questions)}{done}: {question.ask}")
+    status = ", answered" if is_answered else ""
+    yield from _wrap(f"Question {number} of {len(level.questions)}{status}: {question.ask}")
     where = f"At {ticks_in_words(question.ticks)} of {program_of(level, question)}"
     yield f"{where}, in the rows of all robots."
 
@@ -210,7 +210,7 @@ def _verdict(verdict: Verdict) -> Iterator[str]:
     if verdict.table is not None and verdict.table.rows:
         head, *rows = table_lines(verdict.table)
         yield from (head, *rows[:_MOST_ROWS], *["..."] * (len(rows) > _MOST_ROWS))
-    yield from _wrapped(verdict.words)
+    yield from _wrap(verdict.words)
 
 
 def _print_lesson(text: str) -> None:
@@ -224,7 +224,7 @@ def _print_lesson(text: str) -> None:
     Console().print(Markdown(lines, hyperlinks=False))
 
 
-def _wrapped(text: str) -> list[str]:
+def _wrap(text: str) -> list[str]:
     """Break lines between words in a terminal, which would break them anywhere."""
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else len(text)
     return textwrap.wrap(text, max(width, 20)) or [""]

@@ -36,18 +36,18 @@ _FILE = command.option("file", "FILE", "the file to write", type=Path)
 
 
 def _size(text: str) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
-    if not found:
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
+    if not match:
         raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 8x6")
-    return int(found[1]), int(found[2])
+    return int(match[1]), int(match[2])
 
 
 def _labyrinths(parser: argparse._ActionsContainer) -> None:
-    titled = parser.add_argument_group("labyrinths")
-    command.number("--seed", int, 0, "the random seed")(titled)
-    said = "share of extra walls to open, 0 to 1 (default: 0.1)"
-    titled.add_argument("--loops", type=float, default=0.1, metavar="SHARE", help=said)
-    command.number("--corridor", int, 60, "corridor width in map units")(titled)
+    group = parser.add_argument_group("labyrinths")
+    command.number("--seed", int, 0, "the random seed")(group)
+    summary = "share of extra walls to open, 0 to 1 (default: 0.1)"
+    group.add_argument("--loops", type=float, default=0.1, metavar="SHARE", help=summary)
+    command.number("--corridor", int, 60, "corridor width in map units")(group)
 
 
 @command.declare(
@@ -85,16 +85,16 @@ def _new(options: argparse.Namespace) -> int:
     refuse_existing(options.file, force=options.force)
     level = world.load_level(options.copy) if options.copy else _create(options)
     words = {} if options.title is None else {"title": options.title}
-    new = set_words(level, **words)
+    new_level = set_words(level, **words)
     file = Path(level.source)
     if options.copy and file.suffix.lower() == options.file.suffix.lower() and is_file(file):
         write(options.file, read_text(file))  # with its comments
-        new = save_level(new, options.file)
+        new_level = save_level(new_level, options.file)
     else:
-        new = save_level(new, options.file, replace_all=True)
-    _tell_lost(new, options.file)
-    size = f"{new.width} x {new.height} units"
-    print(harmless(f"{options.file}: {new.title}, {size}."))
+        new_level = save_level(new_level, options.file, replace_all=True)
+    _print_losses(new_level, options.file)
+    size = f"{new_level.width} x {new_level.height} units"
+    print(harmless(f"{options.file}: {new_level.title}, {size}."))
     print(harmless(f"Play it: logical-robots play {options.file}"))
     return 0
 
@@ -132,12 +132,12 @@ def _check(options: argparse.Namespace) -> int:
     results = []
     status = FINE
     for name in options.levels:
-        found = _findings(name)
-        if any(finding.forbids for finding in found):
+        findings = _findings(name)
+        if any(finding.forbids for finding in findings):
             status = WRONG
-        results.append({"file": name, "findings": [asdict(finding) for finding in found]})
+        results.append({"file": name, "findings": [asdict(finding) for finding in findings]})
         if not options.json:
-            for finding in found:
+            for finding in findings:
                 print(harmless(_line(name, finding)))
     if options.json:
         print_json({"ok": status == FINE, "levels": results})
@@ -178,7 +178,7 @@ def _convert(options: argparse.Namespace) -> int:
     level = world.load_level(options.level)
     refuse_existing(options.file, force=options.force)
     save_level(level, options.file, replace_all=True)
-    _tell_lost(level, options.file)
+    _print_losses(level, options.file)
     print(harmless(f"Wrote {options.file}."))
     return 0
 
@@ -193,13 +193,13 @@ def refuse_existing(path: Path, *, force: bool) -> None:
         )
 
 
-def _tell_lost(level: world.Level, path: Path) -> None:
+def _print_losses(level: world.Level, path: Path) -> None:
     from logical_robots_tui.editing.level_text import lost_in_web
     from logical_robots_tui.world.levels.load import WEB
 
-    lost = lost_in_web(replace(level, name=path.stem))
-    if path.suffix.lower() == WEB and lost:
-        print(f"Left out because the web platform does not support it: {', '.join(lost)}.")
+    losses = lost_in_web(replace(level, name=path.stem))
+    if path.suffix.lower() == WEB and losses:
+        print(f"Left out because the web platform does not support it: {', '.join(losses)}.")
 
 
 def write(path: Path, content: str | bytes) -> None:

@@ -12,7 +12,7 @@ from logical_robots_tui.cli.command import say
 from logical_robots_tui.player.recovery import Offers
 from logical_robots_tui.player.session_state import Background, Ui
 
-Found = TypeVar("Found")
+T = TypeVar("T")
 
 
 def with_words(text: str) -> str:
@@ -39,15 +39,15 @@ class LineUi(Background, Ui, Offers):
     async def choose(
         self, title: str, question: str, answers: Sequence[tuple[str, str]]
     ) -> str | None:
-        listed = "; ".join(f"{name}: {words}" for name, words in answers)
-        say(f"{title}. {question}", f"Type one of these. {listed}.")
+        choices = "; ".join(f"{name}: {words}" for name, words in answers)
+        say(f"{title}. {question}", f"Type one of these. {choices}.")
         line = await self.read()
         if line.strip().lower() in dict(answers):
             return line.strip().lower()
         self._unread.append(line)
         return None
 
-    async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
+    async def at_hand(self, find: Callable[[], Awaitable[T]]) -> T:
         return await find()
 
     async def ask(
@@ -58,7 +58,7 @@ class LineUi(Background, Ui, Offers):
         return answer
 
 
-class Text:
+class LineText:
     """The program's text, which is edited elsewhere."""
 
     text = ""

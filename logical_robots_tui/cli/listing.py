@@ -29,7 +29,7 @@ def list_all_levels(options: argparse.Namespace) -> int:
     """
     levels = [world.load_level(name) for name in world.list_shipped()]
     if options.json:
-        found = [
+        entries = [
             {
                 "name": level.name,
                 "title": level.title,
@@ -39,14 +39,14 @@ def list_all_levels(options: argparse.Namespace) -> int:
             }
             for level in levels
         ]
-        print_json(found)
+        print_json(entries)
         return 0
-    rows = [(lv.name, lv.title, _who(lv)) for lv in levels]
+    rows = [(lv.name, lv.title, _robot_names(lv)) for lv in levels]
     print(*columns([("NAME", "TITLE", "ROBOTS"), *rows]), sep="\n")
     return 0
 
 
-def _who(level: world.Level) -> str:
+def _robot_names(level: world.Level) -> str:
     if level.teams:
         return f"teams: {join_names(team.name for team in level.teams)}"
     return join_names(robot.name for robot in level.robots)
@@ -58,14 +58,14 @@ def list_all_programs(options: argparse.Namespace) -> int:
 
     List the programs that come with the game and those you saved in it.
     """
-    own = own_programs(options)
-    sources = [game.load_program(name, own) for name in game.list_programs(own)]
+    folder = own_programs(options)
+    sources = [game.load_program(name, folder) for name in game.list_programs(folder)]
     if options.json:
-        found = [
+        entries = [
             {"name": source.name, "file": str(source.path), "shipped": source.shipped}
             for source in sources
         ]
-        print_json(found)
+        print_json(entries)
         return 0
     rows = [
         (source.name, "comes with the game" if source.shipped else str(source.path))
@@ -100,8 +100,8 @@ def print_help(options: argparse.Namespace) -> int:
         return 0
     entry = find_help(options.name)
     if entry is None:
-        close = similar(options.name)
-        hint = f"Did you mean {close}?" if close else "`logical-robots help` lists all functions."
+        guess = similar(options.name)
+        hint = f"Did you mean {guess}?" if guess else "`logical-robots help` lists all functions."
         raise InputError(f"There is no function {options.name}.", hint=hint)
     article = "an" if entry.kind[0] in "ao" else "a"
     print(entry.signature, f"  {entry.summary} ({article} {entry.kind})", "", sep="\n")
@@ -135,8 +135,8 @@ def print_settings(options: argparse.Namespace) -> int:
         print(path)
         return FINE
     settings = Settings() if options.default else read_settings(path, KeyMap(COMMANDS).read)
-    what = "settings from" if is_there(path) and not options.default else "defaults, to be put into"
-    print(f"# Logical Robots: {what} {harmless(str(path))}", *as_toml(settings), "", sep="\n")
+    head = "settings from" if is_there(path) and not options.default else "defaults, to be put into"
+    print(f"# Logical Robots: {head} {harmless(str(path))}", *as_toml(settings), "", sep="\n")
     print(*KeyMap(COMMANDS, settings.keys).as_toml(), sep="\n")
     for complaint in settings.complaints:
         print(harmless(complaint), file=sys.stderr)
@@ -172,15 +172,15 @@ def diagnose_machine(options: argparse.Namespace) -> int:
     }
     if options.json:
         keys = ("part", "name", "value", "problem")
-        facts = [(part, *fact) for part, found in parts.items() for fact in found]
-        print_json([dict(zip(keys, fact, strict=True)) for fact in facts])
+        rows = [(part, *fact) for part, facts in parts.items() for fact in facts]
+        print_json([dict(zip(keys, fact, strict=True)) for fact in rows])
     else:
-        for part, found in parts.items():
+        for part, facts in parts.items():
             print(part)
-            for name, value, problem in found:
-                said = f"  ({problem})" if problem else ""
-                print(f"{'!' if problem else ' '} {name:<14} {harmless(value)}{said}")
-    return PROBLEM if any(fact[2] for found in parts.values() for fact in found) else FINE
+            for name, value, problem in facts:
+                note = f"  ({problem})" if problem else ""
+                print(f"{'!' if problem else ' '} {name:<14} {harmless(value)}{note}")
+    return PROBLEM if any(fact[2] for facts in parts.values() for fact in facts) else FINE
 
 
 def _terminal() -> Iterator[Fact]:
@@ -210,20 +210,20 @@ def _terminal() -> Iterator[Fact]:
     colours = "none (NO_COLOR)" if colourless else _colours(console.color_system)
     yield "colours", colours, ""
     encoding = console.encoding
-    poor = "" if writes_utf_8(encoding) else "ASCII only; set LANG to a UTF-8 locale"
-    yield "encoding", encoding, poor
+    limitation = "" if writes_utf_8(encoding) else "ASCII only; set LANG to a UTF-8 locale"
+    yield "encoding", encoding, limitation
     drawing = drawing_for(environ, console.color_system, encoding, colourless=colourless)
     yield "drawing", drawing.value, ""
-    around = [name for name in ("TMUX", "STY", "SSH_CONNECTION") if environ.get(name)]
+    variables = [name for name in ("TMUX", "STY", "SSH_CONNECTION") if environ.get(name)]
     words = {"TMUX": "tmux", "STY": "GNU screen", "SSH_CONNECTION": "ssh"}
-    yield "inside", ", ".join(words[name] for name in around) or "neither tmux nor ssh", ""
+    yield "inside", ", ".join(words[name] for name in variables) or "neither tmux nor ssh", ""
     yield "mouse", "used" if may_use_mouse(environ) else "off in GNU screen", ""
     yield "editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi", ""
 
 
 def _colours(system: str | None) -> str:
-    known = {"truecolor": "16 million", "256": "256", "standard": "16", "windows": "16"}
-    return known.get(system or "", "none")
+    counts = {"truecolor": "16 million", "256": "256", "standard": "16", "windows": "16"}
+    return counts.get(system or "", "none")
 
 
 def _versions() -> Iterator[Fact]:
@@ -255,9 +255,9 @@ def _places(data_dir: Path | None) -> Iterator[Fact]:
     yield _place("data", folder_of(data_dir), "your work can't be saved")
     settings = settings_path()
     complaints = read_settings(settings, KeyMap(COMMANDS).read).complaints
-    wrong = "it has errors; run logical-robots config" if complaints else ""
+    problem = "it has errors; run logical-robots config" if complaints else ""
     value = f"{settings}{'' if is_there(settings) else ' (none)'}"
-    yield "configuration", value, wrong
+    yield "configuration", value, problem
     compiled = compiled_programs().place
     if compiled is None:
         yield "cache", "none", ""
@@ -265,12 +265,12 @@ def _places(data_dir: Path | None) -> Iterator[Fact]:
         yield _place("cache", compiled, "programs are compiled again each time")
 
 
-def _place(name: str, folder: Path, lost: str) -> Fact:
-    there = folder
-    while not is_there(there) and there != there.parent:
-        there = there.parent
-    can = is_folder(there) and os.access(there, os.W_OK | os.X_OK)
-    return name, str(folder), "" if can else f"not writable: {lost}"
+def _place(name: str, folder: Path, consequence: str) -> Fact:
+    ancestor = folder
+    while not is_there(ancestor) and ancestor != ancestor.parent:
+        ancestor = ancestor.parent
+    is_writable = is_folder(ancestor) and os.access(ancestor, os.W_OK | os.X_OK)
+    return name, str(folder), "" if is_writable else f"not writable: {consequence}"
 
 
 SHELLS = ("bash", "zsh", "fish")
@@ -304,8 +304,8 @@ def complete(options: argparse.Namespace) -> int:
     if options.what == "levels":
         from logical_robots_tui.paths import ARENAS, shipped_names
 
-        for within in ("", ARENAS):
-            print(*shipped_names("levels", ".toml", within), sep="\n")
+        for subfolder in ("", ARENAS):
+            print(*shipped_names("levels", ".toml", subfolder), sep="\n")
     elif options.what == "programs":
         print(*game.list_programs(folder_of(None) / "programs"), sep="\n")
     else:
@@ -340,7 +340,7 @@ def _completion(metavar: str) -> dict[str, object] | str | None:
 
 def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
     name = f"_logical_robots_{kind}"
-    ask = f"logical-robots completion {kind} 2>/dev/null"
+    shell_command = f"logical-robots completion {kind} 2>/dev/null"
     globs = " ".join(f"'!*.{ending}'" for ending in endings)
     return {
         "bash": name,
@@ -349,7 +349,7 @@ def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
         "preamble": {
             "bash": f"""
 {name}() {{
-  compgen -W "$({ask})" -- "$1"
+  compgen -W "$({shell_command})" -- "$1"
   local glob
   for glob in {globs}; do compgen -f -X "$glob" -- "$1"; done
   compgen -d -- "$1"
@@ -357,13 +357,13 @@ def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
             "zsh": f"""
 {name}() {{
   local -a names
-  names=(${{(f)"$({ask})"}})
+  names=(${{(f)"$({shell_command})"}})
   compadd -a names
   _files -g '*.({"|".join(endings)})'
 }}""",
             "fish": f"""
 function {name}
-  {ask}
+  {shell_command}
   __fish_complete_suffix {" ".join(f".{ending}" for ending in endings)}
 end""",
         },

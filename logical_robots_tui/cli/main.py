@@ -92,8 +92,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
     logging.getLogger("logical_robots_tui").handlers = [CrashLog(logging.ERROR)]
-    typed = _with_command(sys.argv[1:] if arguments is None else arguments)
-    options = parser(typed[0]).parse_args(typed)
+    words = _with_command(sys.argv[1:] if arguments is None else arguments)
+    options = parser(words[0]).parse_args(words)
     try:
         status = _start(options)
         sys.stdout.flush()

@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.cli.command import ProgramFileError, columns, say
-from logical_robots_tui.cli.line_ui import LineUi, Text, with_words
+from logical_robots_tui.cli.line_ui import LineText, LineUi, with_words
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Breakpoint, Inquiry, goals, load_program, mistake_in_question
 from logical_robots_tui.game.frame import events_between
@@ -40,24 +40,24 @@ class LineGame(SessionListener):
     """A player's session in lines; commands call its methods, which raise what can't be done."""
 
     def __init__(self, opening: Opening, recorder: ProgressRecorder) -> None:
-        self._ui, self._text = LineUi(), Text()
+        self._ui, self._text = LineUi(), LineText()
         self._has_own_text = opening.text is not None
         self.player = LocalPlayer(opening, recorder, self._ui, self._text, lambda: None, with_words)
         self.session, self._recorder = self.player.session, recorder
         self._text.load(self.player.first_text)
-        self._past = self.session.frame
+        self._last_frame = self.session.frame
         self._robot = ""
         self._inquiry: Inquiry | None = None
         self._victory: Victory | None = None
-        self._told: tuple[Diagnostic, ...] = ()
-        self._goes_on = True
-        recorder.attach(self._ui, on_change=lambda: None, on_measured=self._measured)
+        self._reported_mistakes: tuple[Diagnostic, ...] = ()
+        self._is_running = True
+        recorder.attach(self._ui, on_change=lambda: None, on_measured=self._tell_measures)
         self.session.listeners += [recorder, self]
 
     async def play(self) -> int:
         try:
             await self._begin()
-            while self._goes_on and (line := await self._ui.read()):
+            while self._is_running and (line := await self._ui.read()):
                 await self._execute(line)
         finally:
             await self._ui.close()
@@ -71,15 +71,15 @@ class LineGame(SessionListener):
         self.level_opened(self.session.level)
         self.player.start()
         await self._ui.drain(skip="measure")
-        await self._settled()
+        await self._settle()
         say("Type help for the commands.")
-        for each in self.player.offerings():
-            await each.offer(self._ui)
-            await self._settled()
+        for offering in self.player.offerings():
+            await offering.offer(self._ui)
+            await self._settle()
 
     async def _execute(self, line: str) -> None:
         word, _, argument = line.strip().partition(" ")
-        command = next((each for each in COMMANDS if each.word == word), None)
+        command = next((entry for entry in COMMANDS if entry.word == word), None)
         if command is None:
             if word:
                 say(f"Unknown command {word}. Type help for a list.")
@@ -87,30 +87,30 @@ class LineGame(SessionListener):
         try:
             is_needed = command.argument and not command.argument.startswith("[")
             if (not argument and is_needed) or (argument and not command.argument):
-                raise InputError(f"Type {command.typed}.")
+                raise InputError(f"Type {command.usage}.")
             if (work := command.do(self, argument.strip())) is not None:
                 await work
         except (ProgramError, ProgramFileError) as error:
             self._tell_mistakes(error.diagnostics)
         except LogicalRobotsError as error:
             say(str(error))
-        await self._settled()
+        await self._settle()
 
-    async def _settled(self) -> None:
+    async def _settle(self) -> None:
         """Wait for what the last command began, and say how it ended."""
         await self._ui.drain(skip="measure")
         self.player.autosave.flush()
         state = self.session.state
-        if state.phase == "mistake" and state.mistakes is not self._told:
-            self._told = state.mistakes
+        if state.phase == "mistake" and state.mistakes is not self._reported_mistakes:
+            self._reported_mistakes = state.mistakes
             self._tell_mistakes(state.mistakes)
         victory, self._victory = self._victory, None
         if victory is not None:
             self._tell_victory(victory)
 
-    def _tell_mistakes(self, mistakes: Sequence[Diagnostic], what: str = "Line") -> None:
-        for found in mistakes:
-            say(f"{what} {found.line}: {found.message}. {found.hint}".rstrip())
+    def _tell_mistakes(self, mistakes: Sequence[Diagnostic], label: str = "Line") -> None:
+        for mistake in mistakes:
+            say(f"{label} {mistake.line}: {mistake.message}. {mistake.hint}".rstrip())
 
     def _tell_victory(self, victory: Victory) -> None:
         if victory.verdict == "reference":
@@ -126,7 +126,7 @@ class LineGame(SessionListener):
             say(*(f"Bonus goal reached: {goal}." for goal in victory.measures.goals))
 
     def level_opened(self, level: Level) -> None:
-        self._past, self._robot = self.session.frame, ""
+        self._last_frame, self._robot = self.session.frame, ""
         self._ui.spawn(self._forget_inquiry, "close", exclusive=False)
         say(level.title)
         self.brief("")
@@ -138,12 +138,12 @@ class LineGame(SessionListener):
         self._tell_mistakes(self.session.state.warnings, "Warning, line")
 
     def tick_shown(self, frame: Frame) -> None:
-        if frame.tick == self._past.tick + 1:
-            for event in events_between(self.session.level, self._past, frame):
+        if frame.tick == self._last_frame.tick + 1:
+            for event in events_between(self.session.level, self._last_frame, frame):
                 say(f"Tick {frame.tick}: {event}")
             marks = self._game.history.marks.marks_at(frame.tick)
             say(*(f"Tick {frame.tick}: {words}" for mark in marks if (words := trouble(mark))))
-        self._past = frame
+        self._last_frame = frame
 
     def won(self, victory: Victory) -> None:
         self._victory = victory
@@ -152,8 +152,8 @@ class LineGame(SessionListener):
         for hit in hits:
             say(f"Stopped: {hit.breakpoint.words}. {hit.values}")
 
-    def _measured(self, level: Level, found: Measures, _is_here: bool) -> None:
-        say(robustness_line(level, found))
+    def _tell_measures(self, level: Level, measures: Measures, _is_here: bool) -> None:
+        say(robustness_line(level, measures))
 
     async def go_on(self, ticks: int) -> None:
         """Run for some ticks; ^C ends it sooner."""
@@ -161,30 +161,30 @@ class LineGame(SessionListener):
         loop.add_signal_handler(signal.SIGINT, self.session.pause)
         try:
             self.session.run_until(self._game.frame.tick + ticks)
-            await self._settled()
+            await self._settle()
         finally:
             loop.remove_signal_handler(signal.SIGINT)
         self._tell_tick()
 
-    def move(self, how: Callable[..., None], *ticks: int) -> None:
-        how(*ticks)
+    def move(self, action: Callable[..., None], *ticks: int) -> None:
+        action(*ticks)
         self._tell_tick()
 
     def _tell_tick(self) -> None:
         say(f"Tick {self.session.frame.tick}.")
 
     async def stop_at(self, question: str) -> None:
-        wanted, breakpoints = Breakpoint("rows", question), self.session.breakpoints
-        if wanted in breakpoints:
-            breakpoints.remove(wanted)
-            say(f"Runs no longer stop when {wanted.words}.")
+        condition, breakpoints = Breakpoint("rows", question), self.session.breakpoints
+        if condition in breakpoints:
+            breakpoints.remove(condition)
+            say(f"Runs no longer stop when {condition.words}.")
             return
-        problem = self.session.problem_with(wanted)
-        if not (problem or wanted.is_named):
+        problem = self.session.problem_with(condition)
+        if not (problem or condition.is_named):
             problem = await mistake_in_question(self._game.program, question)
         if not problem:
-            breakpoints.add(wanted)
-        say(problem or f"Runs will stop when {wanted.words}.")
+            breakpoints.add(condition)
+        say(problem or f"Runs will stop when {condition.words}.")
 
     def brief(self, _: str) -> None:
         level = self.session.level
@@ -192,30 +192,30 @@ class LineGame(SessionListener):
 
     def where(self, _: str) -> None:
         level, state = self.session.level, self.session.frame.after
-        for given, robot in zip(level.robots, state.robots, strict=True):
+        for level_robot, robot in zip(level.robots, state.robots, strict=True):
             heading = f"{math.degrees(robot.angle) % 360:.0f} degrees"
-            charge = f", battery {robot.battery_level:.0f}" if given.has_battery else ""
+            charge = f", battery {robot.battery_level:.0f}" if level_robot.has_battery else ""
             say(f"{robot.name}: at {robot.x:.0f}, {robot.y:.0f}, heading {heading}{charge}.")
         say(*(goal.words for goal in goals(level, state)))
 
     def look(self, name: str) -> None:
-        around = surroundings(self.session.level, self.session.frame.after, self._named(name))
-        say(f"Around {self._named(name)}:", *around)
+        lines = surroundings(self.session.level, self.session.frame.after, self._robot_name(name))
+        say(f"Around {self._robot_name(name)}:", *lines)
 
     def choose_robot(self, name: str) -> None:
-        self._robot = self._named(name)
+        self._robot = self._robot_name(name)
         say(f"The robot is {self._robot}.")
 
-    def _named(self, name: str) -> str:
+    def _robot_name(self, name: str) -> str:
         """Return the robot of that name, by default the one that was chosen, or the first."""
         from logical_robots_tui.cli.run import check_name
 
         sources, level = self.session.sources, self.session.level
-        names = [each.name for each in level.robots]
+        names = [robot.name for robot in level.robots]
         if name:
             check_name("robot", name, names)
-        mine = (each.name for each in level.robots if each.team == sources.team)
-        return name or self._robot or next(mine, names[0])
+        team_names = (robot.name for robot in level.robots if robot.team == sources.team)
+        return name or self._robot or next(team_names, names[0])
 
     @property
     def _game(self) -> Game:
@@ -223,14 +223,15 @@ class LineGame(SessionListener):
             raise InputError("There is no program yet that can run.")
         return self.session.game
 
-    def _thought(self) -> tuple[Inquiry, Program, str, Frame]:
+    def _thought_context(self) -> tuple[Inquiry, Program, str, Frame]:
         """Return whom to ask, a program, a robot that thinks with it, and the tick."""
-        game, robot = self._game, self._named("")
+        game, robot = self._game, self._robot_name("")
         if not game.frame.tick:
             raise InputError("No decision yet: run or step first.")
-        return self._asked(), game.program.for_team(game.level.team_of(robot)), robot, game.frame
+        program = game.program.for_team(game.level.team_of(robot))
+        return self._open_inquiry(), program, robot, game.frame
 
-    def _asked(self) -> Inquiry:
+    def _open_inquiry(self) -> Inquiry:
         self._inquiry = self._inquiry or Inquiry(self._game.level)
         return self._inquiry
 
@@ -240,23 +241,23 @@ class LineGame(SessionListener):
             await inquiry.close()
 
     async def why(self, text: str) -> None:
-        from logical_robots_tui.cli.why import answer, answer_lines, read_row
+        from logical_robots_tui.cli.why import answer_lines, explain_row, read_row
         from logical_robots_tui.explain.why.explanation import spell_call
 
-        inquiry, program, robot, frame = self._thought()
+        inquiry, program, robot, frame = self._thought_context()
         words = text.split(maxsplit=1)
         is_tree = words[:1] == ["tree"]
-        asked = read_row(program, (words[1:] or ["Robot"])[0] if is_tree else text or "Robot")
+        question = read_row(program, (words[1:] or ["Robot"])[0] if is_tree else text or "Robot")
         depth = _DEEPEST if is_tree else 0
-        found = await answer(inquiry, program, robot, frame, asked, depth)
-        more = f"For more, type why tree {'' if asked.predicate == 'Robot' else text}".rstrip()
+        answer = await explain_row(inquiry, program, robot, frame, question, depth)
+        hint = f"For more, type why tree {'' if question.predicate == 'Robot' else text}".rstrip()
         say(
             *answer_lines(
-                found,
+                answer,
                 program,
                 frame.tick,
-                more=more,
-                command=lambda ask: f"why {spell_call(ask)}",
+                hint=hint,
+                command_of=lambda ask: f"why {spell_call(ask)}",
             )
         )
 
@@ -264,7 +265,7 @@ class LineGame(SessionListener):
         from logical_robots_tui.cli.query import table_lines
 
         game = self._game
-        table = await self._asked().ask(game.program, question, game.frame)
+        table = await self._open_inquiry().ask(game.program, question, game.frame)
         say(*(table_lines(table) if table.rows else ["No rows."]))
 
     async def origin(self, part: str) -> None:
@@ -273,7 +274,7 @@ class LineGame(SessionListener):
         from logical_robots_tui.explain.why.explanation import Subject
         from logical_robots_tui.game import origin_in_game, read_part
 
-        _, _, robot, _ = self._thought()
+        _, _, robot, _ = self._thought_context()
         try:
             subject = Subject(Ask(), *read_part(part or "memory"))
         except ValueError as error:
@@ -292,8 +293,8 @@ class LineGame(SessionListener):
         say(*(f"{number}: {line}" for number, line in enumerate(lines, start=1)))
 
     async def save(self, name: str) -> None:
-        library, former = self.player.library, self.session.source
-        if not name and not former.shipped:
+        library, source = self.player.library, self.session.source
+        if not name and not source.shipped:
             await library.save()
             return
         path = target(name, library.programs)
@@ -302,14 +303,14 @@ class LineGame(SessionListener):
         await library.save_as(path)
         say(f"Edit {path}, or use line and insert here; then type apply.")
 
-    def edit(self, argument: str, replaced: int) -> None:
+    def edit(self, argument: str, count: int) -> None:
         """Put a line in place of as many; an empty one only deletes."""
         number, _, line = argument.partition(" ")
         lines = self._text.text.splitlines()
-        at = _number(number) - 1
-        if not 0 <= at <= len(lines) - replaced:
+        index = _number(number) - 1
+        if not 0 <= index <= len(lines) - count:
             raise InputError(f"There is no line {number}; the last one is {len(lines)}.")
-        lines[at : at + replaced] = [line] if line else []
+        lines[index : index + count] = [line] if line else []
         self._text.put("\n".join([*lines, ""]))
         say("Type apply, and the robots will use it.")
 
@@ -331,7 +332,7 @@ class LineGame(SessionListener):
         if name:
             await self.player.library.open_level(load_level(name))
         else:
-            say(*(f"{each}: {load_level(each).title}" for each in list_shipped()))
+            say(*(f"{level_name}: {load_level(level_name).title}" for level_name in list_shipped()))
 
     def hint(self, _: str) -> None:
         learning = self.player.learning
@@ -359,34 +360,34 @@ class LineGame(SessionListener):
         learning = self.player.learning
         versions = await learning.versions()
         if not number:
-            say(*(f"{version_name(each)}: {version_result(each)}" for each in versions))
+            say(*(f"{version_name(version)}: {version_result(version)}" for version in versions))
             return
-        for each in versions:
-            if number == str(each.number):
-                learning.restore(each)
+        for version in versions:
+            if number == str(version.number):
+                learning.restore(version)
                 return
         raise InputError(f"There is no version {number}. Type versions for a list.")
 
     def results(self, _: str) -> None:
-        mine = brief(self._recorder.record.bests)
-        say(f"Yours: {mine}" if mine else "You have not won here yet.")
+        bests = brief(self._recorder.record.bests)
+        say(f"Yours: {bests}" if bests else "You have not won here yet.")
         references = self._recorder.references.items()
         say(*(f"{name}: {brief(measures)}" for name, measures in references))
 
     def help(self, _: str) -> None:
-        say(*columns([(each.typed, each.help) for each in COMMANDS]))
+        say(*columns([(entry.usage, entry.help) for entry in COMMANDS]))
 
     def quit(self, _: str) -> None:
-        self._goes_on = False
+        self._is_running = False
 
 
-def _number(text: str, usual: int = 1) -> int:
+def _number(text: str, default: int = 1) -> int:
     if text and not (text.isdecimal() and len(text) < 10):
         raise InputError(f"{text} is not a number.")
-    return int(text or usual)
+    return int(text or default)
 
 
-class Command(NamedTuple):
+class LineCommand(NamedTuple):
     """What is typed, and what it does with the argument, "" if there is none."""
 
     word: str
@@ -395,66 +396,66 @@ class Command(NamedTuple):
     help: str
 
     @property
-    def typed(self) -> str:
+    def usage(self) -> str:
         return f"{self.word} {self.argument}".rstrip()
 
 
 # fmt: off
 COMMANDS = (
-    Command("run", "[N]", lambda game, n: game.go_on(_number(n, MOST)),
+    LineCommand("run", "[N]", lambda game, n: game.go_on(_number(n, MOST)),
         f"run until victory or a stop, for at most N ticks ({MOST:,} by default)"),
-    Command("step", "[N]", lambda game, n: game.go_on(_number(n)),
+    LineCommand("step", "[N]", lambda game, n: game.go_on(_number(n)),
         "one tick forward, or N ticks"),
-    Command("back", "[N]", lambda game, n: game.move(game.session.back, _number(n)),
+    LineCommand("back", "[N]", lambda game, n: game.move(game.session.back, _number(n)),
         "one tick back, or N ticks"),
-    Command("goto", "N", lambda game, n: game.move(game.session.go_to, _number(n)),
+    LineCommand("goto", "N", lambda game, n: game.move(game.session.go_to, _number(n)),
         "go to a tick of the past"),
-    Command("other", "", lambda game, _: game.move(game.session.change_branch),
+    LineCommand("other", "", lambda game, _: game.move(game.session.change_branch),
         "switch to the branch that was left when the program changed"),
-    Command("restart", "", lambda game, _: game.move(game.session.restart),
+    LineCommand("restart", "", lambda game, _: game.move(game.session.restart),
         "start again at tick 0"),
-    Command("where", "", LineGame.where, "positions of the robots, and who is in a goal"),
-    Command("look", "[ROBOT]", LineGame.look,
+    LineCommand("where", "", LineGame.where, "positions of the robots, and who is in a goal"),
+    LineCommand("look", "[ROBOT]", LineGame.look,
         "walls, beacons, robots and areas by direction and distance from a robot"),
-    Command("robot", "NAME", LineGame.choose_robot,
+    LineCommand("robot", "NAME", LineGame.choose_robot,
         "choose the robot that look, why and origin are about"),
-    Command("stop", "QUERY", LineGame.stop_at,
+    LineCommand("stop", "QUERY", LineGame.stop_at,
         "stop runs when a predicate has rows, or a query holds; repeat to remove it"),
-    Command("why", "[tree] [P]", LineGame.why,
+    LineCommand("why", "[tree] [P]", LineGame.why,
         "explain what the robot did in this tick, or a predicate; tree gives the whole proof"),
-    Command("ask", "QUERY", LineGame.ask, "answer a query in Logica about this tick"),
-    Command("origin", "[PART]", LineGame.origin,
+    LineCommand("ask", "QUERY", LineGame.ask, "answer a query in Logica about this tick"),
+    LineCommand("origin", "[PART]", LineGame.origin,
         "trace back the robot's memory, or a part such as desire.left_engine"),
-    Command("diagnose", "", LineGame.diagnose, "scan the ticks so far for likely mistakes"),
-    Command("program", "", LineGame.show_program, "the program, with the numbers of its lines"),
-    Command("line", "N [TEXT]", lambda game, line: game.edit(line, 1),
+    LineCommand("diagnose", "", LineGame.diagnose, "scan the ticks so far for likely mistakes"),
+    LineCommand("program", "", LineGame.show_program, "the program, with the numbers of its lines"),
+    LineCommand("line", "N [TEXT]", lambda game, line: game.edit(line, 1),
         "replace line N of the program, or delete it"),
-    Command("insert", "N TEXT", lambda game, line: game.edit(line, 0),
+    LineCommand("insert", "N TEXT", lambda game, line: game.edit(line, 0),
         "insert a line before line N"),
-    Command("save", "[NAME]", LineGame.save,
+    LineCommand("save", "[NAME]", LineGame.save,
         "save the program as a file of your own, which you can edit"),
-    Command("apply", "", LineGame.apply,
+    LineCommand("apply", "", LineGame.apply,
         "continue with the program as you changed it, here or in its file"),
-    Command("open", "PROGRAM", LineGame.open_program, "continue with another program"),
-    Command("versions", "[N]", LineGame.versions,
+    LineCommand("open", "PROGRAM", LineGame.open_program, "continue with another program"),
+    LineCommand("versions", "[N]", LineGame.versions,
         "list your earlier programs for this level, or go back to one"),
-    Command("reset", "", lambda game, _: game.player.learning.reset(),
+    LineCommand("reset", "", lambda game, _: game.player.learning.reset(),
         "put the starter program back; yours becomes an earlier version"),
-    Command("briefing", "", LineGame.brief, "the task, and bonus goals"),
-    Command("hint", "", LineGame.hint, "reveal the next hint"),
-    Command("lesson", "", LineGame.lesson,
+    LineCommand("briefing", "", LineGame.brief, "the task, and bonus goals"),
+    LineCommand("hint", "", LineGame.hint, "reveal the next hint"),
+    LineCommand("lesson", "", LineGame.lesson,
         "what the level teaches and, when you have won, what to try next"),
-    Command("answer", "[N QUERY]", LineGame.answer,
+    LineCommand("answer", "[N QUERY]", LineGame.answer,
         "list the questions of the lesson, or answer question N with a query"),
-    Command("solution", "", LineGame.solution, "the reference programs"),
-    Command("results", "", LineGame.results, "your best results beside the reference programs"),
-    Command("next", "", lambda game, _: game.player.library.next_level(),
+    LineCommand("solution", "", LineGame.solution, "the reference programs"),
+    LineCommand("results", "", LineGame.results, "your best results beside the reference programs"),
+    LineCommand("next", "", lambda game, _: game.player.library.next_level(),
         "open the next level"),
-    Command("level", "[NAME]", LineGame.open_level, "open a level, or list the levels"),
-    Command("daily", "", lambda game, _: game.player.library.open_daily(),
+    LineCommand("level", "[NAME]", LineGame.open_level, "open a level, or list the levels"),
+    LineCommand("daily", "", lambda game, _: game.player.library.open_daily(),
         "open the labyrinth of today"),
-    Command("help", "", LineGame.help, "this list"),
-    Command("quit", "", LineGame.quit, "leave; so does the end of the input"),
+    LineCommand("help", "", LineGame.help, "this list"),
+    LineCommand("quit", "", LineGame.quit, "leave; so does the end of the input"),
 )
 # fmt: on
 
@@ -467,6 +468,6 @@ def play(opening: Opening, recorder: ProgressRecorder) -> int:
 def table() -> Iterator[str]:
     """Yield the commands as a table in Markdown."""
     yield from ("", "| type | what it does |", "|---|---|")
-    for each in COMMANDS:
-        yield f"| `{each.typed}` | {each.help} |"
+    for entry in COMMANDS:
+        yield f"| `{entry.usage}` | {entry.help} |"
     yield ""

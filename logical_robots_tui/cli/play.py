@@ -183,12 +183,12 @@ def _refuse_shared_folder(folder: Path) -> None:
 def _prepare_screen() -> None:
     """Set up the environment for the screen; raise InputError if there is no terminal."""
     streams = {"input": sys.stdin, "output": sys.stdout, "error": sys.stderr}
-    elsewhere = [name for name, stream in streams.items() if not stream.isatty()]
-    if elsewhere or os.environ.get("TERM") == "dumb":
-        some = 0 < len(elsewhere) < len(streams)
+    missing = [name for name, stream in streams.items() if not stream.isatty()]
+    if missing or os.environ.get("TERM") == "dumb":
+        is_partial = 0 < len(missing) < len(streams)
         raise InputError(
             "The game needs a terminal"
-            + (f" for standard {' and '.join(elsewhere)} too." if some else "."),
+            + (f" for standard {' and '.join(missing)} too." if is_partial else "."),
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
     from logical_robots_tui.tui.terminal.capabilities import assume_colours, replace_unwritable
@@ -213,7 +213,7 @@ LIMITS = {
 }
 """Limits for each process of the game, by their names in Python's module ``resource``."""
 
-_KEPT = frozenset(
+_ALLOWED_VARIABLES = frozenset(
     (
         *("COLORTERM", "HOME", "LANG", "LANGUAGE", "NO_COLOR", "PATH", "SSH_CONNECTION", "STY"),
         *("TERM", "TMUX", "TZ", "XDG_DATA_HOME", "OPENBLAS_NUM_THREADS"),
@@ -236,11 +236,11 @@ def clear_environment() -> None:
             hint="Install the game in a virtual environment, or set PYTHONNOUSERSITE=1.",
         )
     for name in [*os.environ]:
-        if name not in _KEPT and not name.startswith("LC_"):
+        if name not in _ALLOWED_VARIABLES and not name.startswith("LC_"):
             del os.environ[name]
 
 
-def restrict(own: Path) -> OpenGames:
+def restrict(folder: Path) -> OpenGames:
     """Confine this process and its children to a folder and to `LIMITS`, permanently.
 
     The folder becomes the home directory, and is created if missing. Returns the player's open
@@ -251,26 +251,26 @@ def restrict(own: Path) -> OpenGames:
     from logical_robots_tui.processes.audit import allow_only
 
     try:
-        own.mkdir(mode=0o700, parents=True, exist_ok=True)
-        own = own.resolve()
-        games = OpenGames(own)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        folder = folder.resolve()
+        games = OpenGames(folder)
     except OSError as error:
         reason = error.strerror or str(error)
         hint = "Tell the administrator of this computer."
-        said = f"The player's folder can't be used: {reason}"
-        raise InputError(said, place=str(own), hint=hint) from None
+        message = f"The player's folder can't be used: {reason}"
+        raise InputError(message, place=str(folder), hint=hint) from None
     os.environ.pop("XDG_DATA_HOME", None)
-    os.environ["HOME"] = str(own)
-    os.chdir(own)
+    os.environ["HOME"] = str(folder)
+    os.chdir(folder)
     for name, bound in LIMITS.items():
         _limit(getattr(resource, name), bound, grace=_GRACE if name == "RLIMIT_CPU" else 0)
-    confine(own, shipped_folder("levels"), shipped_folder("programs"))
-    allow_only(own, is_helper)
+    confine(folder, shipped_folder("levels"), shipped_folder("programs"))
+    allow_only(folder, is_helper)
     return games
 
 
-def _limit(which: int, bound: int, grace: int) -> None:
+def _limit(kind: int, bound: int, grace: int) -> None:
     """Lower the soft and hard limit, unless they are already lower."""
-    _, hard = resource.getrlimit(which)
-    last = bound + grace if hard == resource.RLIM_INFINITY else min(bound + grace, hard)
-    resource.setrlimit(which, (min(bound, last), last))
+    _, hard = resource.getrlimit(kind)
+    maximum = bound + grace if hard == resource.RLIM_INFINITY else min(bound + grace, hard)
+    resource.setrlimit(kind, (min(bound, maximum), maximum))

@@ -61,8 +61,8 @@ def progress(options: argparse.Namespace) -> int:
     if options.check is not None:
         return _check(options.check, options.seconds, as_json=options.json)
     file = folder_of(options.data_dir) / FILE_NAME
-    with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as kept:
-        _list(kept, options)
+    with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as db:
+        _list(db, options)
     return CONFIRMED
 
 
@@ -94,9 +94,9 @@ def _row(record: LevelRecord) -> tuple[str, ...]:
     robust = "" if bests.wins is None else f"{bests.wins} of {bests.starts}"
     distance = "" if bests.distance is None else f"{bests.distance:,.0f}"
     numbers = (bests.ticks, bests.size)
-    shown = ("" if number is None else str(number) for number in numbers)
+    texts = ("" if number is None else str(number) for number in numbers)
     goals = str(len(bests.goals) or "")
-    return record.state, str(record.hints or ""), *shown, distance, robust, goals
+    return record.state, str(record.hints or ""), *texts, distance, robust, goals
 
 
 def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, Any]:
@@ -113,9 +113,9 @@ def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, A
     }
 
 
-def _is_best(found: Measures, bests: Bests) -> bool:
-    return bool(found.goals) or any(
-        mine is not None and mine == best for mine, best in zip(found[:4], bests[:4], strict=True)
+def _is_best(measures: Measures, bests: Bests) -> bool:
+    return bool(measures.goals) or any(
+        n is not None and n == best for n, best in zip(measures[:4], bests[:4], strict=True)
     )
 
 
@@ -125,7 +125,7 @@ _SHARE_OF_GIVEN_UP = 0.9  # of the time that playing may take: the system counts
 _Count = Annotated[int, msgspec.Meta(ge=0, le=1_000_000_000)]
 
 
-class _Victory(msgspec.Struct):
+class _VictoryExport(msgspec.Struct):
     program: str
     ticks: _Count
     distance: Annotated[float, msgspec.Meta(ge=0)]
@@ -140,14 +140,14 @@ class _Victory(msgspec.Struct):
         return Measures(self.ticks, size, self.distance, self.wins, self.starts, self.goals)
 
 
-class _Level(msgspec.Struct):
+class _LevelExport(msgspec.Struct):
     level: str
-    victories: list[_Victory]
+    victories: list[_VictoryExport]
 
 
 class _Export(msgspec.Struct):
     format: int
-    levels: list[_Level]
+    levels: list[_LevelExport]
 
 
 def read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
@@ -172,9 +172,7 @@ def read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
             f"The file has format {export.format}; this version of the game reads {FORMAT}.",
             place=f"{file}: format",
         )
-    return (
-        (each.level, won.program, won.claim()) for each in export.levels for won in each.victories
-    )
+    return ((entry.level, v.program, v.claim()) for entry in export.levels for v in entry.victories)
 
 
 def _check(file: Path, seconds: int, *, as_json: bool) -> int:
@@ -185,34 +183,34 @@ def _check(file: Path, seconds: int, *, as_json: bool) -> int:
         raise InputError(error.message, place=str(file)) from error
     budget = Budget(seconds)
     results: list[dict[str, Any]] = []
-    played: dict[tuple[str, str], Measures | str] = {}
+    outcomes: dict[tuple[str, str], Measures | str] = {}
     if not as_json:
         print(f"{'LEVEL':24}  {'TICKS':>6}  {'SIZE':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
-    for number, (level, text, claimed) in enumerate(claims, 1):
-        if (level, text) not in played:
+    for number, (level, text, claim) in enumerate(claims, 1):
+        if (level, text) not in outcomes:
             part = f"victory {number:,} of {len(claims):,}"
             with drawn_bar(level) as draw:
-                played[level, text] = asyncio.run(_replay(level, text, budget, part, draw))
-        outcome = played[level, text]
-        found = None if isinstance(outcome, str) else outcome
-        problem = str(outcome) if found is None else "; ".join(_differences(claimed, found))
+                outcomes[level, text] = asyncio.run(_replay(level, text, budget, part, draw))
+        outcome = outcomes[level, text]
+        measures = None if isinstance(outcome, str) else outcome
+        problem = str(outcome) if measures is None else "; ".join(_differences(claim, measures))
         results.append(
             {
                 "level": level,
                 "confirmed": not problem,
                 "problem": problem,
-                "claimed": claimed._asdict(),
-                "found": found and found._asdict(),
+                "claimed": claim._asdict(),
+                "found": measures and measures._asdict(),
             }
         )
         if not as_json:
-            print(_line(level, found or claimed, problem), flush=True)
-    confirmed = all(result["confirmed"] for result in results)
+            print(_line(level, measures or claim, problem), flush=True)
+    is_confirmed = all(result["confirmed"] for result in results)
     if as_json:
-        print_json({"confirmed": confirmed, "results": results})
+        print_json({"confirmed": is_confirmed, "results": results})
     elif not results:
         print("The file holds no victories.")
-    return CONFIRMED if confirmed else NOT_CONFIRMED
+    return CONFIRMED if is_confirmed else NOT_CONFIRMED
 
 
 async def _replay(
@@ -225,8 +223,8 @@ async def _replay(
 
     if world.current_name(level) not in world.list_levels() and Daily.parse(level) is None:
         return "neither a shipped level nor a labyrinth of the day"
-    where = world.load_level(level)
-    if is_reference(where, text):
+    loaded_level = world.load_level(level)
+    if is_reference(loaded_level, text):
         return "this is a reference program"
 
     def report(trial: Trial) -> None:
@@ -235,32 +233,32 @@ async def _replay(
     report(Trial())
     try:
         program = await budget.compile(text)
-        left, allowed = budget.left, budget.of_entry
-        found = await measure(where, program, None, report, allowed)
+        seconds_left, limit = budget.left, budget.of_entry
+        measures = await measure(loaded_level, program, None, report, limit)
     except OverBudgetError as error:
         return str(error)
     except mind.ProgramError as error:
         return f"line {error.diagnostics[0].line}: {error.diagnostics[0].message}"
     except MeasuringError:
-        if left - budget.left > _SHARE_OF_GIVEN_UP * allowed:
-            return f"{OverBudgetError(allowed)}"
+        if seconds_left - budget.left > _SHARE_OF_GIVEN_UP * limit:
+            return f"{OverBudgetError(limit)}"
         return "it could not be played to the end; try again"
-    return found or "the program does not win"
+    return measures or "the program does not win"
 
 
-def _differences(claimed: Measures, found: Measures) -> Iterator[str]:
+def _differences(claim: Measures, measures: Measures) -> Iterator[str]:
     for name in ("ticks", "size", "distance"):
-        mine, theirs = getattr(claimed, name), getattr(found, name)
-        if not math.isclose(mine, theirs, rel_tol=1e-6):
-            yield f"{name}: {mine:,.10g} claimed, {theirs:,.10g} found"
-    if claimed.wins is not None and claimed[3:5] != found[3:5]:
-        yield f"robust: {claimed.wins} of {claimed.starts} claimed, {found.wins} found"
-    for goal in claimed.goals:
-        if goal not in found.goals:
+        expected, actual = getattr(claim, name), getattr(measures, name)
+        if not math.isclose(expected, actual, rel_tol=1e-6):
+            yield f"{name}: {expected:,.10g} claimed, {actual:,.10g} found"
+    if claim.wins is not None and claim[3:5] != measures[3:5]:
+        yield f"robust: {claim.wins} of {claim.starts} claimed, {measures.wins} found"
+    for goal in claim.goals:
+        if goal not in measures.goals:
             yield f'"{goal}" claimed, not reached'
 
 
-def _line(level: str, shown: Measures, problem: str) -> str:
-    robust = "" if shown.wins is None else f"{shown.wins} of {shown.starts}"
-    numbers = f"{shown.ticks:6}  {shown.size:5}  {shown.distance:8,.0f}  {robust:>8}"
+def _line(level: str, measures: Measures, problem: str) -> str:
+    robust = "" if measures.wins is None else f"{measures.wins} of {measures.starts}"
+    numbers = f"{measures.ticks:6}  {measures.size:5}  {measures.distance:8,.0f}  {robust:>8}"
     return f"{harmless(level):24}  {numbers}  {harmless(problem) or 'confirmed'}"

@@ -24,11 +24,11 @@ from logical_robots_tui.cli.command import (
     progress_bar,
 )
 from logical_robots_tui.cli.run import (
-    SOON,
+    BAR_DELAY,
     frame_at,
-    of_run,
     open_run,
-    run_shown,
+    run_args,
+    run_context,
     show,
 )
 from logical_robots_tui.values import spell
@@ -45,16 +45,16 @@ _WIDEST_CELL = 60  # characters of a value in a table
 
 
 @contextmanager
-def _mistakes_in(what: str) -> Iterator[None]:
+def _mistakes_in(place: str) -> Iterator[None]:
     try:
         yield
     except mind.ProgramError as error:
-        raise ProgramFileError(what, error) from error
+        raise ProgramFileError(place, error) from error
 
 
 @command.declare(
     "query",
-    of_run(first_tick=0, robot="only rows in this robot's mind"),
+    run_args(first_tick=0, robot="only rows in this robot's mind"),
     command.option("query", "QUERY", "a call, an expression, or whole rules"),
 )
 def query(options: argparse.Namespace) -> int:
@@ -79,14 +79,14 @@ def query(options: argparse.Namespace) -> int:
     has_minds = bool(table.viewers)
     table = table.in_mind_of(options.robot)
     if prefers_json(options):
-        data = {
+        document = {
             "tick": options.tick,
             "columns": table.columns,
             "rows": table.rows,
             "minds": table.viewers if has_minds else None,
             "truncated": table.truncated,
         }
-        print(line_of_json(data))
+        print(line_of_json(document))
     elif table.rows:
         print(*table_lines(table), sep="\n")
     else:
@@ -117,7 +117,7 @@ async def _ask(
 
 @command.declare(
     "when",
-    of_run(
+    run_args(
         ticks=(DEFAULT_TICKS, "stop after this many ticks"), robot="only rows in this robot's mind"
     ),
     command.option("query", "QUERY", "a call, an expression, conditions, or whole rules"),
@@ -145,11 +145,11 @@ def when(options: argparse.Namespace) -> int:
     level, program = open_run(options)
     with _mistakes_in("query"):
         question = program.question(options.query)
-    found = asyncio.run(_search(level, program, question, options))
-    if found.failed_in == found.ticks:
-        raise mind.QueryError(f"It failed in every tick: {found.reason}")
-    show(options, _data(options.query, found), _lines(options.query, found))
-    return FOUND if found.stretches else NOTHING
+    matches = asyncio.run(_search(level, program, question, options))
+    if matches.failed_in == matches.ticks:
+        raise mind.QueryError(f"It failed in every tick: {matches.reason}")
+    show(options, _data(options.query, matches), _lines(options.query, matches))
+    return FOUND if matches.stretches else NOTHING
 
 
 async def _search(
@@ -158,53 +158,53 @@ async def _search(
     question: mind.CompiledQuery,
     options: argparse.Namespace,
 ) -> game.Matches:
-    async with run_shown(level, program, options.ticks) as (run, show):
+    async with run_context(level, program, options.ticks) as (run, show):
         return await game.find_matches(run, question, options.ticks, options.robot or "", show)
 
 
-def _lines(query: str, found: game.Matches) -> list[str]:
-    extent = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
-    extent += ", up to victory" if found.won_at is not None else ""
+def _lines(query: str, matches: game.Matches) -> list[str]:
+    extent = f"{matches.ticks} tick{'' if matches.ticks == 1 else 's'}"
+    extent += ", up to victory" if matches.won_at is not None else ""
     lines = []
-    if stretches := found.stretches:
+    if stretches := matches.stretches:
         first, last = stretches[0][0], stretches[-1][1]
         rows = [(str(start), str(end), str(end - start + 1)) for start, end in stretches]
         lines += [
             f"{harmless(query)}",
-            f"holds in {found.holds_in} of {extent}: first in tick {first}, last in tick {last}.",
+            f"holds in {matches.holds_in} of {extent}: first in tick {first}, last in tick {last}.",
             "",
             *columns([("FROM", "TO", "TICKS"), *rows]),
         ]
     else:
         lines.append(f"{harmless(query)} never holds in {extent}.")
-    if found.failed:
-        (first, last), *more = found.failed
-        where = f"tick {first}" if first == last else f"ticks {first} to {last}"
-        others = f" and in {found.failed_in - (last - first + 1)} more" if more else ""
-        lines += ["", f"It failed in {where}{others}: {harmless(found.reason)}"]
-    if not found.is_reliable:
+    if matches.failed:
+        (first, last), *later = matches.failed
+        interval = f"tick {first}" if first == last else f"ticks {first} to {last}"
+        suffix = f" and in {matches.failed_in - (last - first + 1)} more" if later else ""
+        lines += ["", f"It failed in {interval}{suffix}: {harmless(matches.reason)}"]
+    if not matches.is_reliable:
         lines += ["", UNRELIABLE]
     return lines
 
 
-def _data(query: str, found: game.Matches) -> dict[str, Any]:
-    stretches = found.stretches
+def _data(query: str, matches: game.Matches) -> dict[str, Any]:
+    stretches = matches.stretches
     return {
         "query": query,
-        "ticks": found.ticks,
-        "won_at": found.won_at,
+        "ticks": matches.ticks,
+        "won_at": matches.won_at,
         "first": stretches[0][0] if stretches else None,
         "last": stretches[-1][1] if stretches else None,
-        "holds_in": found.holds_in,
+        "holds_in": matches.holds_in,
         "stretches": stretches,
-        "failed_in": found.failed,
-        "failure": found.reason or None,
-        "reliable": found.is_reliable,
+        "failed_in": matches.failed,
+        "failure": matches.reason or None,
+        "reliable": matches.is_reliable,
     }
 
 
 @command.declare(
-    "diagnose", of_run(ticks=(DEFAULT_TICKS, "stop after this many ticks, or at victory"))
+    "diagnose", run_args(ticks=(DEFAULT_TICKS, "stop after this many ticks, or at victory"))
 )
 def diagnose(options: argparse.Namespace) -> int:
     """scan a whole run for likely mistakes
@@ -222,12 +222,12 @@ def diagnose(options: argparse.Namespace) -> int:
     """
     level, program = open_run(options)
     printer = Printer(is_silent=prefers_json(options))
-    found = asyncio.run(_diagnose(level, program, options.ticks, printer))
+    diagnosis = asyncio.run(_diagnose(level, program, options.ticks, printer))
     if prefers_json(options):
-        print(line_of_json(_diagnosis(found)))
+        print(line_of_json(_diagnosis(diagnosis)))
     else:
-        printer.finish(found)
-    return int(any(each.severity == "warning" for each in found.findings))
+        printer.finish(diagnosis)
+    return int(any(finding.severity == "warning" for finding in diagnosis.findings))
 
 
 async def _diagnose(
@@ -235,14 +235,14 @@ async def _diagnose(
 ) -> Diagnosis:
     from logical_robots_tui.game.diagnosing import diagnose_run
 
-    async with run_shown(level, program, ticks) as (run, ran):
-        with progress_bar("Examining", ticks, after=SOON) as report:
+    async with run_context(level, program, ticks) as (run, draw):
+        with progress_bar("Examining", ticks, delay=BAR_DELAY) as report:
             try:
-                return await diagnose_run(run, ticks, ran=ran, report=report, show=printer.show)
+                return await diagnose_run(run, ticks, ran=draw, report=report, show=printer.show)
             except asyncio.CancelledError:
-                if printer.found is None:
+                if printer.diagnosis is None:
                     raise
-                return printer.found  # interrupted
+                return printer.diagnosis  # interrupted
 
 
 class Printer:
@@ -252,30 +252,30 @@ class Printer:
         self._is_silent = is_silent
         self._has_begun = False
         self._printed = 0
-        self.found: Diagnosis | None = None
+        self.diagnosis: Diagnosis | None = None
 
-    def show(self, found: Diagnosis) -> None:
-        self.found = found
-        if not self._is_silent and found.sure:
-            self._print(found, found.findings[: found.sure])
+    def show(self, diagnosis: Diagnosis) -> None:
+        self.diagnosis = diagnosis
+        if not self._is_silent and diagnosis.sure:
+            self._print(diagnosis, diagnosis.findings[: diagnosis.sure])
 
-    def finish(self, found: Diagnosis) -> None:
+    def finish(self, diagnosis: Diagnosis) -> None:
         from logical_robots_tui.game.diagnosing import shortcomings
 
-        self._print(found, found.findings)
-        if not found.findings:
+        self._print(diagnosis, diagnosis.findings)
+        if not diagnosis.findings:
             print("Nothing stands out.")
-        if left := shortcomings(found).strip():
-            print("", *textwrap.wrap(left, _width()), sep="\n")
+        if remarks := shortcomings(diagnosis).strip():
+            print("", *textwrap.wrap(remarks, _width()), sep="\n")
 
-    def _print(self, found: Diagnosis, findings: Sequence[Finding]) -> None:
+    def _print(self, diagnosis: Diagnosis, findings: Sequence[Finding]) -> None:
         from logical_robots_tui.game.diagnosing import ticks_of
 
         if not self._has_begun:
             self._has_begun = True
-            print(ticks_of(found))
-        for each in findings[self._printed :]:
-            print("", *_finding_lines(each), sep="\n", flush=True)
+            print(ticks_of(diagnosis))
+        for finding in findings[self._printed :]:
+            print("", *_finding_lines(finding), sep="\n", flush=True)
             self._printed += 1
 
 
@@ -283,38 +283,38 @@ def _width() -> int:
     return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
 
 
-def _finding_lines(each: Finding) -> Iterator[str]:
-    line = f"line {each.span.line}" if each.span is not None else "the run"
-    head = f"{each.severity}, {line}, tick {each.tick}: "
-    said = harmless(f"{each.message} {each.hint}")
-    yield from textwrap.wrap(f"{head}{said}", _width(), subsequent_indent="  ")
-    if each.see_also:
-        yield f"  {each.see_also}"
+def _finding_lines(finding: Finding) -> Iterator[str]:
+    line = f"line {finding.span.line}" if finding.span is not None else "the run"
+    head = f"{finding.severity}, {line}, tick {finding.tick}: "
+    sentence = harmless(f"{finding.message} {finding.hint}")
+    yield from textwrap.wrap(f"{head}{sentence}", _width(), subsequent_indent="  ")
+    if finding.see_also:
+        yield f"  {finding.see_also}"
 
 
-def _diagnosis(found: Diagnosis) -> dict[str, Any]:
+def _diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
-        "first": found.first,
-        "last": found.last,
-        "won_at": found.won_at,
-        "looked_at_every": found.step,
-        "second_step": found.second_step,
-        "left_out": found.left_out,
-        "reliable": found.is_reliable,
-        "examined": found.examined,
-        "findings": [_finding(each) for each in found.findings],
+        "first": diagnosis.first,
+        "last": diagnosis.last,
+        "won_at": diagnosis.won_at,
+        "looked_at_every": diagnosis.step,
+        "second_step": diagnosis.second_step,
+        "left_out": diagnosis.left_out,
+        "reliable": diagnosis.is_reliable,
+        "examined": diagnosis.examined,
+        "findings": [_finding(finding) for finding in diagnosis.findings],
     }
 
 
-def _finding(each: Finding) -> dict[str, Any]:
+def _finding(finding: Finding) -> dict[str, Any]:
     return {
-        "severity": each.severity,
-        "kind": each.kind,
-        "line": each.span.line if each.span else None,
-        "text": each.span.text if each.span else None,
-        "tick": each.tick,
-        "robot": each.robot or None,
-        "message": each.message,
-        "hint": each.hint,
-        "see_also": list(dict.fromkeys(span.line for span in each.related)),
+        "severity": finding.severity,
+        "kind": finding.kind,
+        "line": finding.span.line if finding.span else None,
+        "text": finding.span.text if finding.span else None,
+        "tick": finding.tick,
+        "robot": finding.robot or None,
+        "message": finding.message,
+        "hint": finding.hint,
+        "see_also": list(dict.fromkeys(span.line for span in finding.related)),
     }

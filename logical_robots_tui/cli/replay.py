@@ -74,17 +74,20 @@ def _record(options: argparse.Namespace) -> int:
     level, program = open_run(options)
 
     async def run() -> Replay:
-        playing = game.Game(level, program, history=options.ticks)
+        live_game = game.Game(level, program, history=options.ticks)
         try:
             with progress_bar(level.title, options.ticks) as show:
-                playing.listen(lambda frame: show(frame.tick))
-                await playing.run_until(tick=options.ticks)
-            name = "-".join(Path(each).stem for each in named_programs(options))
+                live_game.listen(lambda frame: show(frame.tick))
+                await live_game.run_until(tick=options.ticks)
+            name = "-".join(Path(program).stem for program in named_programs(options))
             return await gather(
-                playing.history, write_native, lambda _: name, with_programs=not options.no_programs
+                live_game.history,
+                write_native,
+                lambda _: name,
+                with_programs=not options.no_programs,
             )
         finally:
-            await playing.close()
+            await live_game.close()
 
     replay = asyncio.run(run())
     content = replay.to_bytes()
@@ -134,8 +137,8 @@ def _verify(options: argparse.Namespace) -> int:
         raise InputError(error.message, place=str(options.replay), hint=error.hint) from error
     tick, reason = verifier.difference or (None, "")
     if options.json:
-        told = {"same": tick is None, "tick": tick, "reason": reason, "ticks": replay.last}
-        print(json.dumps({**told, "programs": replay.has_programs}))
+        verdict = {"same": tick is None, "tick": tick, "reason": reason, "ticks": replay.last}
+        print(json.dumps({**verdict, "programs": replay.has_programs}))
     elif tick is not None:
         print(harmless(f"Tick {tick} is different: {reason}"))
     elif replay.has_programs:
@@ -157,16 +160,16 @@ async def _compute(replay: Replay, seconds: int) -> Verifier:
     check_size(sum(map(len, texts_in_order)), (replay.last - replay.first) * robots)
     budget = Budget(seconds)
     programs = [await budget.compile(texts) for texts in texts_in_order]
-    playing = game.Game(replay.levels[0], programs[0], history=replay.last)
+    live_game = game.Game(replay.levels[0], programs[0], history=replay.last)
     try:
         with progress_bar(replay.levels[0].title, replay.last) as show:
-            playing.listen(lambda frame: show(frame.tick))
-            return await budget.bound(play_into(playing, replay, programs, playing.use))
+            live_game.listen(lambda frame: show(frame.tick))
+            return await budget.bound(play_into(live_game, replay, programs, live_game.use))
     except OverBudgetError as error:
-        said = f"Tick {playing.frame.tick:,} of {replay.last:,}: {error.message}"
-        raise InputError(said, hint=error.hint) from error
+        message = f"Tick {live_game.frame.tick:,} of {replay.last:,}: {error.message}"
+        raise InputError(message, hint=error.hint) from error
     finally:
-        await playing.close()
+        await live_game.close()
 
 
 @command.declare(
@@ -219,17 +222,17 @@ def _as_json(replay: Replay) -> dict[str, Any]:
         "last": replay.last,
         "levels": [{"tick": stage.state.tick, "text": stage.level} for stage in replay.stages],
         "programs": [
-            {"tick": each.tick, "name": each.name, "team": each.team, "text": each.text}
-            for each in replay.texts
+            {"tick": text.tick, "name": text.name, "team": text.team, "text": text.text}
+            for text in replay.texts
         ],
         "desires": [
             {
-                name: each and [each.left_engine, each.right_engine]
-                for name, each in replay.desires_in(tick).items()
+                name: desire and [desire.left_engine, desire.right_engine]
+                for name, desire in replay.desires_in(tick).items()
             }
             for tick in range(replay.first + 1, replay.last + 1)
         ],
-        "hashes": {tick: known.hex() for tick, known in replay.hashes.items()},
+        "hashes": {tick: state_hash.hex() for tick, state_hash in replay.hashes.items()},
     }
 
 
@@ -240,9 +243,9 @@ def _lines(replay: Replay) -> Iterator[str]:
     yield f"robots    {names}"
     for text in replay.texts:
         size = "left out" if text.text is None else f"{len(text.text):,} characters"
-        whose = f" for {text.team}" if text.team else ""
-        yield f"program   {text.name}{whose} from tick {text.tick}, {size}"
+        team = f" for {text.team}" if text.team else ""
+        yield f"program   {text.name}{team} from tick {text.tick}, {size}"
     for stage in replay.stages[1:]:
         yield f"change    the level or a robot, by hand, after tick {stage.state.tick}"
-    won = next((state.won_at for state in replay.states() if state.won_at is not None), None)
-    yield "won       " + ("no" if won is None else f"at tick {won}")
+    win_tick = next((state.won_at for state in replay.states() if state.won_at is not None), None)
+    yield "won       " + ("no" if win_tick is None else f"at tick {win_tick}")

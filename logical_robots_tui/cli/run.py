@@ -33,11 +33,11 @@ from logical_robots_tui.wording import count_of
 if TYPE_CHECKING:
     from logical_robots_tui.progress import Measures
 
-SOON = 0.5
+BAR_DELAY = 0.5
 """Seconds before the progress bar appears."""
 
 
-def of_run(
+def run_args(
     *,
     first_tick: int | None = None,
     ticks: tuple[int, str] | None = None,
@@ -52,9 +52,9 @@ def of_run(
     """
     parts = [command.LEVEL, command.programs()]
     if first_tick is not None:
-        said = "the tick" if first_tick else "the tick; 0 is the start"
+        about = "the tick" if first_tick else "the tick; 0 is the start"
         read = command.number_from(first_tick)
-        parts.append(command.option("--tick", "N", said, type=read, required=True))
+        parts.append(command.option("--tick", "N", about, type=read, required=True))
     if ticks is not None:
         parts.append(command.number("--ticks", command.number_from(1), *ticks))
     if robot:
@@ -81,10 +81,10 @@ def open_run(options: argparse.Namespace) -> tuple[world.Level, mind.Program]:
     if not named_programs(options):
         hint = "For a first look: logical-robots run 01-first-steps first-steps"
         raise InputError("No program is named.", hint=hint)
-    own = own_programs(options)
-    sources = programs_for(level, options.programs, dict(options.teams), own, pipes=True)
+    folder = own_programs(options)
+    sources = programs_for(level, options.programs, dict(options.teams), folder, pipes=True)
     try:
-        program = mind.Program.compile({team: each.text for team, each in sources.items()})
+        program = mind.Program.compile({team: source.text for team, source in sources.items()})
     except mind.ProgramError as error:
         source = sources[error.team]
         place = str(source.path) if str(source.path) in named_programs(options) else source.name
@@ -95,36 +95,36 @@ def open_run(options: argparse.Namespace) -> tuple[world.Level, mind.Program]:
     return level, program.for_team(level.team_of(robot or ""))
 
 
-def show(options: argparse.Namespace, data: Any, lines: Iterable[str]) -> None:
-    print(line_of_json(data) if prefers_json(options) else "\n".join(lines))
+def show(options: argparse.Namespace, document: Any, lines: Iterable[str]) -> None:
+    print(line_of_json(document) if prefers_json(options) else "\n".join(lines))
 
 
-def check_name(what: str, name: str, known: Iterable[str]) -> None:
+def check_name(kind: str, name: str, valid_names: Iterable[str]) -> None:
     """Raise InputError, with the known names as a hint, unless the name is known."""
-    names = list(known)
+    names = list(valid_names)
     if name not in names:
-        listed = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
+        examples = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
         raise InputError(
-            f"There is no {what} {name}.",
-            hint=f"There {'is' if len(names) == 1 else 'are'} {listed}.",
+            f"There is no {kind} {name}.",
+            hint=f"There {'is' if len(names) == 1 else 'are'} {examples}.",
         )
 
 
 @asynccontextmanager
-async def run_shown(
+async def run_context(
     level: world.Level, program: mind.Program, ticks: int
 ) -> AsyncIterator[tuple[game.Run, Callable[[int], None]]]:
     """Open a run, reusing stored ticks; yield it and a progress callback for finished ticks."""
     run = game.Run(level, program)
     try:
-        with progress_bar(level.title, ticks, after=SOON) as show:
+        with progress_bar(level.title, ticks, delay=BAR_DELAY) as show:
             yield run, show
     finally:
         await run.close()
 
 
 async def frame_at(level: world.Level, program: mind.Program, tick: int) -> game.Frame:
-    async with run_shown(level, program, tick) as (run, show):
+    async with run_context(level, program, tick) as (run, show):
         return await run.frame(tick, show)
 
 
@@ -137,7 +137,7 @@ SAMPLE = 10  # notices reported in full
 
 @command.declare(
     "run",
-    of_run(ticks=(DEFAULT_TICKS, "give up after this many ticks")),
+    run_args(ticks=(DEFAULT_TICKS, "give up after this many ticks")),
     command.flag("--times", "include times in the JSON output"),
 )
 def run(options: argparse.Namespace) -> int:
@@ -176,20 +176,20 @@ async def play_out(
 ) -> Outcome:
     from logical_robots_tui.game.victory import victory_of
 
-    playing = game.Game(level, program, history=1)
-    outcome = Outcome(level, program_name, playing.frame)
+    live_game = game.Game(level, program, history=1)
+    outcome = Outcome(level, program_name, live_game.frame)
 
-    def look(frame: game.Frame) -> None:
+    def record(frame: game.Frame) -> None:
         outcome.count(frame)
         show(frame.tick)
 
-    playing.listen(look)
+    live_game.listen(record)
     began = perf_counter()
     try:
-        await playing.run_until(tick=ticks)
-        victory = victory_of(playing, level)
+        await live_game.run_until(tick=ticks)
+        victory = victory_of(live_game, level)
     finally:
-        await playing.close()
+        await live_game.close()
     outcome.seconds = perf_counter() - began
     if victory is not None:
         outcome.measures = victory.measures
@@ -230,7 +230,7 @@ class Outcome:
         from logical_robots_tui.world.dynamics import points
 
         ticks = self.frame.tick
-        found: dict[str, Any] = {
+        document: dict[str, Any] = {
             "level": self.level.name,
             "program": self.program_name,
             "won": self.won_at is not None,
@@ -258,15 +258,15 @@ class Outcome:
             },
         }
         if times:
-            found["milliseconds_per_tick"] = round(self.seconds * 1000 / ticks, 4)
+            document["milliseconds_per_tick"] = round(self.seconds * 1000 / ticks, 4)
             think = self.think_milliseconds / ticks
-            found["think_milliseconds_per_tick"] = round(think, 4)
-        return found
+            document["think_milliseconds_per_tick"] = round(think, 4)
+        return document
 
     def _second_goals(self) -> dict[str, bool | None]:
-        reached = self.measures.goals if self.measures else ()
+        goals = self.measures.goals if self.measures else ()
         return {
-            goal.words: None if goal.is_tried_later else goal.words in reached
+            goal.words: None if goal.is_tried_later else goal.words in goals
             for goal in self.level.second_goals
         }
 
@@ -275,11 +275,11 @@ class Outcome:
         if self.measures is not None and self.level.second_goals:
             size, distance = count_of(self.measures.size, "symbol"), self.measures.distance
             lines.append(f"The program has {size}; the robots drove {distance:,.0f} units.")
-            says = {True: "yes", False: "no", None: "not tried"}
-            told = "; ".join(
-                f"{goal}: {says[found]}" for goal, found in self._second_goals().items()
+            words = {True: "yes", False: "no", None: "not tried"}
+            summary = "; ".join(
+                f"{goal}: {words[is_reached]}" for goal, is_reached in self._second_goals().items()
             )
-            lines.append(f"Bonus goals: {told}.")
+            lines.append(f"Bonus goals: {summary}.")
         lines += ["", *self._table()]
         if self.first:
             total = self.notices.total()
@@ -301,8 +301,8 @@ class Outcome:
 
         title = harmless(self.level.title)
         if self.level.scores:
-            told = harmless(standing_words(self.level, self.frame.after))
-            return f"{title}: after {self.frame.tick} ticks {told}."
+            standing = harmless(standing_words(self.level, self.frame.after))
+            return f"{title}: after {self.frame.tick} ticks {standing}."
         if self.won_at is not None:
             return f"{title}: won at tick {self.won_at}."
         if not any(area.victory_robots for area in self.level.areas):
@@ -317,32 +317,32 @@ class Outcome:
 
     def _table(self) -> list[str]:
         rows: list[tuple[str, ...]] = [("ROBOT", "X", "Y", "HEADING", "BATTERY")]
-        for given, now in zip(self.level.robots, self.frame.after.robots, strict=True):
-            heading = f"{math.degrees(now.angle) % 360:.0f} deg"
+        for level_robot, robot in zip(self.level.robots, self.frame.after.robots, strict=True):
+            heading = f"{math.degrees(robot.angle) % 360:.0f} deg"
             battery = "none"
-            if given.has_battery:
-                battery = f"{now.battery_level:.1f} of {given.battery_capacity:g}"
-            rows.append((now.name, f"{now.x:.1f}", f"{now.y:.1f}", heading, battery))
+            if level_robot.has_battery:
+                battery = f"{robot.battery_level:.1f} of {level_robot.battery_capacity:g}"
+            rows.append((robot.name, f"{robot.x:.1f}", f"{robot.y:.1f}", heading, battery))
         return columns(rows)
 
 
-def _robots(level: world.Level, frame: game.Frame, *more: str) -> list[dict[str, Any]]:
+def _robots(level: world.Level, frame: game.Frame, *fields: str) -> list[dict[str, Any]]:
     return [
         {
-            "name": now.name,
-            "x": now.x,
-            "y": now.y,
-            "angle": now.angle,
-            "battery_level": now.battery_level if given.has_battery else None,
-            **{name: getattr(now, name) for name in more},
+            "name": robot.name,
+            "x": robot.x,
+            "y": robot.y,
+            "angle": robot.angle,
+            "battery_level": robot.battery_level if level_robot.has_battery else None,
+            **{name: getattr(robot, name) for name in fields},
         }
-        for given, now in zip(level.robots, frame.after.robots, strict=True)
+        for level_robot, robot in zip(level.robots, frame.after.robots, strict=True)
     ]
 
 
 @command.declare(
     "trace",
-    of_run(
+    run_args(
         ticks=(DEFAULT_TICKS, "stop after this many ticks"), robot="only this robot", only_json=True
     ),
     command.option(
@@ -376,8 +376,8 @@ def trace(options: argparse.Namespace) -> int:
     level, program = open_run(options)
     for name in options.predicates:
         check_name("predicate", name, (p.name for p in program.predicates if p.has_rows))
-    won = asyncio.run(_trace(level, program, options))
-    return WON if won else NOT_WON
+    is_won = asyncio.run(_trace(level, program, options))
+    return WON if is_won else NOT_WON
 
 
 async def _trace(level: world.Level, program: mind.Program, options: argparse.Namespace) -> bool:
@@ -393,17 +393,17 @@ async def _trace(level: world.Level, program: mind.Program, options: argparse.Na
         return frame, tables
 
     run = game.Run(level, program)
-    won, reliable = False, True
+    is_won, is_reliable = False, True
     try:
         async for frame, tables in run.each(1, options.ticks, ask, to_victory=True):
-            won = frame.after.won_at is not None
-            reliable = reliable and frame.is_reliable
-            data = _data(level, frame, options.robot, tables)
-            data["reliable"] = reliable
+            is_won = frame.after.won_at is not None
+            is_reliable = is_reliable and frame.is_reliable
+            document = _data(level, frame, options.robot, tables)
+            document["reliable"] = is_reliable
             if options.times:
-                data["think_milliseconds"] = round(frame.think_milliseconds, 4)
-            print(line_of_json(data))
-        return won
+                document["think_milliseconds"] = round(frame.think_milliseconds, 4)
+            print(line_of_json(document))
+        return is_won
     finally:
         await run.close()
 
@@ -411,20 +411,20 @@ async def _trace(level: world.Level, program: mind.Program, options: argparse.Na
 def _data(
     level: world.Level, frame: game.Frame, robot: str | None, tables: _Tables
 ) -> dict[str, Any]:
-    mine = frozenset([robot] if robot is not None else [each.name for each in level.robots])
-    after = frame.after
+    names = frozenset([robot] if robot is not None else [r.name for r in level.robots])
+    state = frame.after
     return {
         "tick": frame.tick,
-        "won": after.won_at is not None,
+        "won": state.won_at is not None,
         "robots": [
             robot
             for robot in _robots(level, frame, "left_engine", "right_engine", "blocked", "dead")
-            if robot["name"] in mine
+            if robot["name"] in names
         ],
         "sensors": {
-            row["robot_name"]: row["sensor"] for row in frame.sensors if row["robot_name"] in mine
+            row["robot_name"]: row["sensor"] for row in frame.sensors if row["robot_name"] in names
         },
-        "memories": {name: frame.memories_before.get(name) for name in sorted(mine)},
+        "memories": {name: frame.memories_before.get(name) for name in sorted(names)},
         "decisions": [
             {
                 "robot": decision.robot_name,
@@ -433,11 +433,11 @@ def _data(
                 "notices": [asdict(notice) for notice in decision.notices],
             }
             for decision in frame.decisions
-            if decision.robot_name in mine
+            if decision.robot_name in names
         ],
         "areas": [
             {"name": area.name, "active": area.active, "visitors": area.visitors}
-            for area in after.areas
+            for area in state.areas
         ],
         "predicates": {name: _rows(table, robot) for name, table in tables.items()},
     }
@@ -446,10 +446,10 @@ def _data(
 def _rows(table: mind.ResultTable | mind.QueryError, robot: str | None) -> dict[str, Any]:
     if isinstance(table, Exception):
         return {"error": str(table)}
-    mine = table.in_mind_of(robot)
-    data: dict[str, Any] = {"columns": mine.columns, "rows": mine.rows}
+    robot_table = table.in_mind_of(robot)
+    document: dict[str, Any] = {"columns": robot_table.columns, "rows": robot_table.rows}
     if table.viewers:
-        data["minds"] = mine.viewers
+        document["minds"] = robot_table.viewers
     if table.truncated:
-        data["truncated"] = True
-    return data
+        document["truncated"] = True
+    return document

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from logical_robots_tui import explain, game, mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import ProgramFileError, cut, harmless
-from logical_robots_tui.cli.run import check_name, frame_at, of_run, open_run, run_shown, show
+from logical_robots_tui.cli.run import check_name, frame_at, open_run, run_args, run_context, show
 from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ def _column_value(text: str) -> tuple[str, Any]:
         return column, value
 
 
-_OF_ROW = (
-    of_run(first_tick=1, robot="the robot to ask", needs_robot=True),
+_ROW_ARGUMENTS = (
+    run_args(first_tick=1, robot="the robot to ask", needs_robot=True),
     command.option(
         "--predicate",
         "P",
@@ -62,7 +62,7 @@ _OF_ROW = (
 
 @command.declare(
     "why",
-    *_OF_ROW,
+    *_ROW_ARGUMENTS,
     command.flag("--tree", "the whole proof, down to what was sensed"),
     command.option(
         "--depth",
@@ -93,40 +93,40 @@ def why(options: argparse.Namespace) -> int:
     exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
     """
     level, program = open_run(options)
-    asked = read_row(program, options.predicate, dict(options.given), options.within)
-    answer = asyncio.run(_ask(level, program, asked, options))
-    data = {
+    question = read_row(program, options.predicate, dict(options.given), options.within)
+    answer = asyncio.run(_ask(level, program, question, options))
+    document = {
         **_data(answer.explanation, options.tick, program),
         "tree": [_node(node, program) for node in answer.nodes],
-        "nearest": [_suggestion(*each) for each in answer.nearest],
+        "nearest": [_suggestion(*pair) for pair in answer.nearest],
     }
-    more = () if answer.complete else ("", "This is not complete; a larger --depth shows more.")
-    show(options, data, (*answer_lines(answer, program, options.tick), *more))
+    note = () if answer.complete else ("", "This is not complete; a larger --depth shows more.")
+    show(options, document, (*answer_lines(answer, program, options.tick), *note))
     return GAVE if answer.explanation.rows else GAVE_NOT
 
 
 def read_row(
-    program: mind.Program, predicate: str, given: Mapping[str, Value] = {}, within: str = ""
+    program: mind.Program, predicate: str, values: Mapping[str, Value] = {}, within: str = ""
 ) -> explain.Ask:
     """Return the question; raise InputError, ProgramFileError or QueryError."""
     from logical_robots_tui.explain.why.explainer import read_ask
     from logical_robots_tui.explain.why.probing import decompose
 
-    own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
+    names = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     name = predicate.partition("(")[0].strip()
     if program.predicate(name) is None:
-        check_name("predicate", name, own)
+        check_name("predicate", name, names)
     if name == predicate:
         decompose(program, name, within)  # refuses before the run
-        return explain.Ask(name, given, within)
+        return explain.Ask(name, values, within)
     try:
-        asked = read_ask(program, predicate, within)
+        question = read_ask(program, predicate, within)
     except mind.ProgramError as error:
         raise ProgramFileError("predicate", error) from error
-    return replace(asked, given={**asked.given, **given})
+    return replace(question, given={**question.given, **values})
 
 
-class Answer(NamedTuple):
+class WhyAnswer(NamedTuple):
     """An explanation with its nodes, or those of the whole proof, whether they are complete.
 
     `nearest` are suggestions with the lines of the rules.
@@ -140,36 +140,36 @@ class Answer(NamedTuple):
 
 
 async def _ask(
-    level: world.Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
-) -> Answer:
+    level: world.Level, program: mind.Program, question: explain.Ask, options: argparse.Namespace
+) -> WhyAnswer:
     inquiry = game.Inquiry(level)
     try:
         frame, _ = await asyncio.gather(
-            frame_at(level, program, options.tick), inquiry.prepare(program, asked)
+            frame_at(level, program, options.tick), inquiry.prepare(program, question)
         )
         depth = options.depth if options.tree else 0
-        return await answer(inquiry, program, options.robot, frame, asked, depth)
+        return await explain_row(inquiry, program, options.robot, frame, question, depth)
     finally:
         await inquiry.close()
 
 
-async def answer(
+async def explain_row(
     inquiry: game.Inquiry,
     program: mind.Program,
     robot: str,
     frame: game.Frame,
-    asked: explain.Ask,
+    question: explain.Ask,
     depth: int = 0,
-) -> Answer:
+) -> WhyAnswer:
     """Explain a row, with a depth by its whole proof; raise QueryError."""
     if depth:
-        proof = await inquiry.proof(program, robot, frame, asked, depth=depth)
-        return Answer(proof.explanation, proof.nodes, is_tree=True, complete=not proof.is_cut)
-    explanation = await inquiry.why(program, robot, frame, asked)
+        proof = await inquiry.proof(program, robot, frame, question, depth=depth)
+        return WhyAnswer(proof.explanation, proof.nodes, is_tree=True, complete=not proof.is_cut)
+    explanation = await inquiry.why(program, robot, frame, question)
     nearest: Sequence[tuple[int, Suggestion]] = ()
     if any(rule.rows == 0 for rule in explanation.rules):
-        nearest = await inquiry.nearest(program, robot, frame, asked)
-    return Answer(explanation, explanation.nodes, nearest=nearest)
+        nearest = await inquiry.nearest(program, robot, frame, question)
+    return WhyAnswer(explanation, explanation.nodes, nearest=nearest)
 
 
 def option_of(ask: explain.Ask) -> str:
@@ -180,71 +180,71 @@ def option_of(ask: explain.Ask) -> str:
 
 
 def answer_lines(
-    found: Answer,
+    answer: WhyAnswer,
     program: mind.Program,
     tick: int,
     *,
-    more: str = "For more, add --tree",
-    command: Callable[[explain.Ask], str] = option_of,
+    hint: str = "For more, add --tree",
+    command_of: Callable[[explain.Ask], str] = option_of,
 ) -> Iterator[str]:
-    """Yield an answer in lines; `more` and `command` say how to see more of it."""
-    wide = shutil.get_terminal_size((WIDEST, 0)).columns
-    explanation = found.explanation
+    """Yield an answer in lines; `hint` and `command_of` say how to see more of it."""
+    width = shutil.get_terminal_size((WIDEST, 0)).columns
+    explanation = answer.explanation
     yield f"{explanation.query.predicate} for {harmless(explanation.robot)} at tick {tick}"
     if explanation.made_from:
         yield f"  is made from {explanation.made_from}; these are its rules"
-    lines = [line for node in found.nodes for line in node.walk()]
+    lines = [line for node in answer.nodes for line in node.walk()]
     for depth, node in lines:
-        yield _line(depth, node, wide)
-    if not found.is_tree:
-        asked = (_without_long_values(node.query, program) for _, node in lines if node.query)
-        deeper = dict.fromkeys(harmless(command(ask)) for ask in asked)
-        short = [f"  {each}" for each in deeper if len(each) <= _LONGEST]
-        if deeper:
-            yield from ("", f"{more}{' or one of:' if short else '.'}", *short)
-    yield from _nearest(found.nearest)
+        yield _line(depth, node, width)
+    if not answer.is_tree:
+        questions = (_without_long_values(node.query, program) for _, node in lines if node.query)
+        commands = dict.fromkeys(harmless(command_of(ask)) for ask in questions)
+        short = [f"  {text}" for text in commands if len(text) <= _LONGEST]
+        if commands:
+            yield from ("", f"{hint}{' or one of:' if short else '.'}", *short)
+    yield from _nearest(answer.nearest)
 
 
-def _nearest(found: Sequence[tuple[int, Suggestion]]) -> Iterator[str]:
-    for rule in dict.fromkeys(line for line, _ in found):
-        sentences = [each.text for line, each in found if line == rule]
-        what = "This change" if len(sentences) == 1 else "Each of these changes"
-        yield from ("", f"{what} would give the rule in line {rule} a row:")
+def _nearest(suggestions: Sequence[tuple[int, Suggestion]]) -> Iterator[str]:
+    for rule in dict.fromkeys(line for line, _ in suggestions):
+        sentences = [suggestion.text for line, suggestion in suggestions if line == rule]
+        subject = "This change" if len(sentences) == 1 else "Each of these changes"
+        yield from ("", f"{subject} would give the rule in line {rule} a row:")
         yield from (harmless(f"  {sentence}") for sentence in sentences)
 
 
-def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
+def _suggestion(rule: int, suggestion: Suggestion) -> dict[str, Any]:
     return {
         "rule": rule,
-        "line": each.span.line,
-        "text": each.span.text,
-        "change": each.change,
-        "said": each.text,
+        "line": suggestion.span.line,
+        "text": suggestion.span.text,
+        "change": suggestion.change,
+        "said": suggestion.text,
     }
 
 
 def _without_long_values(ask: explain.Ask, program: mind.Program) -> explain.Ask:
     """Return a question without long values that need not be given."""
-    known = program.predicate(ask.predicate)
-    if known is None or not known.has_rows:
+    predicate = program.predicate(ask.predicate)
+    if predicate is None or not predicate.has_rows:
         return ask
-    given = {c: v for c, v in ask.given.items() if len(spell(v, _LONGEST)) <= _LONGEST_VALUE}
-    return replace(ask, given=given)
+    short_values = {c: v for c, v in ask.given.items() if len(spell(v, _LONGEST)) <= _LONGEST_VALUE}
+    return replace(ask, given=short_values)
 
 
-def _line(depth: int, node: explain.ProofNode, wide: int) -> str:
+def _line(depth: int, node: explain.ProofNode, width: int) -> str:
     mark = {True: "+", False: "-", None: " "}[node.holds]
-    before = f"{'  ' * depth}{mark} "
+    prefix = f"{'  ' * depth}{mark} "
     place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
-    said = f"  ({node.remark})" if node.remark else ""
-    shown = node.values[:_MOST_VALUES]
-    values = [*map(spell, shown)]
-    if more := len(node.values) - len(shown) + node.excess:
-        values.append(f"{more} more")
-    told = f" = {' or '.join(values)}" if values else ""
-    room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
-    whole, wide = f"{before}{place}{cut(harmless(node.text), room)}", max(wide, 40)
-    return cut(f"{whole}{cut(told, wide - len(whole) - len(said))}{said}", wide)
+    remark = f"  ({node.remark})" if node.remark else ""
+    first_values = node.values[:_MOST_VALUES]
+    values = [*map(spell, first_values)]
+    if excess := len(node.values) - len(first_values) + node.excess:
+        values.append(f"{excess} more")
+    suffix = f" = {' or '.join(values)}" if values else ""
+    limit = max(20, width - len(prefix) - len(place) - len(remark) - min(len(suffix), width // 2))
+    head, width = f"{prefix}{place}{cut(harmless(node.text), limit)}", max(width, 40)
+    return cut(f"{head}{cut(suffix, width - len(head) - len(remark))}{remark}", width)
 
 
 def _data(explanation: explain.Explanation, tick: int, program: mind.Program) -> dict[str, Any]:
@@ -254,7 +254,7 @@ def _data(explanation: explain.Explanation, tick: int, program: mind.Program) ->
         "predicate": explanation.query.predicate,
         "made_from": explanation.made_from or None,
         "rows": explanation.rows,
-        "row": explanation.row and _labelled(explanation.query.predicate, explanation.row, program),
+        "row": explanation.row and _relabel(explanation.query.predicate, explanation.row, program),
         "rules": [
             {
                 "line": rule.span.line,
@@ -271,18 +271,18 @@ def _data(explanation: explain.Explanation, tick: int, program: mind.Program) ->
     }
 
 
-def _labelled(predicate: str, row: Mapping[str, Value], program: mind.Program) -> dict[str, Value]:
+def _relabel(predicate: str, row: Mapping[str, Value], program: mind.Program) -> dict[str, Value]:
     labels = program.labels.get(predicate, {})
     return {labels.get(column, column): value for column, value in row.items()}
 
 
 def _node(node: explain.ProofNode, program: mind.Program) -> dict[str, Any]:
-    asked = node.query and {
+    question = node.query and {
         "predicate": node.query.predicate,
-        "given": _labelled(node.query.predicate, node.query.given, program),
+        "given": _relabel(node.query.predicate, node.query.given, program),
         **({"within": node.query.within} if node.query.within else {}),
     }
-    found = {
+    document = {
         "kind": node.kind,
         "text": node.text,
         "said": node.remark or None,
@@ -292,10 +292,10 @@ def _node(node: explain.ProofNode, program: mind.Program) -> dict[str, Any]:
         "line": node.span and node.span.line,
         "robot": node.robot or None,
         "ray": node.ray,
-        "asked": asked,
+        "asked": question,
         "children": [_node(child, program) for child in node.children] or None,
     }
-    return {key: value for key, value in found.items() if value is not None}
+    return {key: value for key, value in document.items() if value is not None}
 
 
 def _part(text: str) -> tuple[str, Path]:
@@ -307,7 +307,7 @@ def _part(text: str) -> tuple[str, Path]:
 
 @command.declare(
     "origin",
-    *_OF_ROW,
+    *_ROW_ARGUMENTS,
     command.option(
         "--value",
         "PART",
@@ -340,38 +340,38 @@ def origin(options: argparse.Namespace) -> int:
     exit status: 0 found, 2 bad level, program, robot or value
     """
     level, program = open_run(options)
-    asked = read_row(program, options.predicate, dict(options.given), options.within)
-    found = asyncio.run(_search(level, program, asked, options))
-    data = {"complete": found.complete, "links": [*map(_link, found.links)]}
-    show(options, data, origin_lines(found))
+    question = read_row(program, options.predicate, dict(options.given), options.within)
+    chain = asyncio.run(_search(level, program, question, options))
+    document = {"complete": chain.complete, "links": [*map(_link, chain.links)]}
+    show(options, document, origin_lines(chain))
     return 0
 
 
 async def _search(
-    level: world.Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
+    level: world.Level, program: mind.Program, question: explain.Ask, options: argparse.Namespace
 ) -> game.Origin:
     from logical_robots_tui.explain.why.explanation import Subject
 
-    default = "memory" if asked.predicate == "Robot" else ""
+    default = "memory" if question.predicate == "Robot" else ""
     column, path = options.value or (default, ())
-    async with run_shown(level, program, options.tick) as (run, show):
-        subject = Subject(asked, column, path)
+    async with run_context(level, program, options.tick) as (run, show):
+        subject = Subject(question, column, path)
         return await game.origin_in_run(run, options.robot, subject, options.tick, show)
 
 
-def origin_lines(found: game.Origin) -> Iterator[str]:
+def origin_lines(chain: game.Origin) -> Iterator[str]:
     from logical_robots_tui.game.debugging.origin import INCOMPLETE, link_lines
 
-    for number, link in enumerate(found.links):
+    for number, link in enumerate(chain.links):
         if number:
             yield ""
-        yield harmless(f"{number + 1}. {link.name} = {_written(link.value)}")
-        yield from (cut(harmless(f"   {line}"), WIDEST) for line in link_lines(link, _written))
-    if not found.complete:
+        yield harmless(f"{number + 1}. {link.name} = {_value_text(link.value)}")
+        yield from (cut(harmless(f"   {line}"), WIDEST) for line in link_lines(link, _value_text))
+    if not chain.complete:
         yield from ("", INCOMPLETE)
 
 
-def _written(value: Value) -> str:
+def _value_text(value: Value) -> str:
     return cut(spell(value, _LONGEST_ORIGIN, is_rounded=True), _LONGEST_ORIGIN)
 
 
@@ -391,8 +391,8 @@ def _link(link: game.Link) -> dict[str, Any]:
         "line": span.line if span else None,
         "text": span.text if span else None,
         "conditions": [
-            {"line": each.span.line, "text": each.span.text, "holds": each.holds}
-            for each in (source.conditions if source else ())
+            {"line": condition.span.line, "text": condition.span.text, "holds": condition.holds}
+            for condition in (source.conditions if source else ())
         ],
         "steps": steps
         and {

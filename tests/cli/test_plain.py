@@ -157,7 +157,7 @@ def test_no_victory_is_kept_where_nothing_is(typed: TypedCommand, tmp_path: Path
 def test_every_command_is_in_the_help_and_no_other(typed: TypedCommand) -> None:
     told = typed("help").out
     for command in COMMANDS:
-        assert f"\n{command.typed} " in told
+        assert f"\n{command.usage} " in told
         assert command.help in told
 
 
