@@ -204,7 +204,7 @@ def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
 
 
 def own_programs(options: argparse.Namespace) -> Path:
-    """Return the folder with the player's own programs, and hide solutions if that is wanted."""
+    """Return the folder with the player's own programs; hide solutions with --no-solutions."""
     folder = folder_of(options.data_dir)
     if options.no_solutions:
         from logical_robots_tui.game.source import hide_solutions
@@ -281,12 +281,12 @@ def progress_bar(title: str, ticks: int, *, delay: float = 0.0) -> Iterator[Call
         yield show
 
 
-_REDRAW_SECONDS = 0.1  # seconds
+_REDRAW_SECONDS = 0.1
 
 
 @contextmanager
 def drawn_bar(title: str, delay: float = 0.0) -> Iterator[Callable[[int, int, str, str], None]]:
-    """Yield what draws a bar: part, whole, and two texts beside it. In a pipe it does nothing."""
+    """Yield a function that draws a bar: part, whole, two texts beside it; none in a pipe."""
     next_time = monotonic() + delay if sys.stderr.isatty() else float("inf")
     bar: Progress | None = None
     with ExitStack() as stack:
@@ -354,13 +354,13 @@ def report_bug(error: Exception, *, as_json: bool) -> int:
     """Write a bug's traceback to a log file, print its path, and return the exit status."""
     log = _write_log("".join(traceback.format_exception(error)))
     name = type(error).__name__
-    where = f"See {log} for details" if log else "The details could not be written to a log file"
+    advice = f"See {log} for details" if log else "The details could not be written to a log file"
     if as_json:
         print_json({"error": {"kind": "bug", "message": name, "log": str(log or "")}})
     if is_out_of_memory(error):
-        _say(f"The game has run out of memory. {where}.")
+        _say(f"The game has run out of memory. {advice}.")
     else:
-        _say(f"This is a bug in the game, not your mistake ({name}). {where}.")
+        _say(f"This is a bug in the game, not your mistake ({name}). {advice}.")
     return BUG
 
 

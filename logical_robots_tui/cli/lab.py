@@ -365,10 +365,10 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
         print(*(f"  {run}" for run in ledger.differences()), sep="\n")
     is_next = next_round(manifest, ledger, coordinator) is not None
     if is_next or not tally.is_complete:
-        are = "is" if tally.due == 1 else "are"
-        left = f"{count_of(tally.due, 'run')} {are} left. " if tally.due else ""
-        left += f"Round {len(manifest.rounds) + 1} is next. " * is_next
-        print(f"{left}Go on with: logical-robots lab resume {harmless(str(folder.path))}")
+        verb = "is" if tally.due == 1 else "are"
+        remark = f"{count_of(tally.due, 'run')} {verb} left. " if tally.due else ""
+        remark += f"Round {len(manifest.rounds) + 1} is next. " * is_next
+        print(f"{remark}Go on with: logical-robots lab resume {harmless(str(folder.path))}")
         return INCOMPLETE
     return COMPLETE
 

@@ -201,12 +201,12 @@ def _question(level: world.Level, number: int, *, is_answered: bool) -> Iterator
     question = level.questions[number - 1]
     status = ", answered" if is_answered else ""
     yield from _wrap(f"Question {number} of {len(level.questions)}{status}: {question.ask}")
-    where = f"At {ticks_in_words(question.ticks)} of {program_of(level, question)}"
-    yield f"{where}, in the rows of all robots."
+    prefix = f"At {ticks_in_words(question.ticks)} of {program_of(level, question)}"
+    yield f"{prefix}, in the rows of all robots."
 
 
 def _verdict(verdict: Verdict) -> Iterator[str]:
-    """Yield the first rows of an answer, and what it is worth."""
+    """Yield the first rows of an answer, and the verdict."""
     if verdict.table is not None and verdict.table.rows:
         head, *rows = table_lines(verdict.table)
         yield from (head, *rows[:_MOST_ROWS], *["..."] * (len(rows) > _MOST_ROWS))

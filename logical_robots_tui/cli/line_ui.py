@@ -1,4 +1,4 @@
-"""Sentences out, lines in: messages, questions and the program's text of a game in lines."""
+"""The interface of a game in lines: messages, questions and the program's text."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 def with_words(text: str) -> str:
-    """Say of commands in braces that they are typed."""
+    """Spell out that commands in braces are typed."""
     return re.sub(r"\{(\w+)\}", r"type \1", text)
 
 

@@ -1,4 +1,4 @@
-"""Commands that print what there is: levels, programs, functions, settings, the machine."""
+"""List commands: levels, programs, functions, settings, the machine."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ SAFE_SQLITE = (3, 50, 2)
 
 
 Fact: TypeAlias = tuple[str, str, str]
-"""A name, what was detected, and what is wrong with it, or ""."""
+"""A name, its value, and the problem with it, or ""."""
 
 
 @command.declare("doctor", command.JSON, command.DATA_DIR)
@@ -184,7 +184,7 @@ def diagnose_machine(options: argparse.Namespace) -> int:
 
 
 def _terminal() -> Iterator[Fact]:
-    """Yield what is known about the terminal without querying it."""
+    """Yield the facts about the terminal that need no query."""
     from rich.console import Console
 
     from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH
@@ -258,11 +258,11 @@ def _places(data_dir: Path | None) -> Iterator[Fact]:
     problem = "it has errors; run logical-robots config" if complaints else ""
     value = f"{settings}{'' if is_there(settings) else ' (none)'}"
     yield "configuration", value, problem
-    compiled = compiled_programs().place
-    if compiled is None:
+    cache = compiled_programs().place
+    if cache is None:
         yield "cache", "none", ""
     else:
-        yield _place("cache", compiled, "programs are compiled again each time")
+        yield _place("cache", cache, "programs are compiled again each time")
 
 
 def _place(name: str, folder: Path, consequence: str) -> Fact:

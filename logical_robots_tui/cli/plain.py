@@ -224,7 +224,7 @@ class LineGame(SessionListener):
         return self.session.game
 
     def _thought_context(self) -> tuple[Inquiry, Program, str, Frame]:
-        """Return whom to ask, a program, a robot that thinks with it, and the tick."""
+        """Return the inquiry, the program, the robot that thinks with it, and the frame."""
         game, robot = self._game, self._robot_name("")
         if not game.frame.tick:
             raise InputError("No decision yet: run or step first.")
@@ -388,7 +388,7 @@ def _number(text: str, default: int = 1) -> int:
 
 
 class LineCommand(NamedTuple):
-    """What is typed, and what it does with the argument, "" if there is none."""
+    """A word to type and its action, which gets the argument, or "" if there is none."""
 
     word: str
     argument: str

@@ -146,7 +146,7 @@ def play_replay(options: argparse.Namespace, replay: Replay) -> int:
 
 
 def _recorder(options: argparse.Namespace) -> ProgressRecorder:
-    """Open the player's record, and hide solutions if that is wanted."""
+    """Open the player's record; hide solutions with --no-solutions."""
     from logical_robots_tui.game.source import hide_solutions
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.progress import FILE_NAME

@@ -1,4 +1,4 @@
-"""``logical-robots progress``: list what a player has achieved, export it, check an export."""
+"""``logical-robots progress``: list a player's results, export them, check an export."""
 
 from __future__ import annotations
 
@@ -216,7 +216,7 @@ def _check(file: Path, seconds: int, *, as_json: bool) -> int:
 async def _replay(
     level: str, text: str, budget: Budget, part: str, draw: Callable[[int, int, str, str], None]
 ) -> Measures | str:
-    """Return what a program achieves, or why that is not known."""
+    """Return a program's measures, or why there are none."""
     from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.world.levels.labyrinths import Daily

@@ -1,4 +1,4 @@
-"""Running a program in a level: what such commands share, and ``run`` and ``trace`` themselves."""
+"""``logical-robots run`` and ``trace``, and what all commands share that run a program."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def show(options: argparse.Namespace, document: Any, lines: Iterable[str]) -> No
 
 
 def check_name(kind: str, name: str, valid_names: Iterable[str]) -> None:
-    """Raise InputError, with the known names as a hint, unless the name is known."""
+    """Raise InputError, with the valid names as a hint, unless the name is one of them."""
     names = list(valid_names)
     if name not in names:
         examples = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
@@ -226,7 +226,7 @@ class Outcome:
         return self.frame.after.won_at
 
     def as_data(self, *, times: bool = False) -> dict[str, Any]:
-        """Return what is printed as JSON, without times by default, because they vary."""
+        """Return the outcome for JSON, without times by default, because they vary."""
         from logical_robots_tui.world.dynamics import points
 
         ticks = self.frame.tick

@@ -199,9 +199,9 @@ def answer_lines(
     if not answer.is_tree:
         questions = (_without_long_values(node.query, program) for _, node in lines if node.query)
         commands = dict.fromkeys(harmless(command_of(ask)) for ask in questions)
-        short = [f"  {text}" for text in commands if len(text) <= _LONGEST]
+        short_lines = [f"  {text}" for text in commands if len(text) <= _LONGEST]
         if commands:
-            yield from ("", f"{hint}{' or one of:' if short else '.'}", *short)
+            yield from ("", f"{hint}{' or one of:' if short_lines else '.'}", *short_lines)
     yield from _nearest(answer.nearest)
 
 
@@ -224,7 +224,7 @@ def _suggestion(rule: int, suggestion: Suggestion) -> dict[str, Any]:
 
 
 def _without_long_values(ask: explain.Ask, program: mind.Program) -> explain.Ask:
-    """Return a question without long values that need not be given."""
+    """Return a question without its long values, unless they are required."""
     predicate = program.predicate(ask.predicate)
     if predicate is None or not predicate.has_rows:
         return ask

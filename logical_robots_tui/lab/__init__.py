@@ -188,7 +188,7 @@ def _carry_out(
 
 
 def engine_for(workers: int | None, dask: str, say: Callable[[str], None]) -> Engine:
-    """Return what runs tasks: processes here, by default one per core, or a cluster."""
+    """Return an engine: processes here, by default one per core, or a cluster."""
     if dask:
         from logical_robots_tui.lab.engines import ClusterEngine
 
@@ -213,7 +213,7 @@ def closing_engine(engine: Engine) -> Iterator[None]:
 def rounds(
     folder: Folder, manifest: Manifest, ledger: Ledger
 ) -> Iterator[tuple[Manifest, Coordinator]]:
-    """Yield manifest and coordinator of what is to be done, and of further rounds after it."""
+    """Yield manifest and coordinator of a round, then those of further rounds."""
     from logical_robots_tui.lab.coordinating import Coordinator
 
     coordinator = Coordinator(folder, manifest, ledger)
@@ -241,7 +241,7 @@ _REDRAW_SECONDS = 0.2
 def _progress(
     manifest: Manifest, coordinator: Coordinator, is_enabled: bool
 ) -> Iterator[Callable[[], None]]:
-    """Say how far it is, on one line in a terminal or notebook, elsewhere now and then on one."""
+    """Show progress, on one line in a terminal or notebook, elsewhere on a line now and then."""
     from logical_robots_tui.lab.coordinating import WorkProgress
 
     pace = WorkProgress(manifest, coordinator)

@@ -1,4 +1,4 @@
-"""A class at a glance: what went wrong with whom, similar programs, and how to play a run."""
+"""A class at a glance: faults of its programs, similar programs, and how to play a run."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from logical_robots_tui.lab.exporting import (
     as_percent,
     as_table,
     csv_of,
-    escaped,
+    escape_html,
     finished_runs,
     harmless_text,
 )
@@ -109,7 +109,7 @@ _KINDS = (
 
 
 def faults_of(manifest: Manifest, ledger: Ledger) -> list[Fault]:
-    """Return what went wrong, by kind and level, what most students share first."""
+    """Return the faults of a class by kind and level, the most common first."""
     cells = {(cell.student, cell.level_name): cell for cell in manifest.cells}
     runs = {
         (run.cell.student, run.cell.level_name, run.start): run.result
@@ -134,7 +134,7 @@ def faults_of(manifest: Manifest, ledger: Ledger) -> list[Fault]:
 
 
 def _fault(level: LevelGrade) -> tuple[str, str]:
-    """Return the kind of what went wrong, or "", and why."""
+    """Return the kind of a level's fault, or "", and the reason."""
     reason = re.sub(r"^(line [\d,]+|tick [\d,]+, .*?): ", "", (*level.messages, level.outcome)[0])
     if level.points is None:
         return _KINDS[0], level.failure or level.outcome
@@ -150,7 +150,7 @@ def _fault(level: LevelGrade) -> tuple[str, str]:
 
 
 def fault_lines(manifest: Manifest, ledger: Ledger, width: int) -> list[str]:
-    """Return what went wrong as lines for a terminal."""
+    """Return the faults of a class as lines for a terminal."""
     lines: list[str] = []
     for kind, faults in groupby(faults_of(manifest, ledger), key=lambda fault: fault.kind):
         lines.append(f"{kind}:")
@@ -162,7 +162,7 @@ def fault_lines(manifest: Manifest, ledger: Ledger, width: int) -> list[str]:
 
 
 def ungraded_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
-    """Return who is ungraded although all runs were tried, each with the reasons on a line."""
+    """Return a line for each student who is ungraded although all runs were tried."""
     lines = []
     for grade in grades_of(manifest, ledger):
         student, ungraded = grade.student, [level for level in grade.levels if level.points is None]
@@ -227,7 +227,7 @@ def _starter(folder: Folder, cell: Cell) -> Counter[tuple[str, ...]]:
 
 @cache
 def _names() -> frozenset[str]:
-    """Return the names that are not a player's own, fields as in `symbols_of`."""
+    """Return the names of the language and of its inputs, fields as in `symbols_of`."""
     fields = [name for names in INPUTS.values() for name in names]
     fields += ["desire", *(name for record in RECORDS for name in record.names)]
     names = [MAIN, *INPUTS, "if", "in", "true", "false", "null", *(f.name for f in REFERENCE)]
@@ -235,7 +235,7 @@ def _names() -> frozenset[str]:
 
 
 def _shape(text: str) -> Counter[tuple[str, ...]]:
-    """Return how often which symbols stand in a row, with own names replaced by their order."""
+    """Count the sequences of symbols, with own names replaced by their order."""
     counts: Counter[tuple[str, ...]] = Counter()
     for symbols in symbols_of(text[:_LONGEST]):
         masked = ["#" if re.match(r"[\d\"'`]", symbol) else symbol for symbol in symbols]
@@ -285,7 +285,7 @@ def class_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[
         for grade in grades
     ]
     yield "<h2>Submissions</h2>"
-    yield from (f"<p>{escaped(line)}</p>" for line in account_of(manifest))
+    yield from (f"<p>{escape_html(line)}</p>" for line in account_of(manifest))
     head = ("id", "name", "points", "most", "late", *levels, "remarks")
     yield "<h2>Students</h2>" + as_table(head, rows)
     yield from _fault_parts(folder, manifest, ledger)
@@ -307,8 +307,8 @@ def _fault_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator
             yield f"<h2>Common problems</h2><p>{intro}</p>"
         yield f"<h3>{kind.capitalize()}</h3><ul>"
         for fault in group:
-            entry = f"<b>{escaped(fault.level)}</b>: {escaped(', '.join(fault.students))}"
-            entry += f": {escaped(fault.reason)}" * bool(fault.reason)
+            entry = f"<b>{escape_html(fault.level)}</b>: {escape_html(', '.join(fault.students))}"
+            entry += f": {escape_html(fault.reason)}" * bool(fault.reason)
             if fault.cell is not None:
                 command = play_command(folder, manifest, fault.cell, fault.start)
                 entry += f"<br>{as_code(command)}"
@@ -327,9 +327,9 @@ def _similar_parts(folder: Folder, manifest: Manifest, names: Mapping[str, str])
     yield as_table(("alike", "level", "students", "and"), rows)
     for pair, sides in list(zip(pairs, labels, strict=True))[:_MOST_TEXTS]:
         title = f"{as_percent(pair.score)}, {pair.level}: {sides[0]} and {sides[1]}"
-        yield f"<details><summary>{escaped(title)}</summary><div class=beside>"
+        yield f"<details><summary>{escape_html(title)}</summary><div class=beside>"
         for cells, label in zip(pair[2:], sides, strict=True):
             text = folder.text(cells[0].own or cells[0].program)
-            lines = "\n".join(map(escaped, text.splitlines()))
-            yield f"<div><p>{escaped(label)}</p><pre>{lines}</pre></div>"
+            lines = "\n".join(map(escape_html, text.splitlines()))
+            yield f"<div><p>{escape_html(label)}</p><pre>{lines}</pre></div>"
         yield "</div></details>"

@@ -1,4 +1,4 @@
-"""A tournament: who plays whom, and its ranking for a terminal, a page and CSV."""
+"""A tournament: its pairs, and its ranking for a terminal, a page and CSV."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The coordinator: what is left to run, handed out in tasks, recorded once."""
+"""The coordinator: it hands out the remaining runs in tasks and records each result once."""
 
 from __future__ import annotations
 
@@ -197,7 +197,7 @@ class Coordinator:
         )
 
     def _record_answer(self, batch: _StartBatch, answer: WorkerAnswer) -> None:
-        if answer.refused:
+        if answer.is_refused:
             hint = "Install the same versions everywhere."
             raise InputError("A worker has another version of Logical Robots", hint=hint)
         manifest = self._manifest

@@ -114,7 +114,7 @@ _REDUCERS: dict[str, Callable[[list[float]], float]] = {
 
 
 def measures_of(manifest: Manifest) -> dict[str, Callable[[RunRecord], float | None]]:
-    """Return what was measured of each run, by name, besides whether it was won."""
+    """Return the measures of a run by name, besides whether it was won."""
 
     def reducer(measure: QueryMeasure, kind: Reduction) -> Callable[[RunRecord], float | None]:
         return lambda run: reduce_series(run.result, measure, kind)
@@ -129,7 +129,7 @@ def measures_of(manifest: Manifest) -> dict[str, Callable[[RunRecord], float | N
 
 
 def _run_columns(manifest: Manifest) -> tuple[str, ...]:
-    """Return the columns of what is varied, which stand in every table of runs."""
+    """Return the columns that identify a run in every table of runs."""
     return ("level", "program", *settings_of(manifest), "start")
 
 
@@ -309,12 +309,12 @@ pre {{ font-size: 12px; white-space: pre-wrap; overflow-wrap: anywhere }}
 """
 
 
-def escaped(text: str) -> str:
+def escape_html(text: str) -> str:
     return html.escape(harmless_text(text))
 
 
 def as_page(title: str, parts: Iterable[str]) -> str:
-    return _PAGE.format(title=escaped(title), body="\n".join(parts))
+    return _PAGE.format(title=escape_html(title), body="\n".join(parts))
 
 
 class Html(str):
@@ -324,7 +324,7 @@ class Html(str):
 
 
 def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    names = [escaped(name) for name in head]
+    names = [escape_html(name) for name in head]
 
     def cell(name: str, value: Any) -> str:
         start = f'<td data-head="{name}"'
@@ -333,7 +333,7 @@ def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
         if isinstance(value, bool) or value is None:
             value = {None: "", True: "yes", False: "no"}[value]
         if isinstance(value, str):
-            return f"{start}>{escaped(value)}</td>"
+            return f"{start}>{escape_html(value)}</td>"
         return f'{start} class="number">{value:,.10g}</td>'
 
     heads = "".join(f"<th>{name}</th>" for name in names)
@@ -378,9 +378,9 @@ def parts_as_page(title: str, parts: Parts, pictures: Sequence[str]) -> str:
     blocks = []
     for number, ((head, sentences), picture) in enumerate(zip(parts, pictures, strict=True)):
         tag = "h2" if number else "p"
-        items = [_CODE.sub(r"<code>\1</code>", escaped(sentence)) for sentence in sentences]
+        items = [_CODE.sub(r"<code>\1</code>", escape_html(sentence)) for sentence in sentences]
         body = f"<ul><li>{'</li><li>'.join(items)}</li></ul>" * bool(sentences) + picture
-        blocks.append(f"<{tag}>{escaped(head)}</{tag}>{body}")
+        blocks.append(f"<{tag}>{escape_html(head)}</{tag}>{body}")
     return as_page(title, blocks)
 
 

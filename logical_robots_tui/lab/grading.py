@@ -1,4 +1,4 @@
-"""Grades: what each student has achieved, for the teacher, the student and other programs."""
+"""Grades of students, for the teacher, the student and other programs."""
 
 from __future__ import annotations
 
@@ -58,14 +58,14 @@ QUESTIONS = {
     "unfinished": "Is it heading the right way?",
     "unchanged": "What should change this field?",
 }
-"""What a student is asked about each kind of finding, without the answer."""
+"""A question to the student for each kind of finding, without the answer."""
 
 Draw: TypeAlias = Callable[[Level, Mapping[str, Sequence[tuple[float, float]]]], str]
 """Draws a level with the paths of robots as SVG."""
 
 
 class PointsPart(msgspec.Struct, frozen=True):
-    """A part of a level's points, such as that for its ticks, and what it was given for."""
+    """A part of a level's points, such as that for its ticks, and the reason for them."""
 
     name: str
     points: float
@@ -135,8 +135,8 @@ class Grade(msgspec.Struct, frozen=True):
         """The points in words."""
         if self.points is not None:
             return f"{self.points:g} of {self.most:g} points"
-        left = count_of(self.ungraded, "level")
-        return f"{self.so_far:g} of {self.most:g} points so far, {left} not graded yet"
+        pending = count_of(self.ungraded, "level")
+        return f"{self.so_far:g} of {self.most:g} points so far, {pending} not graded yet"
 
 
 def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
@@ -184,12 +184,12 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
 
 def _assignment_of(manifest: Manifest) -> Assignment:
     """Return the assignment, with ``size`` where earlier versions counted rules."""
-    stored = manifest.assignment
-    table, points = dict(stored["assignment"]), dict(stored["points"])
+    tables = manifest.assignment
+    table, points = dict(tables["assignment"]), dict(tables["points"])
     table["show"] = ["size" if name == "rules" else name for name in table["show"]]
     if "rules" in points:
         points["size"] = points.pop("rules")
-    return msgspec.convert({**stored, "assignment": table, "points": points}, Assignment)
+    return msgspec.convert({**tables, "assignment": table, "points": points}, Assignment)
 
 
 def _level(
@@ -247,8 +247,8 @@ def _level(
 
 
 def _question(finding: RunFinding) -> str:
-    where = f"Line {finding.line}: " if finding.line else ""
-    return f"{where}{finding.message} {QUESTIONS.get(finding.kind, '')}".strip()
+    prefix = f"Line {finding.line}: " if finding.line else ""
+    return f"{prefix}{finding.message} {QUESTIONS.get(finding.kind, '')}".strip()
 
 
 def _parts(
@@ -288,10 +288,10 @@ def _round(points: float) -> float:
 
 def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
     """Return programs shared by students: the level, the program's digest, the students."""
-    who: dict[tuple[str, str], list[str]] = defaultdict(list)
+    owners: dict[tuple[str, str], list[str]] = defaultdict(list)
     for cell in manifest.cells:
-        who[cell.level_name, cell.program].append(cell.student)
-    return [(level, text, tuple(ids)) for (level, text), ids in who.items() if len(ids) > 1]
+        owners[cell.level_name, cell.program].append(cell.student)
+    return [(level, text, tuple(ids)) for (level, text), ids in owners.items() if len(ids) > 1]
 
 
 def export_grades(

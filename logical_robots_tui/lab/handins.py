@@ -1,4 +1,4 @@
-"""What was handed in, in a folder or an archive: whose each file is, and for which level."""
+"""Submissions in a folder or an archive: the student and the level of each file."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _DEEPEST = 20  # mappings and lists in each other in Gradescope's metadata
 _METADATA = "submission_metadata.yml"
 
 FIELDS = {"name": r"[^/]+", "id": r"[^/_\s]+", "level": r"[^/]+"}
-"""What a pattern of names may have in braces."""
+"""Fields that a pattern of names may have in braces."""
 
 _EXPORTS = (
     # Moodle, with folders or without: Ada Lovelace_1234_assignsubmission_file_/program.l
@@ -68,7 +68,7 @@ _COPY = re.compile(r"[-_ ]*(?:\(\d+\)|\d+)$")  # what Canvas and browsers add to
 
 
 class FileOwner(NamedTuple):
-    """Whose a file is, as far as its name says."""
+    """The owner of a file, as far as its name tells."""
 
     key: str
     name: str = ""
@@ -103,7 +103,7 @@ class Submission:
 
     def read(self, stems: Mapping[str, str]) -> None:
         """Find the program of each level among the files."""
-        unnamed: list[tuple[str, str, float]] = []
+        unnamed_programs: list[tuple[str, str, float]] = []
         other_files: list[str] = []
         paths: dict[str, str] = {}
         nearest = sorted(self.files, key=lambda entry: (len(entry[0].parts), -entry[0].mtime))
@@ -127,11 +127,11 @@ class Submission:
                     paths[level] = path
                     self._add_program(level, text, file.mtime)
                 else:
-                    unnamed.append((path, text, file.mtime))
-        if len(unnamed) == 1 and not self.programs:
-            self._add_program("", *unnamed[0][1:])
+                    unnamed_programs.append((path, text, file.mtime))
+        if len(unnamed_programs) == 1 and not self.programs:
+            self._add_program("", *unnamed_programs[0][1:])
         else:
-            self.remarks += [f"{path} is not named after a level" for path, *_ in unnamed]
+            self.remarks += [f"{path} is not named after a level" for path, *_ in unnamed_programs]
         self.files = [(file._replace(content=b""), name) for file, name in self.files]
         if not self.programs and (other_files or not self.remarks):
             detail = f", only {join_names(other_files[:_MOST_NAMED])}" if other_files else ""
@@ -165,7 +165,7 @@ def readable(name: str) -> str:
 
 
 def stems_of(levels: Iterable[str]) -> dict[str, str]:
-    """Return levels by what a program for them may be called, with or without the number."""
+    """Return levels by the possible names of programs for them, with or without the number."""
     stems = {plain(name): name for name in levels}
     return {plain(n.partition("-")[2]): n for n in levels if n[:2].isdecimal()} | stems
 
@@ -316,7 +316,7 @@ def _students_of_gradescope(files: list[File]) -> dict[str, tuple[str, str]]:
 
 
 def _yaml(content: bytes) -> object:
-    """Return what Gradescope's metadata say, all scalars as text; raises InputError."""
+    """Parse Gradescope's metadata, all scalars as text; raises InputError."""
     check_extra("yaml", "An export of Gradescope")
     import yaml
 
@@ -369,7 +369,7 @@ def _owner(
     patterns: list[re.Pattern[str]],
     students: Mapping[str, tuple[str, str]],
 ) -> tuple[FileOwner, str]:
-    """Return whose a file is, and its name without what tells that."""
+    """Return the owner of a file, and its name without the owner's."""
     top, name = parts[0], parts[-1]
     for pattern in patterns:
         for text in ("/".join(parts), name, top):

@@ -118,16 +118,16 @@ def ranking_of_shares(
     chance = np.random.default_rng(_SEED)
     weights = chance.multinomial(starts, [1 / starts] * starts, size=resamples).astype(float)
     means = _means(np.ones((1, starts)), shares, is_present)
-    resampled = _means(weights, shares, is_present)
-    resampled = np.where(np.isnan(resampled), means, resampled)
-    low, high = (np.round(bound, _DIGITS) for bound in _interval(resampled))
+    sample_means = _means(weights, shares, is_present)
+    sample_means = np.where(np.isnan(sample_means), means, sample_means)
+    low, high = (np.round(bound, _DIGITS) for bound in _interval(sample_means))
     (mean,) = np.round(means, _DIGITS)
     pairings: dict[tuple[str, str], Pairing] = {}
     for (i, j), *pairing in zip(pairs, mean.tolist(), low.tolist(), high.tolist(), strict=True):
         share, lowest, highest = pairing
         pairings[players[i], players[j]] = Pairing(share, lowest, highest)
         pairings[players[j], players[i]] = Pairing(1 - share, 1 - highest, 1 - lowest)
-    standings = _standings(players, pairs, mean, resampled)
+    standings = _standings(players, pairs, mean, sample_means)
     wins = {names for names, pairing in pairings.items() if pairing.low > 1 / 2}
     return Ranking(standings, pairings, _cycles([standing.player for standing in standings], wins))
 
@@ -147,15 +147,15 @@ def _interval(samples: Numbers) -> Numbers:
 
 
 def _standings(
-    players: list[str], pairs: list[tuple[int, int]], mean: Numbers, resampled: Numbers
+    players: list[str], pairs: list[tuple[int, int]], mean: Numbers, sample_means: Numbers
 ) -> tuple[Standing, ...]:
     wins = np.zeros((len(players), len(players)))
     ends: list[tuple[float, float]] = []
     for n, (i, j) in enumerate(pairs):
         wins[i, j], wins[j, i] = mean[n], 1 - mean[n]
     for index in range(len(players)):
-        player_shares = [resampled[:, n] for n, (i, _) in enumerate(pairs) if i == index]
-        player_shares += [1 - resampled[:, n] for n, (_, j) in enumerate(pairs) if j == index]
+        player_shares = [sample_means[:, n] for n, (i, _) in enumerate(pairs) if i == index]
+        player_shares += [1 - sample_means[:, n] for n, (_, j) in enumerate(pairs) if j == index]
         low, high = _interval(np.mean(player_shares, axis=0)) if player_shares else (0.0, 1.0)
         ends.append((round(float(low), _DIGITS), round(float(high), _DIGITS)))
     games = wins + wins.T > 0

@@ -294,7 +294,7 @@ def _by_label(manifest: Manifest, runs: list[RunRecord]) -> dict[str, list[RunRe
 def _over_time(
     manifest: Manifest, all_runs: list[RunRecord]
 ) -> dict[str, tuple[list[int], dict[str, list[Spread | None]]]]:
-    """Return, for each question that is asked over time, ticks and its numbers at them."""
+    """Return the ticks and the numbers of each query that is measured over time."""
     groups = _by_label(manifest, all_runs)
     if len(groups) > _MOST_LINES:
         groups = {"all runs": all_runs}

@@ -1,4 +1,4 @@
-"""One run after the other: what a worker does, and what it gives back."""
+"""A worker: it runs the starts of a task, one after the other, and returns their results."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ T = TypeVar("T")
 IsOver: TypeAlias = Callable[[Frame, Mind], bool]
 
 CHUNK_SECONDS = 5.0
-"""Time after which a worker gives back what it has; at most this and one run are lost with it."""
+"""Time after which a worker returns its results; at most this and one run are lost with it."""
 
 _SLOW_TICKS = 10  # ticks with too many steps after which a run ends
 _MOST_CELLS = 1_000_000  # of all series of a run
@@ -75,7 +75,7 @@ Reduction: TypeAlias = Literal["last", "min", "max", "mean", "sum"]
 
 
 class QueryMeasure(msgspec.Struct, frozen=True):
-    """A question asked as a measure every so many ticks, in the first and in the last one.
+    """A query that is a measure, every so many ticks, in the first and in the last one.
 
     0 means in the last one only. `reduce` are the ways to make one number of many.
     """
@@ -132,9 +132,9 @@ class End(msgspec.Struct, frozen=True):
 
     def sentence(self, last: int) -> str:
         """Describe it, for a run whose last tick was `last`."""
-        where = f"{self.robot} ended at ({self.x:g}, {self.y:g}), and "
+        place = f"{self.robot} ended at ({self.x:g}, {self.y:g}), and "
         is_still = self.since < last
-        return where + (
+        return place + (
             f"had stood there since tick {self.since:,}." if is_still else "still moved."
         )
 
@@ -175,14 +175,14 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
 class WorkerAnswer(msgspec.Struct, frozen=True):
     """The answer of a worker (host and process).
 
-    `results` are start, result as JSON and processor seconds of each run; `refused` means that the
-    worker's engine is another one, `is_final` that another attempt would fail in the same way.
+    `results` are start, result as JSON and processor seconds of each run; `is_refused` means that
+    the worker's engine is another one, `is_final` that another attempt would fail in the same way.
     """
 
     results: tuple[tuple[int, str, float], ...] = ()
     worker: str = ""
     failure: str = ""
-    refused: bool = False
+    is_refused: bool = False
     is_final: bool = False
 
 
@@ -210,7 +210,7 @@ def fingerprint() -> str:
 def execute(task: RunTask) -> WorkerAnswer:
     """Run as many runs of a task as fit into the time of a chunk, at least one."""
     if task.fingerprint != fingerprint():
-        return WorkerAnswer(refused=True)
+        return WorkerAnswer(is_refused=True)
     worker = f"{socket.gethostname()}/{os.getpid()}"
     deadline = perf_counter() + CHUNK_SECONDS
     results: list[tuple[int, str, float]] = []
@@ -444,12 +444,12 @@ class _RunMonitor:
 
     def _compare(self, frame: Frame) -> None:
         """Compare a tick with the stored one; store it instead when due."""
-        state, stored = frame.after, self._stored_frame
+        state, old_frame = frame.after, self._stored_frame
         if (
-            stored is not None
-            and state.robots[0].x == stored.after.robots[0].x  # most differ in that already
-            and (state.robots, state.areas) == (stored.after.robots, stored.after.areas)
-            and _exact_state(frame) == _exact_state(stored)
+            old_frame is not None
+            and state.robots[0].x == old_frame.after.robots[0].x  # most differ in that already
+            and (state.robots, state.areas) == (old_frame.after.robots, old_frame.after.areas)
+            and _exact_state(frame) == _exact_state(old_frame)
         ):
             self.outcome = self.outcome or "nothing changes"
         if state.tick >= self._next_stored_tick:

@@ -303,7 +303,7 @@ def _students(
 
 
 def account_of(manifest: Manifest) -> list[str]:
-    """Return who of the roster handed in something, what nobody in it did, and what is odd."""
+    """Summarise submissions: counts by roster, files of nobody, and remarks on oddities."""
     students = manifest.students
     unlisted = [student for student in students if NOT_IN_ROSTER in student.remarks]
     roster = [student for student in students if NOT_IN_ROSTER not in student.remarks]

@@ -1,4 +1,4 @@
-"""From the specification of an experiment to programs in levels, with everything put in."""
+"""From the specification of an experiment to programs in levels, with all values put in."""
 
 from __future__ import annotations
 
@@ -266,7 +266,7 @@ def level_to_run(
 
 
 _Combination: TypeAlias = tuple[Path_, dict[str, Scalar], dict[str, Scalar]]
-"""Where it is said, and the values of constants and of fields of the level."""
+"""The place in the specification, and the values of constants and of fields of the level."""
 
 
 _Parameter: TypeAlias = tuple[str, bool]

@@ -136,7 +136,7 @@ def test_a_run_stops_when_its_question_holds() -> None:
 
 
 def test_varied_starts_are_for_programs_that_win_and_tasks_for_the_same_engine() -> None:
-    assert execute(task(FIRST_STEPS, fingerprint="another")).refused
+    assert execute(task(FIRST_STEPS, fingerprint="another")).is_refused
     lost = execute(task(FIRST_STEPS, ticks=50, starts=(0, 1, 2), given_first=True))
     assert [start for start, _, _ in lost.results] == [0]
 
