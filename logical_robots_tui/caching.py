@@ -22,14 +22,14 @@ _UNFINISHED = ".unfinished"
 _CONFINED_SHARE = 8  # on a shared computer, where caches count as files of the player
 
 
-def cache_place(name: str, *, named: str = "") -> Path | None:
-    """Return the folder for a kind of entries, or None if nothing is to be cached.
+def cache_place(name: str, *, subfolder: str = "") -> Path | None:
+    """Return the folder for a kind of entries, or None if there is no cache on disk.
 
-    `named` is its name in the folder set in the environment, by default that folder itself.
+    `subfolder` is its name in the folder set in the environment, by default that folder itself.
     """
-    chosen = os.environ.get(FOLDER_VARIABLE)
-    if chosen is not None:
-        return Path(chosen) / named if chosen else None
+    folder = os.environ.get(FOLDER_VARIABLE)
+    if folder is not None:
+        return Path(folder) / subfolder if folder else None
     from platformdirs import user_cache_path
 
     return user_cache_path("logical-robots", appauthor=False) / name
@@ -44,17 +44,17 @@ class CacheFolder:
     most_entries: int
     most_bytes: int
 
-    def read(self, name: str, largest: int) -> bytes | None:
-        """Return an entry, or None; an entry of more than `largest` bytes is removed."""
+    def read(self, name: str, max_bytes: int) -> bytes | None:
+        """Return an entry, or None; an entry of more than `max_bytes` bytes is removed."""
         if self.place is None:
             return None
         path = self.place / f"{name}{self.suffix}"
         try:
             with path.open("rb") as file:
-                content = file.read(largest + 1)
+                content = file.read(max_bytes + 1)
         except OSError:
             return None
-        if len(content) > largest:
+        if len(content) > max_bytes:
             self.drop(name)
             return None
         with contextlib.suppress(OSError):
@@ -76,27 +76,27 @@ class CacheFolder:
                 with contextlib.suppress(OSError):
                     Path(unfinished).unlink()
                 raise
-            self._make_room(self.place)
+            self._evict(self.place)
 
     def drop(self, name: str) -> None:
         if self.place is not None:
             with contextlib.suppress(OSError):
                 (self.place / f"{name}{self.suffix}").unlink()
 
-    def _make_room(self, place: Path) -> None:
+    def _evict(self, place: Path) -> None:
         """Evict the oldest entries beyond the limits, including leftovers of killed processes."""
-        found = []
+        files = []
         with os.scandir(place) as entries:
             for entry in entries:
                 if entry.name.endswith((self.suffix, _UNFINISHED)):
                     with contextlib.suppress(OSError):
-                        about = entry.stat(follow_symlinks=False)
-                        found.append((about.st_mtime, about.st_size, entry.path))
-        found.sort(reverse=True)
+                        status = entry.stat(follow_symlinks=False)
+                        files.append((status.st_mtime, status.st_size, entry.path))
+        files.sort(reverse=True)
         share = _CONFINED_SHARE if is_confined() else 1
         most_entries, most_bytes = self.most_entries // share, self.most_bytes // share
         total = 0
-        for number, (_, size, path) in enumerate(found, 1):
+        for number, (_, size, path) in enumerate(files, 1):
             total += size
             if number > most_entries or total > most_bytes:
                 with contextlib.suppress(OSError):

@@ -24,34 +24,36 @@ MOST_BYTES = 200 * 2**20
 WRITABLE = (".l", ".toml", ".json", ".replay", ".csv", ".svg", ".txt")
 """Endings of the files that a player can write."""
 
-WHY = "restricted mode allows only your own files"
+REFUSAL = "restricted mode allows only your own files"
 
 
 class _Confinement(NamedTuple):
-    own: str
+    folder: str
     readable: tuple[str, ...]
 
 
-_confined: list[_Confinement] = []
+_confinements: list[_Confinement] = []
 
 
-def confine(own: Path, *readable: Path) -> None:
+def confine(own_folder: Path, *readable: Path) -> None:
     """Allow only files in the player's folder, permanently, and reading `readable` folders."""
     folders = tuple(os.path.realpath(folder) for folder in readable)
-    _confined.append(_Confinement(os.path.realpath(own), folders))
+    _confinements.append(_Confinement(os.path.realpath(own_folder), folders))
 
 
 def is_confined() -> bool:
-    return bool(_confined)
+    return bool(_confinements)
 
 
 def check_mine(path: str | Path) -> None:
     """Raise PermissionError for a foreign path, without revealing whether it exists."""
-    where = os.path.realpath(path)
-    for confined in _confined:
-        folders = (confined.own, *confined.readable)
-        if not any(where == folder or where.startswith(folder + os.sep) for folder in folders):
-            raise PermissionError(EACCES, WHY, str(path))
+    real_path = os.path.realpath(path)
+    for confinement in _confinements:
+        folders = (confinement.folder, *confinement.readable)
+        if not any(
+            real_path == folder or real_path.startswith(folder + os.sep) for folder in folders
+        ):
+            raise PermissionError(EACCES, REFUSAL, str(path))
 
 
 def check_name(path: Path) -> None:
@@ -59,40 +61,40 @@ def check_name(path: Path) -> None:
 
     It allows only the game's endings, and no hidden folders.
     """
-    for confined in _confined:
-        parts = Path(os.path.relpath(path, confined.own)).parts
+    for confinement in _confinements:
+        parts = Path(os.path.relpath(path, confinement.folder)).parts
         is_hidden = any(part.startswith(".") for part in parts)
         if is_hidden or path.suffix not in WRITABLE:
-            said = f"restricted mode writes only files that end in {', '.join(WRITABLE)}"
-            raise PermissionError(EACCES, f"{said}, in no hidden folder", str(path))
+            message = f"restricted mode writes only files that end in {', '.join(WRITABLE)}"
+            raise PermissionError(EACCES, f"{message}, in no hidden folder", str(path))
 
 
 def check_quota(path: Path, size: int) -> None:
     """Raise OSError if a file of this size would exceed the player's quota."""
-    for confined in _confined:
-        sizes = _sizes(confined.own)
-        before = sizes.get(os.path.realpath(path))
-        if before is None:
+    for confinement in _confinements:
+        sizes = _sizes(confinement.folder)
+        old_size = sizes.get(os.path.realpath(path))
+        if old_size is None:
             _check_number(len(sizes), path)
-        if size > (before or 0) and sum(sizes.values()) - (before or 0) + size > MOST_BYTES:
-            said = f"your folder is full: at most {MOST_BYTES // 2**20} MB are allowed"
-            raise OSError(EDQUOT, said, str(path))
+        if size > (old_size or 0) and sum(sizes.values()) - (old_size or 0) + size > MOST_BYTES:
+            message = f"your folder is full: at most {MOST_BYTES // 2**20} MB are allowed"
+            raise OSError(EDQUOT, message, str(path))
 
 
 def check_new_folder(path: str | Path) -> None:
     """Raise OSError if a folder is too deep, or the player's folder is full."""
-    where = os.path.realpath(path)
-    for confined in _confined if not os.path.lexists(where) else ():
-        if len(Path(os.path.relpath(where, confined.own)).parts) > MOST_DEPTH:
-            said = f"at most {MOST_DEPTH} folders can be in each other"
-            raise OSError(EDQUOT, said, str(path))
-        _check_number(len(_sizes(confined.own)), path)
+    real_path = os.path.realpath(path)
+    for confinement in _confinements if not os.path.lexists(real_path) else ():
+        if len(Path(os.path.relpath(real_path, confinement.folder)).parts) > MOST_DEPTH:
+            message = f"at most {MOST_DEPTH} folders can be in each other"
+            raise OSError(EDQUOT, message, str(path))
+        _check_number(len(_sizes(confinement.folder)), path)
 
 
 def _check_number(number: int, path: str | Path) -> None:
     if number >= MOST_FILES:
-        said = f"your folder is full: it holds {MOST_FILES:,} files and folders, the most allowed"
-        raise OSError(EDQUOT, said, str(path))
+        reason = f"your folder is full: it holds {MOST_FILES:,} files and folders, the most allowed"
+        raise OSError(EDQUOT, reason, str(path))
 
 
 def _sizes(folder: str) -> dict[str, int]:

@@ -13,12 +13,12 @@ def lazy_exports(package: str, names: Mapping[str, str]) -> Callable[[str], obje
     `names` has, for each module within the package, the names that it defines, with spaces
     between; one that begins with a dot is beside the package.
     """
-    homes = {name: module for module, those in names.items() for name in those.split()}
+    modules = {name: module for module, line in names.items() for name in line.split()}
 
     def load(name: str) -> object:
-        if name not in homes:
+        if name not in modules:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value: object = getattr(import_module(f".{homes[name]}", package), name)
+        value: object = getattr(import_module(f".{modules[name]}", package), name)
         setattr(sys.modules[package], name, value)
         return value
 

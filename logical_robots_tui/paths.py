@@ -13,7 +13,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from logical_robots_tui.confinement import WHY, check_mine, check_name, check_quota, is_confined
+from logical_robots_tui.confinement import REFUSAL, check_mine, check_name, check_quota, is_confined
 from logical_robots_tui.errors import InputError
 
 _OF_THE_KERNEL = ("/proc", "/sys", "/dev")
@@ -36,16 +36,16 @@ def real(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def read_ordinary(path: Path, most: int) -> bytes:
+def read_ordinary(path: Path, max_bytes: int) -> bytes:
     """Return the first bytes of a regular file; raises OSError for anything that could block."""
     check_mine(path)
-    where = real(path)
-    if any(where.is_relative_to(folder) for folder in _OF_THE_KERNEL):
+    real_path = real(path)
+    if any(real_path.is_relative_to(folder) for folder in _OF_THE_KERNEL):
         raise OSError(None, "not a regular file", str(path))
     with open(path, "rb", opener=_open_without_waiting) as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
             raise OSError(None, "not a regular file", str(path))
-        return file.read(most)
+        return file.read(max_bytes)
 
 
 def decoded(content: bytes) -> str:
@@ -53,11 +53,11 @@ def decoded(content: bytes) -> str:
     return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
 
 
-def read_text(path: Path, most: int) -> str:
+def read_text(path: Path, max_bytes: int) -> str:
     """Return a regular file's text in UTF-8, of at most so many bytes; raises OSError."""
-    content = read_ordinary(path, most + 1)
-    if len(content) > most:
-        raise OSError(None, f"it is larger than {most // 10**6} MB")
+    content = read_ordinary(path, max_bytes + 1)
+    if len(content) > max_bytes:
+        raise OSError(None, f"it is larger than {max_bytes // 10**6} MB")
     try:
         return decoded(content)
     except UnicodeDecodeError:
@@ -75,10 +75,10 @@ def typed_path(text: str) -> Path:
     if is_confined():
         try:
             if text.startswith("~") and text[1:2] not in ("", "/"):
-                raise PermissionError  # whoever that is
+                raise PermissionError  # another user's home
             check_mine(Path(text).expanduser())
         except PermissionError:
-            raise InputError(f"can't be used: {WHY}", place=text) from None
+            raise InputError(f"can't be used: {REFUSAL}", place=text) from None
     try:
         return Path(text).expanduser()
     except RuntimeError as error:
@@ -119,12 +119,12 @@ ARENAS = "arenas"
 def shipped_folder(kind: ShippedKind) -> Path:
     """Return the folder of shipped files, in an installed package or beside it in a checkout."""
     package = Path(__file__).resolve().parent
-    inside = package / kind
-    return inside if inside.is_dir() else package.parent / kind
+    packaged = package / kind
+    return packaged if packaged.is_dir() else package.parent / kind
 
 
-def shipped_names(kind: ShippedKind, suffix: str, within: str = "") -> list[str]:
-    folder = shipped_folder(kind) / within
+def shipped_names(kind: ShippedKind, suffix: str, subfolder: str = "") -> list[str]:
+    folder = shipped_folder(kind) / subfolder
     return sorted(path.stem for path in folder.glob(f"*{suffix}"))
 
 
@@ -135,8 +135,8 @@ _LONGEST_WORD = 100  # characters; the time to compare grows with the square
 def did_you_mean(word: str, options: Iterable[str]) -> str:
     by_folded = {option.casefold(): option for option in islice(options, _MOST_OPTIONS)}
     word = word[:_LONGEST_WORD].casefold()
-    close = difflib.get_close_matches(word, by_folded, n=1, cutoff=0.6)
-    return f'Did you mean "{by_folded[close[0]]}"?' if close else ""
+    matches = difflib.get_close_matches(word, by_folded, n=1, cutoff=0.6)
+    return f'Did you mean "{by_folded[matches[0]]}"?' if matches else ""
 
 
 _TEMPORARY = re.compile(r"\.(.+)\.[0-9a-f]{8}")
@@ -186,12 +186,12 @@ def _sweep(path: Path) -> None:
     """Remove temporary files in this folder that killed processes left behind."""
     with suppress(OSError):
         for name in os.listdir(path.parent):  # noqa: PTH208 - names are looked at first
-            found = _TEMPORARY.fullmatch(name)
-            if found and (found[1] == path.name or (path.parent / found[1]).exists()):
-                _remove_if_left(path.parent / name)
+            match = _TEMPORARY.fullmatch(name)
+            if match and (match[1] == path.name or (path.parent / match[1]).exists()):
+                _remove_if_unlocked(path.parent / name)
 
 
-def _remove_if_left(temporary: Path) -> None:
+def _remove_if_unlocked(temporary: Path) -> None:
     with suppress(OSError):
         handle = os.open(temporary, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
         try:

@@ -104,12 +104,12 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         self._program, self._starts, self._ticks = program, tuple(starts), ticks
         self._is_shaped = reward == "shaped"
         self._needs_mind = len(self.possible_agents) < len(names)
-        solid = [area.name for area in self.level.areas if area.impenetrable]
-        known = [*names, *(beacon.name for beacon in self.level.beacons), *solid]
-        self.labels = tuple(dict.fromkeys((NO_LABEL, WALL, *known)))
+        solid_areas = [area.name for area in self.level.areas if area.impenetrable]
+        object_names = [*names, *(beacon.name for beacon in self.level.beacons), *solid_areas]
+        self.labels = tuple(dict.fromkeys((NO_LABEL, WALL, *object_names)))
         self._objects = {kind: number for number, kind in enumerate(OBJECTS)}
         self._labels = {label: number for number, label in enumerate(self.labels)}
-        self._observed = spaces.Dict(
+        self._observation_space = spaces.Dict(
             {
                 "distance": spaces.Box(0, 1, (_RAYS,), np.float32),
                 "object": spaces.MultiDiscrete([len(OBJECTS)] * _RAYS),
@@ -117,37 +117,37 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
                 "battery": spaces.Box(0, 1, (1,), np.float32),
             }
         )
-        self._acted = {
+        self._action_spaces = {
             name: spaces.Box(-1, 1, (2,), np.float32, seed=number)
             for number, name in enumerate(self.possible_agents)
         }
-        self._chance = np.random.default_rng()
+        self._random = np.random.default_rng()
         self._run: World | Simulation | None = None
-        self._before: dict[str, float] = {}
+        self._previous_values: dict[str, float] = {}
 
     def observation_space(self, agent: str) -> spaces.Dict:
         """Return the space of observations, the same for each robot."""
-        return self._observed
+        return self._observation_space
 
     def action_space(self, agent: str) -> spaces.Box:
         """Return the space of actions of a robot."""
-        return self._acted[agent]
+        return self._action_spaces[agent]
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """Begin an episode, from ``options["start"]`` or one of the starts by chance."""
         if seed is not None:
-            self._chance = np.random.default_rng(seed)
-        start = (options or {}).get("start", self._starts[self._chance.integers(len(self._starts))])
+            self._random = np.random.default_rng(seed)
+        start = (options or {}).get("start", self._starts[self._random.integers(len(self._starts))])
         self.close()
         if self._needs_mind:
             self._run = Simulation(self.level, self._program, start=start)
         else:
-            like = self._run if isinstance(self._run, World) else None
-            self._run = World(start_of(self.level, start), like=like)
+            previous_world = self._run if isinstance(self._run, World) else None
+            self._run = World(start_of(self.level, start), like=previous_world)
         self.agents = list(self.possible_agents)
-        self._before = self._values(self._state)
+        self._previous_values = self._values(self._state)
         return self._observe(), {name: {} for name in self.agents}
 
     def step(
@@ -169,14 +169,16 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         is_won = state.won_at is not None
         is_over = is_won or state.tick == self.level.match_ticks
         is_late = state.tick >= self._ticks and not is_over
-        after = self._values(state)
-        rewards = {name: after[name] - self._before[name] + is_won for name in self.agents}
-        self._before = after
-        agents, observed = self.agents, self._observe()
+        values = self._values(state)
+        rewards = {
+            name: values[name] - self._previous_values[name] + is_won for name in self.agents
+        }
+        self._previous_values = values
+        agents, observations = self.agents, self._observe()
         if is_over or is_late:
             self.agents = []
         return (
-            observed,
+            observations,
             rewards,
             dict.fromkeys(agents, is_over),
             dict.fromkeys(agents, is_late),
@@ -197,11 +199,13 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         assert self._run is not None
         rows = self._run.sense() if isinstance(self._run, World) else self._run.look()
         return {
-            row["robot_name"]: self._seen(row) for row in rows if row["robot_name"] in self.agents
+            row["robot_name"]: self._observation(row)
+            for row in rows
+            if row["robot_name"] in self.agents
         }
 
-    def _seen(self, row: SensorRow) -> Observation:
-        sensor, own = row["sensor"], row["sensor"]["self"]
+    def _observation(self, row: SensorRow) -> Observation:
+        sensor, battery = row["sensor"], row["sensor"]["self"]
         radar = sensor["radar"]
         distances = [ray["distance"] for ray in radar]
         kinds = [self._objects[ray["object"]] for ray in radar]
@@ -209,58 +213,65 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         distances.append(sensor["forward_distance"])
         kinds.append(self._objects[sensor["forward_object"]])
         labels.append(self._labels[sensor["forward_label"]])
-        left = own["battery_level"] / own["battery_capacity"] if own["has_battery"] else 1.0
+        charge = (
+            battery["battery_level"] / battery["battery_capacity"]
+            if battery["has_battery"]
+            else 1.0
+        )
         return {
             "distance": np.array(distances, np.float32) / np.float32(SENSOR_RANGE),
             "object": np.array(kinds),
             "label": np.array(labels),
-            "battery": np.array([left], np.float32),
+            "battery": np.array([charge], np.float32),
         }
 
     def _values(self, state: WorldState) -> dict[str, float]:
-        """Return what rewards are differences of: points, and if shaped the way left."""
-        scored = standing(self.level, state)
-        found = {name: scored.get(self._teams[name], 0.0) for name in self.possible_agents}
+        """Return the values whose differences are rewards: points and, if shaped, the way left."""
+        points = standing(self.level, state)
+        values = {name: points.get(self._teams[name], 0.0) for name in self.possible_agents}
         if self._is_shaped:
             for robot in state.robots:
-                if robot.name in found and (ways := self._ways.get(robot.name)) is not None:
-                    row = min(max(int(robot.y), 0), len(ways) - 1)
-                    column = min(max(int(robot.x), 0), ways.shape[1] - 1)
-                    found[robot.name] -= PER_UNIT * float(ways[row, column])
-        return found
+                if (
+                    robot.name in values
+                    and (distances := self._distances_to_goals.get(robot.name)) is not None
+                ):
+                    row = min(max(int(robot.y), 0), len(distances) - 1)
+                    column = min(max(int(robot.x), 0), distances.shape[1] - 1)
+                    values[robot.name] -= PER_UNIT * float(distances[row, column])
+        return values
 
     @cached_property
-    def _ways(self) -> dict[str, NDArray[np.float64]]:
+    def _distances_to_goals(self) -> dict[str, NDArray[np.float64]]:
         """The free way from each place to the goal of each robot that has one, (height, width)."""
         goals: dict[str, list[tuple[float, float, float]]] = {}
         for area in self.level.areas:
             for name in area.victory_robots:
                 goals.setdefault(name, []).append((area.x, area.y, area.radius))
-        shared = {tuple(places) for places in goals.values()}
-        found = {places: _ways_to(self.level.walls, places) for places in shared}
-        return {name: found[tuple(places)] for name, places in goals.items()}
+        goal_sets = {tuple(places) for places in goals.values()}
+        distances = {places: _distances_to(self.level.walls, places) for places in goal_sets}
+        return {name: distances[tuple(places)] for name, places in goals.items()}
 
 
-def _ways_to(
+def _distances_to(
     walls: NDArray[np.bool_], places: Sequence[tuple[float, float, float]]
 ) -> NDArray[np.float64]:
     """Return the map units to the nearest of some places; those of the farthest in a wall."""
     y, x = np.indices(walls.shape) + 0.5
-    near = np.zeros(walls.shape, np.bool_)
+    front = np.zeros(walls.shape, np.bool_)
     for left, top, radius in places:
-        near |= np.hypot(x - left, y - top) <= max(radius, 1)
-    ways = np.full(walls.shape, np.inf)
+        front |= np.hypot(x - left, y - top) <= max(radius, 1)
+    distances = np.full(walls.shape, np.inf)
     steps = 0
-    while near.any():
-        ways[near] = steps
-        wide = np.pad(near, 1)
-        grown = wide[1:-1, :-2] | wide[1:-1, 2:] | wide[:-2, 1:-1] | wide[2:, 1:-1]
-        if steps % 2:  # now and then also diagonally, so that what is as near is nearly round
-            grown |= wide[:-2, :-2] | wide[:-2, 2:] | wide[2:, :-2] | wide[2:, 2:]
-        near = grown & ~walls & np.isinf(ways)
+    while front.any():
+        distances[front] = steps
+        padded = np.pad(front, 1)
+        next_front = padded[1:-1, :-2] | padded[1:-1, 2:] | padded[:-2, 1:-1] | padded[2:, 1:-1]
+        if steps % 2:  # every other step also diagonally, so that fronts are nearly round
+            next_front |= padded[:-2, :-2] | padded[:-2, 2:] | padded[2:, :-2] | padded[2:, 2:]
+        front = next_front & ~walls & np.isinf(distances)
         steps += 1
-    ways[np.isinf(ways)] = steps
-    return ways
+    distances[np.isinf(distances)] = steps
+    return distances
 
 
 class RobotEnv(gymnasium.Env[Observation, Action]):
@@ -293,14 +304,14 @@ class RobotEnv(gymnasium.Env[Observation, Action]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode, as in `RobotsEnv`."""
         super().reset(seed=seed)
-        observed, infos = self.robots.reset(seed, options)
-        return observed[self._robot], infos[self._robot]
+        observations, infos = self.robots.reset(seed, options)
+        return observations[self._robot], infos[self._robot]
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Let all robots act once."""
-        observed, rewards, is_over, is_late, infos = self.robots.step({self._robot: action})
-        own = self._robot
-        return observed[own], rewards[own], is_over[own], is_late[own], infos[own]
+        observations, rewards, is_over, is_late, infos = self.robots.step({self._robot: action})
+        robot = self._robot
+        return observations[robot], rewards[robot], is_over[robot], is_late[robot], infos[robot]
 
     def close(self) -> None:
         """Free the mind, if there is one."""

@@ -1,4 +1,4 @@
-"""What a program is given, and what it gives: each field's name, type, unit, range and meaning.
+"""The inputs and results of programs: each field's name, type, unit, range and meaning.
 
 Written once. The rows that the world makes, the columns of SQL, the types that programs are checked
 by, completion and the documentation are made from it.
@@ -103,7 +103,7 @@ RADAR_RAYS = 31
 RADAR_DEGREES = 120
 """Between the leftmost and the rightmost ray of the radar."""
 
-_OBJECT = ", ".join(f'"{each}"' for each in OBJECTS[:-1]) + f' or "{NO_OBJECT}"'
+_OBJECT = ", ".join(f'"{name}"' for name in OBJECTS[:-1]) + f' or "{NO_OBJECT}"'
 _LABEL = f'a name, "{WALL}" or "{NO_LABEL}"'
 _DISTANCE = f"1 to {SENSOR_RANGE}"
 _ANGLE = f"{radians(RADAR_DEGREES / 2):.2f}"
@@ -178,8 +178,8 @@ def tables() -> Iterator[str]:
     yield "|---|---|---|---|"
     for record in RECORDS:
         for field in record.fields:
-            name, of = f"`{record.path}.{field.name}`", _name_of(field.type)
-            yield f"| {name} | {of} | {field.values} | {field.meaning} |"
+            name, type_name = f"`{record.path}.{field.name}`", _name_of(field.type)
+            yield f"| {name} | {type_name} | {field.values} | {field.meaning} |"
 
 
 def _name_of(field: FieldType) -> str:

@@ -37,7 +37,7 @@ OneProgram: TypeAlias = str | Path
 """A Logica text, or the name or path of a program. What has a ``;`` or a line break is a text."""
 
 MOST_TICKS = 20_000
-"""Ticks after which a run gives up, and that can be gone back."""
+"""Ticks after which a run gives up, and that history keeps."""
 
 _MOST_POINTS = 2_000  # of a path in a picture
 
@@ -79,9 +79,9 @@ class Simulation:
         self._minds: dict[str, Mind] = {}
         self.use(program)
         self.frame = start_frame(self.level, self._world)
-        self._anew()
+        self._restart_history()
 
-    def _anew(self) -> None:
+    def _restart_history(self) -> None:
         self._history = History(self.frame, self.level, MOST_TICKS)
         self._past = Past(self._history)
 
@@ -135,17 +135,18 @@ class Simulation:
         Raises:
             ValueError: There is no such robot, or it is not a desire.
         """
-        given = {name: desire_of(name, each) for name, each in (desires or {}).items()}
-        check_robots(sorted(given), self.robots)
+        overrides = {name: desire_of(name, desire) for name, desire in (desires or {}).items()}
+        check_robots(sorted(overrides), self.robots)
 
         def decide(_tick: int, decisions: tuple[Decision, ...]) -> tuple[Decision, ...]:
             return tuple(
-                replace(each, desire=given.get(each.robot_name, each.desire)) for each in decisions
+                replace(decision, desire=overrides.get(decision.robot_name, decision.desire))
+                for decision in decisions
             )
 
         self._world.restore(self.frame.after)
         self.frame = play_tick(
-            self._world, self._mind(), self.frame, decide=decide if given else None
+            self._world, self._mind(), self.frame, decide=decide if overrides else None
         )
         self._history.add(self.frame, self.program)
         return self.frame
@@ -198,13 +199,13 @@ class Simulation:
     def _ask(self, question: CompiledQuery) -> ResultTable:
         return self._mind().ask(question, self.frame.sensors, self.frame.memories_before)
 
-    def why(self, robot: str, row: str = "Robot", **given: Value) -> Explanation:
+    def why(self, robot: str, row: str = "Robot", **values: Value) -> Explanation:
         """Explain which rules gave a row in a robot's mind, or why there is none.
 
         Args:
             robot: The robot to ask.
             row: A predicate, or one with values as in ``Next(robot_name: "Crow")``.
-            given: Values of its columns.
+            values: Values of its columns.
 
         Raises:
             ValueError: There is no such robot.
@@ -215,9 +216,9 @@ class Simulation:
 
         check_robots([robot], self.robots)
         mind = self._mind(self.level.team_of(robot))
-        asked = read_ask(mind.program, row) if "(" in row else Ask(row)
+        ask = read_ask(mind.program, row) if "(" in row else Ask(row)
         explainer = Explainer(mind, robot, self.frame.sensors, self.frame.memories_before)
-        return explainer.why(replace(asked, given={**asked.given, **given}))
+        return explainer.why(replace(ask, given={**ask.given, **values}))
 
     def at(self, tick: int) -> Frame:
         """Return an earlier tick, or raise NoSuchTickError."""
@@ -234,13 +235,13 @@ class Simulation:
             ValueError: It is of a level with other robots or areas.
         """
         self._world.restore(saved.after)
-        known = self._history.first <= saved.tick <= self._history.last
-        is_past = known and self._past.frame(saved.tick) == saved
+        is_stored = self._history.first <= saved.tick <= self._history.last
+        is_past = is_stored and self._past.frame(saved.tick) == saved
         self.frame = saved
         if is_past:
             self._history.forget_future(saved.tick)
         else:
-            self._anew()
+            self._restart_history()
 
     def record(self, path: str | Path, name: str = "simulation") -> None:
         """Write the ticks since the start as a replay, which the game opens.
@@ -301,11 +302,9 @@ class Simulation:
         for tick in range(first, last + 1, max(1, (last - first) // _MOST_POINTS)):
             for robot in self._history.replay(tick)[1].moment.after.robots:
                 paths.setdefault(robot.name, []).append((robot.x, robot.y))
-        now = self.robots
-        robots = tuple(
-            replace(each, x=now[each.name].x, y=now[each.name].y, angle=now[each.name].angle)
-            for each in self.level.robots
-        )
+        states = self.robots
+        pairs = ((robot, states[robot.name]) for robot in self.level.robots)
+        robots = tuple(replace(robot, x=s.x, y=s.y, angle=s.angle) for robot, s in pairs)
         return svg(replace(self.level, robots=robots), paths)
 
     def _repr_html_(self) -> str:
@@ -315,7 +314,7 @@ class Simulation:
         return f"<Simulation of {self.level.name} at tick {self.tick}>"
 
     def close(self) -> None:
-        """Free the minds; they are made anew when they are needed."""
+        """Free the minds; new ones are made when they are needed."""
         for mind in self._minds.values():
             mind.close()
         self._minds.clear()
@@ -332,11 +331,11 @@ class Simulation:
         return self._minds[team]
 
 
-def check_robots(names: Iterable[str], known: Collection[str]) -> None:
+def check_robots(names: Iterable[str], robots: Collection[str]) -> None:
     """Raise ValueError for the first name that is not a robot."""
     for name in names:
-        if name not in known:
-            raise ValueError(f"There is no robot {name!r}. {did_you_mean(name, known)}")
+        if name not in robots:
+            raise ValueError(f"There is no robot {name!r}. {did_you_mean(name, robots)}")
 
 
 def _level(level: Level | str | Path) -> Level:
@@ -352,12 +351,12 @@ def _program(
 ) -> Program:
     if isinstance(program, Program):
         return program
-    usual = {team: each.text for team, each in programs_for(level, (), {}).items()}
-    first = next(iter(usual))
-    given = program if isinstance(program, Mapping) else {} if program is None else {first: program}
-    for team in given.keys() - usual.keys():
-        raise InputError(f"{level.name} has no team {team!r}.", hint=did_you_mean(team, usual))
-    texts = usual | {team: _text(each) for team, each in given.items()}
+    texts = {team: source.text for team, source in programs_for(level, (), {}).items()}
+    if not isinstance(program, Mapping):
+        program = {} if program is None else {next(iter(texts)): program}
+    for team in program.keys() - texts.keys():
+        raise InputError(f"{level.name} has no team {team!r}.", hint=did_you_mean(team, texts))
+    texts |= {team: _text(source) for team, source in program.items()}
     return Program.compile(texts).first
 
 

@@ -128,10 +128,10 @@ def _run_bounded() -> int | None:
         bound_calls()
         return None
     while True:
-        info = signal.sigwaitinfo(signals)
-        if info.si_signo != signal.SIGCHLD:
-            if info.si_code <= _SENT_TO_ONE:
-                os.kill(command, info.si_signo)
+        event = signal.sigwaitinfo(signals)
+        if event.si_signo != signal.SIGCHLD:
+            if event.si_code <= _SENT_TO_ONE:
+                os.kill(command, event.si_signo)
             continue
         pid, status = os.waitpid(command, os.WNOHANG)
         if not pid:  # it was only stopped or continued
@@ -159,8 +159,8 @@ class _Supervisor:
 
     def run(self) -> int:
         while True:
-            info = signal.sigtimedwait(_AWAITED, _LOOK_SECONDS)
-            number = 0 if info is None else info.si_signo
+            event = signal.sigtimedwait(_AWAITED, _LOOK_SECONDS)
+            number = 0 if event is None else event.si_signo
             if number == signal.SIGCHLD or number == 0:
                 status = self._status()
                 if status is not None:

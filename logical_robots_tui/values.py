@@ -60,11 +60,11 @@ def read_value(text: str) -> Value:
     return value
 
 
-def _as_json(found: re.Match[str]) -> str:
-    text, field = found.groups()
+def _as_json(match: re.Match[str]) -> str:
+    text, field = match.groups()
     if text:
         return json.dumps(ast.literal_eval(text))
-    return f'"{field}"' if field else found[0]
+    return f'"{field}"' if field else match[0]
 
 
 def _spell(value: Value, parts: list[str], room: list[int], is_rounded: bool) -> None:
@@ -123,14 +123,14 @@ def _scalar(value: float | bool | None, is_rounded: bool) -> str:
     return f"{value:.6g}"
 
 
-def is_same(one: Value, other: Value) -> bool:
+def is_same(left: Value, right: Value) -> bool:
     """Return whether two values are equal; a truth is not a number."""
-    if one is other:
+    if left is right:
         return True
-    if one != other:
+    if left != right:
         return False
-    if isinstance(one, dict) and isinstance(other, dict):
-        return all(is_same(value, other[name]) for name, value in one.items())
-    if isinstance(one, list) and isinstance(other, list):
-        return all(map(is_same, one, other))
-    return isinstance(one, bool) == isinstance(other, bool)
+    if isinstance(left, dict) and isinstance(right, dict):
+        return all(is_same(value, right[name]) for name, value in left.items())
+    if isinstance(left, list) and isinstance(right, list):
+        return all(map(is_same, left, right))
+    return isinstance(left, bool) == isinstance(right, bool)

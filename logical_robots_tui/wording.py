@@ -14,9 +14,9 @@ _INVISIBLE = {"Cf", "Zl", "Zp", "Cs"}
 _PREVIEW = 4_000
 
 
-def count_of(number: int, what: str) -> str:
+def count_of(number: int, noun: str) -> str:
     """Return a count in words, such as ``1 row`` or ``1,200 rows``."""
-    return f"{number:,} {what}{'' if number == 1 else 's'}"
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def join_names(names: Iterable[str]) -> str:
@@ -27,9 +27,7 @@ def join_names(names: Iterable[str]) -> str:
             series[-1].append(name)
         else:
             series.append([name])
-    return ", ".join(
-        ", ".join(each) if len(each) < 3 else f"{each[0]} … {each[-1]}" for each in series
-    )
+    return ", ".join(", ".join(run) if len(run) < 3 else f"{run[0]} … {run[-1]}" for run in series)
 
 
 def _successor(name: str) -> str | None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from logical_robots_tui.confinement import WHY, check_new_folder
+from logical_robots_tui.confinement import REFUSAL, check_new_folder
 from logical_robots_tui.paths import shipped_folder
 
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -111,7 +111,7 @@ class _AuditHook:
                 return
         elif not is_writing and any(_is_within(real, folder) for folder in self._code_folders):
             return
-        raise PermissionError(EACCES, WHY, str(path))
+        raise PermissionError(EACCES, REFUSAL, str(path))
 
     def _check_database(self, name: str | bytes | os.PathLike[str]) -> None:
         text = os.fsdecode(name)

@@ -61,7 +61,7 @@ def verdict(level: Level, program: Program, ticks: int) -> Verdict:
 
 
 def folder() -> CacheFolder:
-    return CacheFolder(cache_place("verdicts", named="verdicts"), ".json", MOST, MOST_BYTES)
+    return CacheFolder(cache_place("verdicts", subfolder="verdicts"), ".json", MOST, MOST_BYTES)
 
 
 def key_of(level: Level, program: Program) -> str:

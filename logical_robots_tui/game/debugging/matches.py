@@ -108,7 +108,7 @@ def _add(stretches: list[tuple[int, int]], tick: int) -> None:
 
 
 def _folder() -> CacheFolder:
-    return CacheFolder(cache_place("runs", named="runs"), SUFFIX, MAX_ENTRIES, MAX_BYTES)
+    return CacheFolder(cache_place("runs", subfolder="runs"), SUFFIX, MAX_ENTRIES, MAX_BYTES)
 
 
 def _find(name: str) -> Matches | None:

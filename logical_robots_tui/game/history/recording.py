@@ -281,7 +281,7 @@ def _damage_errors() -> Iterator[None]:
 
 
 def _folder() -> CacheFolder:
-    place = cache_place("runs", named="runs")
+    place = cache_place("runs", subfolder="runs")
     return CacheFolder(place, SUFFIX, MAX_ENTRIES, MAX_FOLDER_BYTES)
 
 

@@ -83,7 +83,7 @@ def next_value(row: Setting, value: Any, step: int) -> Any:
     if kind.base is bool:
         return not value
     if kind.base is int:
-        return min(max(value + step, int(kind.bounds.least)), int(kind.bounds.most))
+        return min(max(value + step, int(kind.bounds.minimum)), int(kind.bounds.maximum))
     choices = [*[None] * (row.default is None), *kind.choices]
     return choices[(choices.index(value) + step) % len(choices)]
 
