@@ -123,7 +123,7 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         }
         self._random = np.random.default_rng()
         self._run: World | Simulation | None = None
-        self._previous_values: dict[str, float] = {}
+        self._last_values: dict[str, float] = {}
 
     def observation_space(self, agent: str) -> spaces.Dict:
         """Return the space of observations, the same for each robot."""
@@ -147,7 +147,7 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
             previous_world = self._run if isinstance(self._run, World) else None
             self._run = World(start_of(self.level, start), like=previous_world)
         self.agents = list(self.possible_agents)
-        self._previous_values = self._values(self._state)
+        self._last_values = self._values(self._state)
         return self._observe(), {name: {} for name in self.agents}
 
     def step(
@@ -170,10 +170,8 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         is_over = is_won or state.tick == self.level.match_ticks
         is_late = state.tick >= self._ticks and not is_over
         values = self._values(state)
-        rewards = {
-            name: values[name] - self._previous_values[name] + is_won for name in self.agents
-        }
-        self._previous_values = values
+        rewards = {name: values[name] - self._last_values[name] + is_won for name in self.agents}
+        self._last_values = values
         agents, observations = self.agents, self._observe()
         if is_over or is_late:
             self.agents = []

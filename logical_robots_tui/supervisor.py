@@ -37,7 +37,7 @@ _INTERRUPTS, _INTERRUPT_SECONDS = 3, 2.0
 _TO_END = 2.5  # seconds that a game has to end after it was asked to
 _COMPUTED_TO_END = 1.5  # processor seconds that it may take for that
 _STARVED_TO_END = 15.0  # seconds where other processes leave it no processor
-_IDLE_SECONDS = 0.01  # processor seconds between two looks; threads that only wait take half of it
+_IDLE = 0.01  # processor seconds between two looks; threads that only wait take half of it
 
 _ENDS = frozenset((signal.SIGHUP, signal.SIGTERM))
 _AWAITED = frozenset((*_ENDS, signal.SIGCHLD, signal.SIGCONT, signal.SIGINT, signal.SIGTSTP))
@@ -211,9 +211,7 @@ class _Supervisor:
             return False
         seconds = _processor_seconds(self._game)
         self._looks += 1
-        self._idle_looks = (
-            self._idle_looks + 1 if seconds - self._last_computed < _IDLE_SECONDS else 0
-        )
+        self._idle_looks = self._idle_looks + 1 if seconds - self._last_computed < _IDLE else 0
         self._last_computed = seconds
         if self._looks == _LOOKS_TO_INTERRUPT and not _is_restricted():
             self._let_interrupt()

@@ -228,12 +228,8 @@ class TomlFile:
         if kind is None:
             choices = [choice for k in kinds for choice in k.choices]
             suggestion = did_you_mean(value, choices) if isinstance(value, str) else ""
-            requirement = (
-                "can't be" if suggestion else f"must be {' or '.join(map(str, kinds))}, not"
-            )
-            self.problem(
-                path, f'"{_name(path)}" {requirement} {_display(value)}. {suggestion}'.strip()
-            )
+            verb = "can't be" if suggestion else f"must be {' or '.join(map(str, kinds))}, not"
+            self.problem(path, f'"{_name(path)}" {verb} {_display(value)}. {suggestion}'.strip())
             return None
         if kind.base not in (list, dict) or kind.inner is Any:
             return float(value) if kind.base is float else value
@@ -246,9 +242,7 @@ class TomlFile:
     def _record(self, kind: type, table: Mapping[str, Any], path: Path_) -> Any:
         values = self.table(get_type_hints(kind, include_extras=True), table, path)
         parameters = signature(kind).parameters.values()
-        required = {
-            parameter.name for parameter in parameters if parameter.default is Parameter.empty
-        }
+        required = {p.name for p in parameters if p.default is Parameter.empty}
         for name in required - table.keys():
             self.problem(path, f'"{_name((*path, name))}" is missing')
         return kind(**values) if required <= values.keys() else None

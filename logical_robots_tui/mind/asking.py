@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 from logical_robots_tui.language.diagnostics import Stopped, printable
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import TRUTH_MARK, CompiledQuery, Program, Tuned
-from logical_robots_tui.mind.sqlite.budget import EvaluationBudget, TooHeavyError
+from logical_robots_tui.mind.sqlite.budget import QueryBudget, TooHeavyError
 from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
 from logical_robots_tui.mind.sqlite.database import Scalar, TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.inputs import Inputs, View
@@ -71,10 +71,8 @@ class MindDatabases:
         self._tuned: TunedTables | None = None
         if program.tuned and not plain:
             robot = program.tuned.get("Robot")
-            few_robots_layout = (
-                LISTS_LAYOUT if robot is not None and robot.crowd else COLUMNS_LAYOUT
-            )
-            self._tuned = TunedTables(limits, frozen=frozen, few_robots_layout=few_robots_layout)
+            small_layout = LISTS_LAYOUT if robot is not None and robot.crowd else COLUMNS_LAYOUT
+            self._tuned = TunedTables(limits, frozen=frozen, small_layout=small_layout)
         self._max_depth = limits.depth
         self._read_value = Interner().read if frozen else from_sql
 
@@ -86,12 +84,7 @@ class MindDatabases:
         return CompiledQuery(predicate, sql, truths=truths, labels=labels, tuned=tuned)
 
     def answers(
-        self,
-        question: CompiledQuery,
-        inputs: Inputs,
-        budget: EvaluationBudget,
-        *,
-        in_order: bool = True,
+        self, question: CompiledQuery, inputs: Inputs, budget: QueryBudget, *, in_order: bool = True
     ) -> Iterator[tuple[View, Answer | FailureError]]:
         """Yield each view's rows, truncated to the limits, or why there are none."""
         # All at once, because the caller may query something else in between.
@@ -105,7 +98,7 @@ class MindDatabases:
                 yield view, failure
 
     def rows(
-        self, question: CompiledQuery, inputs: Inputs, view: View, budget: EvaluationBudget
+        self, question: CompiledQuery, inputs: Inputs, view: View, budget: QueryBudget
     ) -> Answer:
         """Return the rows for one view; raise FailureError, also for too many."""
         if not question.sql:
@@ -118,7 +111,7 @@ class MindDatabases:
         return _with_truths(question.truths, answer)
 
     def plan(
-        self, predicate: str, inputs: Inputs, view: View, budget: EvaluationBudget
+        self, predicate: str, inputs: Inputs, view: View, budget: QueryBudget
     ) -> tuple[str, tuple[str, ...]]:
         """Return the tuned SQL, or "", and SQLite's plan for the SQL run; raise FailureError."""
         tuned = self.program.tuned.get(predicate)
@@ -131,15 +124,13 @@ class MindDatabases:
         return "", plan_lines(self.plain_rows(f"{_PLAN}{sql}", inputs, view, budget)[1])
 
     def unfinished_recursions(
-        self, inputs: Inputs, view: View, budget: EvaluationBudget
+        self, inputs: Inputs, view: View, budget: QueryBudget
     ) -> Iterator[tuple[str, int]]:
         """Yield each recursion that was cut off, with the number of its steps."""
         for predicate, (steps, sql) in self.program.recursions.items():
-            growth_query = CompiledQuery(
-                "", sql, tuned=self.program.tuned.get(f"{predicate} grows")
-            )
+            query = CompiledQuery("", sql, tuned=self.program.tuned.get(f"{predicate} grows"))
             try:
-                _, rows = self.rows(growth_query, inputs, view, budget)
+                _, rows = self.rows(query, inputs, view, budget)
             except FailureError:
                 continue
             if rows[0][0]:
@@ -155,7 +146,7 @@ class MindDatabases:
         sql: str,
         inputs: Inputs,
         view: View,
-        budget: EvaluationBudget,
+        budget: QueryBudget,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
         """Return the rows of any query over ``Sensor`` and ``Memory``; raise FailureError."""
@@ -166,7 +157,7 @@ class MindDatabases:
     # -- inside --------------------------------------------------------------------------------
 
     def _tuned_answers(
-        self, tuned: Tuned | None, inputs: Inputs, budget: EvaluationBudget, *, in_order: bool
+        self, tuned: Tuned | None, inputs: Inputs, budget: QueryBudget, *, in_order: bool
     ) -> Sequence[Answer]:
         if self._tuned is None or tuned is None:
             return ()
@@ -195,7 +186,7 @@ class MindDatabases:
         raw_rows: Sequence[tuple[Any, ...]],
         tuned: Tuned,
         inputs: Inputs,
-        budget: EvaluationBudget,
+        budget: QueryBudget,
         in_order: bool,
     ) -> list[Answer] | None:
         """Split rows that end with a viewer's number into answers; None if that isn't safe."""
@@ -219,7 +210,7 @@ class MindDatabases:
         return answers
 
     def _tuned_answer(
-        self, tuned: Tuned | None, inputs: Inputs, view: View, budget: EvaluationBudget
+        self, tuned: Tuned | None, inputs: Inputs, view: View, budget: QueryBudget
     ) -> Answer | None:
         if self._tuned is None or tuned is None:
             return None
@@ -227,7 +218,7 @@ class MindDatabases:
             return self._assemble(self._tuned.ask(tuned, inputs, view, budget), tuned, budget)
         return None
 
-    def _assemble(self, raw: RawAnswer, tuned: Tuned, budget: EvaluationBudget) -> Answer | None:
+    def _assemble(self, raw: RawAnswer, tuned: Tuned, budget: QueryBudget) -> Answer | None:
         columns, rows = raw
         if not tuned.result:
             return columns, self._read_all(rows, budget)
@@ -247,11 +238,11 @@ class MindDatabases:
         return names, records
 
     def _read_all(
-        self, rows: Sequence[tuple[Any, ...]], budget: EvaluationBudget
+        self, rows: Sequence[tuple[Any, ...]], budget: QueryBudget
     ) -> list[tuple[Value, ...]]:
         return [tuple(self._read(row, budget)) for row in rows]
 
-    def _read(self, row: Sequence[Any], budget: EvaluationBudget) -> list[Value]:
+    def _read(self, row: Sequence[Any], budget: QueryBudget) -> list[Value]:
         read, max_depth = self._read_value, self._max_depth
         if budget.is_large:
             budget.weigh(row)
@@ -310,15 +301,13 @@ _logged: set[type[Exception]] = set()  # each class of our bugs is logged once
 
 
 @contextmanager
-def failures_in_words(budget: EvaluationBudget) -> Iterator[None]:
+def failures_in_words(budget: QueryBudget) -> Iterator[None]:
     """Turn any exception of a query but `Stopped` into a `FailureError` for the player."""
     try:
         yield
     except TooSlowError:
-        is_late, message = (
-            budget.remainder.is_late,
-            f"thinking took more than {budget.steps:,} steps",
-        )
+        is_late = budget.remainder.is_late
+        message = f"thinking took more than {budget.steps:,} steps"
         if is_late:
             message = f"a time limit ended it after {budget.seconds:g} seconds; "
             message += "another run may differ"

@@ -11,7 +11,7 @@ from typing import Literal, TypeAlias
 
 from logical_robots_tui.mind.asking import FailureError, MindDatabases
 from logical_robots_tui.mind.limits import MAX_CHARACTER_WEIGHT, Limits, weight_of
-from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
+from logical_robots_tui.mind.sqlite.budget import QueryBudget
 from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.mind.sqlite.stored import size_of, to_json
 from logical_robots_tui.schema import DESIRE
@@ -133,9 +133,8 @@ def _advice(fault: str) -> str:
 def _desire(value: Value, notices: list[Notice]) -> Desire | None:
     if not isinstance(value, dict):
         fault = "null" if value is None else "not a record"
-        notices.append(
-            Notice("bad engine", f"The desire is {fault}: engines stop.{_advice(fault)}")
-        )
+        message = f"The desire is {fault}: engines stop.{_advice(fault)}"
+        notices.append(Notice("bad engine", message))
         return None
     left, right = value.get("left_engine"), value.get("right_engine")
     if left.__class__ is float and right.__class__ is float and math.isfinite(left + right):
@@ -174,7 +173,7 @@ def blame(
     predicates: Iterable[str],
     inputs: Inputs,
     view: View,
-    budget: EvaluationBudget,
+    budget: QueryBudget,
 ) -> Notice:
     """Return a notice that names the predicate that failed first."""
     whose = " and ".join(view.viewers[:3])
@@ -204,7 +203,7 @@ def blame(
 
 
 def cut_offs(
-    databases: MindDatabases, inputs: Inputs, view: View, budget: EvaluationBudget
+    databases: MindDatabases, inputs: Inputs, view: View, budget: QueryBudget
 ) -> Iterator[Notice]:
     """Yield a notice for each recursion that still changed at its last step."""
     for predicate, steps in databases.unfinished_recursions(inputs, view, budget):

@@ -15,7 +15,7 @@ from logical_robots_tui.mind.asking import Answer, FailureError, MindDatabases
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import CompiledQuery, Program, QueryPlan, ResultTable
-from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
+from logical_robots_tui.mind.sqlite.budget import QueryBudget
 from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.values import SensorRow, Value
 
@@ -68,7 +68,7 @@ class Mind:
         self._robot_answers: list[tuple[View, Answer]] = []
         self._databases = MindDatabases(program, self.limits, plain=plain, frozen=frozen)
         self._robot_query = self._databases.query_for("Robot")
-        self._budget = EvaluationBudget.of_thought(self.limits)
+        self._budget = QueryBudget.of_thought(self.limits)
 
     @classmethod
     def for_level(cls, program: Program, level: Level, limits: Limits | None = None) -> Mind:
@@ -113,9 +113,7 @@ class Mind:
         self._budget.is_exact = budget.is_exact and budget.remainder.steps < 0
         return decisions
 
-    def _decisions(
-        self, inputs: Inputs, memories: Memories, budget: EvaluationBudget
-    ) -> list[Decision]:
+    def _decisions(self, inputs: Inputs, memories: Memories, budget: QueryBudget) -> list[Decision]:
         names = inputs.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
@@ -357,12 +355,12 @@ class Mind:
 
     def _query_budget(
         self, rows: int, stop: threading.Event | None, *, truncates: bool = True
-    ) -> EvaluationBudget:
+    ) -> QueryBudget:
         try:
             check_room(_REQUIRED_BYTES)
         except MemoryError:
             raise QueryError("There is not enough memory to look this up.") from None
-        return EvaluationBudget.of_query(self.limits, rows, stop, truncates=truncates)
+        return QueryBudget.of_query(self.limits, rows, stop, truncates=truncates)
 
     def _inputs_of(self, rows: Sequence[SensorRow], memories: Memories) -> Inputs:
         """Return the inputs as an object; the previous one if nothing can have changed."""

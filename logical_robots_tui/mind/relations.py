@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.asking import failures_in_words
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL, EvaluationBudget
+from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL, QueryBudget
 from logical_robots_tui.mind.sqlite.database import Answer, Scalar, TooSlowError
 from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
@@ -60,7 +60,7 @@ def with_given(sql: str, number: int) -> str:
 
 class Relations:
     def __init__(
-        self, databases: MindDatabases, inputs: Inputs, view: View, budget: EvaluationBudget
+        self, databases: MindDatabases, inputs: Inputs, view: View, budget: QueryBudget
     ) -> None:
         self._databases, self._plain = databases, databases.plain_tables
         self._inputs, self._view, self.budget = inputs, view, budget
@@ -95,11 +95,9 @@ class Relations:
             self._cut_off = [*self._databases.unfinished_recursions(*self._query_arguments)]
         used_predicates, pending = {predicate}, [predicate]
         while pending:
-            new_predicates = (
-                set(self._databases.program.uses.get(pending.pop(), ())) - used_predicates
-            )
-            used_predicates |= new_predicates
-            pending += new_predicates
+            callees = set(self._databases.program.uses.get(pending.pop(), ())) - used_predicates
+            used_predicates |= callees
+            pending += callees
         return [recursion for recursion in self._cut_off if recursion[0] in used_predicates]
 
     def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
@@ -119,16 +117,14 @@ class Relations:
             rows = self._inputs.sensor_rows[first : last + 1]
             return [row["robot_name"] for row in rows if same(row["sensor"], value)]
         first, last = self._view.memories
-        visible_names = [
-            name for number, name in self._inputs.memory_rows if first <= number <= last
-        ]
+        visible_names = [name for n, name in self._inputs.memory_rows if first <= n <= last]
         return [name for name in visible_names if same(self._inputs.memory_values.get(name), value)]
 
     def renew(self) -> None:
         self.budget.renew()
 
     @property
-    def _query_arguments(self) -> tuple[Inputs, View, EvaluationBudget]:
+    def _query_arguments(self) -> tuple[Inputs, View, QueryBudget]:
         return self._inputs, self._view, self.budget
 
     def spend(self, steps: int) -> None:
@@ -169,9 +165,8 @@ class Relations:
         derivations: list[Way] = [dict(zip(names, row, strict=True)) for row in rows]
         for column in _remarks(sql)[0] & {*names}:
             for derivation in derivations:
-                derivation[column] = (
-                    None if derivation[column] is None else bool(derivation[column])
-                )
+                if derivation[column] is not None:
+                    derivation[column] = bool(derivation[column])
         return derivations
 
     def chosen_key(

@@ -22,7 +22,7 @@ _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _DEVICES = frozenset(("/dev/null", "/dev/tty", "/dev/urandom"))
 _PACKAGES = ("site-packages", "dist-packages", "lib-dynload")
 _SYSTEM_PATHS = ("/usr/share/zoneinfo", "/etc/localtime", "/usr/share/terminfo", "/lib/terminfo")
-_OWN_FOLDERS = (".cache/logical-robots", ".local/state/logical-robots")
+_HIDDEN = (".cache/logical-robots", ".local/state/logical-robots")
 """The game's own folders below a player's; in no other that begins with a dot can it write."""
 
 _CHANGE_EVENTS = frozenset(
@@ -57,10 +57,8 @@ def allow_only(
 class _AuditHook:
     """Refuses operations that Python announces, by raising PermissionError."""
 
-    def __init__(
-        self, own_folder: Path | None, may_start: Callable[[object, object], bool]
-    ) -> None:
-        self._folder = "" if own_folder is None else str(own_folder)
+    def __init__(self, root: Path | None, may_start: Callable[[object, object], bool]) -> None:
+        self._folder = "" if root is None else str(root)
         self._may_start = may_start
         # Not sys.prefix, which may be /usr, with much else in it.
         code: set[str | Path] = {
@@ -71,7 +69,7 @@ class _AuditHook:
         code |= {
             path
             for path in sys.path
-            if own_folder is None or Path(path).name in _PACKAGES or path.endswith(".zip")
+            if root is None or Path(path).name in _PACKAGES or path.endswith(".zip")
         }
         real_paths = {os.path.realpath(os.fspath(folder)) for folder in code if folder}
         # A folder that contains the player's would also contain those of others.
@@ -127,6 +125,4 @@ def _is_visible(relative: str) -> bool:
     """Return whether a file is in no hidden folder except those of the game."""
     if not any(part.startswith(".") for part in Path(relative).parts[:-1]):
         return True
-    return any(
-        _is_within(relative, folder) or _is_within(folder, relative) for folder in _OWN_FOLDERS
-    )
+    return any(_is_within(relative, folder) or _is_within(folder, relative) for folder in _HIDDEN)

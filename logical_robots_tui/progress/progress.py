@@ -64,7 +64,7 @@ class Progress(Store):
     """
 
     def record(self, level: str) -> LevelRecord:
-        level = _without_surrogates(level)
+        level = _encodable(level)
 
         def read_record(connection: sqlite3.Connection) -> LevelRecord:
             begun, won, hints, versions, ticks, size, distance, rules = connection.execute(
@@ -114,19 +114,19 @@ class Progress(Store):
         rows = self._rows(
             "SELECT number, text, kept, won, ticks, size, distance, wins, starts, goals "
             "FROM version WHERE level = ? ORDER BY turn DESC",
-            _without_surrogates(level),
+            _encodable(level),
         )
         return [_version(row) for row in rows]
 
     def newest(self, level: str) -> str | None:
         query = "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1"
-        return self._value(query, _without_surrogates(level))
+        return self._value(query, _encodable(level))
 
     def measures(self, level: str, text: str) -> Measures | None:
         rows = self._rows(
             "SELECT ticks, size, distance, wins, coalesce(starts, 0), goals FROM version "
             "WHERE level = ? AND digest = ? AND ticks NOT NULL",
-            _without_surrogates(level),
+            _encodable(level),
             _digest(text),
         )
         return Measures(*rows[0])._replace(goals=_split(rows[0][-1])) if rows else None
@@ -142,7 +142,7 @@ class Progress(Store):
         self.write(lambda connection: connection.execute(query, (name, value)))
 
     def _write_level(self, work: Callable[..., None], level: str, *values: object) -> None:
-        self.write(lambda connection: work(connection, _without_surrogates(level), *values))
+        self.write(lambda connection: work(connection, _encodable(level), *values))
 
     def _rows(self, query: str, *values: str) -> list[Any]:
         return self.read(lambda connection: connection.execute(query, values).fetchall())
@@ -154,7 +154,7 @@ class Progress(Store):
 def _begin(connection: sqlite3.Connection, level: str) -> None:
     connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
     connection.execute(
-        "UPDATE level SET begun = ? WHERE name = ? AND begun IS NULL", (_current_time(), level)
+        "UPDATE level SET begun = ? WHERE name = ? AND begun IS NULL", (_timestamp(), level)
     )
 
 
@@ -166,12 +166,12 @@ def _reveal(connection: sqlite3.Connection, level: str, hints: int) -> None:
 def _answer(connection: sqlite3.Connection, level: str, question: str, query: str) -> None:
     connection.execute(
         "INSERT OR REPLACE INTO answer VALUES (?, ?, ?)",
-        (level, _without_surrogates(question), _without_surrogates(query)),
+        (level, _encodable(question), _encodable(query)),
     )
 
 
 def _win(connection: sqlite3.Connection, level: str, text: str, measures: Measures | None) -> None:
-    time = _current_time()
+    time = _timestamp()
     _keep(connection, level, text)
     connection.execute("UPDATE level SET won = coalesce(won, ?) WHERE name = ?", (time, level))
     connection.execute(
@@ -185,9 +185,7 @@ def _win(connection: sqlite3.Connection, level: str, text: str, measures: Measur
 def _keep(connection: sqlite3.Connection, level: str, *texts: str) -> None:
     for text in texts:
         _begin(connection, level)
-        connection.execute(
-            _KEEP, (level, _digest(text), _without_surrogates(text), _current_time())
-        )
+        connection.execute(_KEEP, (level, _digest(text), _encodable(text), _timestamp()))
         connection.execute(_FORGET, (level, MOST_VERSIONS))
 
 
@@ -225,11 +223,11 @@ def _split(goals: str) -> tuple[str, ...]:
     return tuple(goals.splitlines())
 
 
-def _current_time() -> str:
+def _timestamp() -> str:
     return datetime.now(UTC).isoformat()
 
 
-def _without_surrogates(text: str) -> str:
+def _encodable(text: str) -> str:
     """Return the text with lone surrogates, as in paths, replaced; SQLite can't store them."""
     return text.encode("utf-8", "replace").decode()
 
@@ -237,4 +235,4 @@ def _without_surrogates(text: str) -> str:
 def _digest(text: str) -> str:
     import hashlib  # takes time that the first picture needs
 
-    return hashlib.sha256(_without_surrogates(text).encode()).hexdigest()
+    return hashlib.sha256(_encodable(text).encode()).hexdigest()

@@ -11,8 +11,8 @@ from logical_robots_tui.mind import Limits, Mind, Program, QueryError
 from logical_robots_tui.mind.sqlite import budget
 from logical_robots_tui.mind.sqlite.budget import (
     STEPS_AT_ONCE,
-    EvaluationBudget,
     MeteredWork,
+    QueryBudget,
     StepBudget,
 )
 from logical_robots_tui.mind.sqlite.database import Database, TooSlowError
@@ -123,7 +123,7 @@ def test_functions_that_are_offered_and_aggregates_are_counted() -> None:
         for steps, is_enough in ((900_000, False), (1_500_000, True)):
             with closing(Database(Limits())) as database:
                 database.register("measured", len)
-                within = EvaluationBudget(steps, 30.0, 10, None)
+                within = QueryBudget(steps, 30.0, 10, None)
                 with nullcontext() if is_enough else pytest.raises(TooSlowError):
                     database.ask(sql, max_rows=10, budget=within)
                 assert not within.remainder.is_late

@@ -117,10 +117,8 @@ def runs(name: str) -> bool:
     template = _templates().get(name)
     if not template:
         return False
-    smallest, largest = arity(name)
-    counts = (
-        range(smallest, min(int(largest), smallest + 2) + 1) if largest < math.inf else range(2, 3)
-    )
+    low, high = arity(name)
+    counts = range(low, min(int(high), low + 2) + 1) if high < math.inf else range(2, 3)
     return any(_compiles(template, count) for count in counts)
 
 

@@ -62,9 +62,7 @@ def cast(value: exp.Expr, to: str) -> exp.Expr:
     return call("CAST", exp.Alias(this=value.copy(), alias=exp.to_identifier(to)))
 
 
-_JSON_FUNCTIONS = frozenset(
-    {"json", "json_array", "json_extract", "json_group_array", "json_object"}
-)
+_JSON_MAKERS = frozenset({"json", "json_array", "json_extract", "json_group_array", "json_object"})
 """Functions whose results SQLite treats as JSON, not as texts, inside JSON."""
 
 _TRANSPARENT_FUNCTIONS = frozenset({"coalesce", "ifnull", "iif", "if", "nullif"})
@@ -165,7 +163,7 @@ def _is_json(value: exp.Expr) -> bool:
     if name in _TRANSPARENT_FUNCTIONS:
         values = value.expressions[1:] if name in ("iif", "if") else value.expressions
         return all(map(_is_json, values[:1] if name == "nullif" else values))
-    return name in _JSON_FUNCTIONS or isinstance(value, exp.Null)
+    return name in _JSON_MAKERS or isinstance(value, exp.Null)
 
 
 def _rename(node: exp.Anonymous, kinds: Sequence[Kind], result_kind: Kind) -> Kind:
@@ -256,9 +254,7 @@ def _as_cast(kind: Kind, *, in_order: bool = True) -> Kind:
     if isinstance(kind, ListOf):
         return ListOf(_as_cast(kind.element, in_order=in_order))
     if isinstance(kind, RecordOf):
-        fields = [
-            (name, _as_cast(field_kind, in_order=in_order)) for name, field_kind in kind.fields
-        ]
+        fields = [(name, _as_cast(k, in_order=in_order)) for name, k in kind.fields]
         by_name = sorted(fields, key=lambda field: field[0])
         return RecordOf(tuple(by_name if in_order else fields))
     return Plain.REAL if types.is_number(kind) else kind

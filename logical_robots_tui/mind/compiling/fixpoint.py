@@ -121,11 +121,7 @@ class _RecursionExtractor:
 
     def extract(self, name: str) -> None:
         # The predicates mutually recursive with it, itself included.
-        circle = {
-            callee
-            for callee in _reachable(name, self._uses)
-            if name in _reachable(callee, self._uses)
-        }
+        circle = {n for n in _reachable(name, self._uses) if name in _reachable(n, self._uses)}
         if not circle or circle & (self._extracted | self._excluded):
             return
         recursive = [a for a in self._annotations if a.name == "@Recursive" and a.subject in circle]

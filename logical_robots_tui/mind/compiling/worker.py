@@ -232,10 +232,8 @@ def keep_preparable(queries: dict[str, Tuned]) -> dict[str, Tuned]:
         database.register(WHOLE_RAY, lambda _: None)
         for name, tuned in queries.items():
             if is_prepared_soon(database, tuned.sql, tuned.bounds):
-                joint_queries = (tuned.for_all(alike=alike) for alike in (False, True))
-                is_joint = all(
-                    not sql or is_prepared_soon(database, sql, n) for sql, n in joint_queries
-                )
+                pairs = (tuned.for_all(alike=alike) for alike in (False, True))
+                is_joint = all(not sql or is_prepared_soon(database, sql, n) for sql, n in pairs)
                 preparable[name] = (
                     tuned if is_joint else replace(tuned, together="", together_alike="")
                 )

@@ -56,7 +56,7 @@ _CLOSE_SHARE = 0.1  # of all steps; far more than the error of an inexact count
 
 
 @dataclass(slots=True, eq=False)
-class EvaluationBudget:
+class QueryBudget:
     """The budget of steps and rows that several evaluations share.
 
     Attributes:
@@ -88,14 +88,14 @@ class EvaluationBudget:
         self.renew()
 
     @classmethod
-    def of_thought(cls, limits: Limits) -> EvaluationBudget:
+    def of_thought(cls, limits: Limits) -> QueryBudget:
         steps, seconds, rows = limits.think_steps, limits.think_seconds, limits.think_rows
         return cls(steps, seconds, rows, None, weight=limits.think_weight)
 
     @classmethod
     def of_query(
         cls, limits: Limits, rows: int, stop: threading.Event | None, *, truncates: bool = True
-    ) -> EvaluationBudget:
+    ) -> QueryBudget:
         steps, seconds = limits.query_steps, limits.query_seconds
         return cls(steps, seconds, rows, stop, truncates=truncates, weight=limits.think_weight)
 
@@ -120,7 +120,7 @@ class EvaluationBudget:
             whole.seconds, whole.is_late = part.seconds, part.is_late
             self.remainder = whole
 
-    def exact(self) -> EvaluationBudget:
+    def exact(self) -> QueryBudget:
         """Return the same budget unused, counted exactly."""
         return replace(self, seconds=max(self.remainder.seconds, 0.0), is_exact=True)
 

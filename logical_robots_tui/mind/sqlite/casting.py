@@ -323,30 +323,26 @@ class _DuckDBReader:
         self._text = text.strip(_SPACES)
         self._closing = _CLOSES[opening]
         self._offset = 1
-        self._is_malformed = self._text[:1] != opening
+        self._is_broken = self._text[:1] != opening
 
     @property
     def is_at_end(self) -> bool:
         """Whether the closing bracket or the end of the text comes next."""
         space = _SPACE.match(self._text, self._offset)
         offset = space.end() if space else self._offset
-        return (
-            self._is_malformed or offset >= len(self._text) or self._text[offset] == self._closing
-        )
+        return self._is_broken or offset >= len(self._text) or self._text[offset] == self._closing
 
     @property
     def is_complete(self) -> bool:
         """Whether everything was read, and quotes and brackets match."""
-        return not self._is_malformed and self._text[self._offset :].strip(_SPACES) == self._closing
+        return not self._is_broken and self._text[self._offset :].strip(_SPACES) == self._closing
 
     def part(self, separator: str) -> tuple[str | None, str]:
         """Return the next part, or None for an unquoted null, and the separator after it, or ""."""
         text, pieces, quoted_indexes = self._text, list[str](), list[int]()
         separator_read = ""
         while (
-            self._offset < len(text)
-            and not self._is_malformed
-            and text[self._offset] != self._closing
+            self._offset < len(text) and not self._is_broken and text[self._offset] != self._closing
         ):
             offset, character = self._offset, text[self._offset]
             if character == separator:
@@ -377,7 +373,7 @@ class _DuckDBReader:
         return begin.lstrip(_SPACES) + inside + end.rstrip(_SPACES), separator_read
 
     def _move(self, offset: int) -> None:
-        self._is_malformed = offset < 0
+        self._is_broken = offset < 0
         self._offset = max(self._offset, offset)
 
 

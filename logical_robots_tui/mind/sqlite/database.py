@@ -16,8 +16,8 @@ from logical_robots_tui.mind.sqlite.budget import (
     LONG,
     MAX_ITEMS,
     STEPS_AT_ONCE,
-    EvaluationBudget,
     MeteredWork,
+    QueryBudget,
     charge,
 )
 from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT, SqlLayout
@@ -169,7 +169,7 @@ class Database:
         parameters: Sequence[Scalar] = (),
         *,
         max_rows: int,
-        budget: EvaluationBudget | None = None,
+        budget: QueryBudget | None = None,
     ) -> Answer:
         """Return the column names and at most `max_rows` rows of one read-only query.
 
@@ -180,7 +180,7 @@ class Database:
             sqlite3.Error: It failed, in a callback too, or used something that is not allowed.
         """
         if budget is None:
-            budget = EvaluationBudget.of_thought(self._limits)
+            budget = QueryBudget.of_thought(self._limits)
         remainder, stop = budget.remainder, budget.stop
         if stop is not None and stop.is_set():
             raise Stopped("The program was stopped before it started thinking.")

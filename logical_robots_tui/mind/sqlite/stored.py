@@ -15,8 +15,8 @@ _MAX_DEPTH = 100
 _LONG = 10_000  # characters
 _LARGEST = 2**63
 
-_SUSPICIOUS = ("\\", '"{', '"[', "Inf")
-_HUGE_EXPONENT = re.compile(r"e\+?\d\d\d")
+_SUSPECTS = ("\\", '"{', '"[', "Inf")
+_HUGE = re.compile(r"e\+?\d\d\d")
 """Characters of a text that may contain a record, a lone surrogate, or an infinite number."""
 
 _REPLACEMENT = "\N{REPLACEMENT CHARACTER}"
@@ -84,11 +84,7 @@ def _from_json(text: str, max_depth: int) -> Value:
         if depth_bound > max_depth:  # of siblings one counts
             depth_bound -= text.count("},{") + text.count("],[")
         is_shallow = depth_bound <= max_depth
-        if (
-            is_shallow
-            and not any(map(text.__contains__, _SUSPICIOUS))
-            and not _HUGE_EXPONENT.search(text)
-        ):
+        if is_shallow and not any(map(text.__contains__, _SUSPECTS)) and not _HUGE.search(text):
             return parsed
     except RecursionError:
         raise TooDeepError(_TOO_DEEP) from None

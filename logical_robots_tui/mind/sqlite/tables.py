@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite import layouts
-from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
+from logical_robots_tui.mind.sqlite.budget import QueryBudget
 from logical_robots_tui.mind.sqlite.database import Answer, Database, Scalar, TooMuchError
 from logical_robots_tui.mind.sqlite.inputs import Inputs, View
 from logical_robots_tui.mind.sqlite.layouts import Insertion, SqlLayout, insertions
@@ -37,7 +37,7 @@ class PlainTables(Database):
         sql: str,
         inputs: Inputs,
         view: View,
-        budget: EvaluationBudget,
+        budget: QueryBudget,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
         """Return a query's rows; raise as `load` and `ask` do."""
@@ -70,11 +70,11 @@ class TunedTables:
         limits: Limits,
         *,
         frozen: bool = False,
-        few_robots_layout: SqlLayout = layouts.COLUMNS_LAYOUT,
+        small_layout: SqlLayout = layouts.COLUMNS_LAYOUT,
     ) -> None:
         self._limits = limits
-        self._few_robots_layout = few_robots_layout
-        self._database = self._new_database(few_robots_layout)
+        self._small_layout = small_layout
+        self._database = self._new_database(small_layout)
         self._radars = _RadarTable(frozen=frozen)
         self._is_crowd = False
         self._inputs: Inputs | None = None
@@ -87,14 +87,14 @@ class TunedTables:
         # Columns that these inputs do not fit: no other view need try.
         self._unfit: tuple[Inputs | None, list[Mapping[str, tuple[str, ...]]]] = None, []
 
-    def ask(self, tuned: Tuned, inputs: Inputs, view: View, budget: EvaluationBudget) -> Answer:
+    def ask(self, tuned: Tuned, inputs: Inputs, view: View, budget: QueryBudget) -> Answer:
         """Return a query's rows; raise as `Database` does, or UnfitError for unusual data."""
         bounds = (*view.sensors, *view.memories)[: tuned.bounds]
         tuned = self.variant_for(tuned, inputs)
         return self._ask(tuned.sql, bounds, budget.rows + 1, tuned, inputs, budget)
 
     def ask_together(
-        self, tuned: Tuned, inputs: Inputs, budget: EvaluationBudget, max_rows: int
+        self, tuned: Tuned, inputs: Inputs, budget: QueryBudget, max_rows: int
     ) -> Answer:
         """Return at most `max_rows` rows for all views; raise as `ask` does."""
         last = len(inputs.sensor_rows) - 1
@@ -117,7 +117,7 @@ class TunedTables:
         max_rows: int,
         tuned: Tuned,
         inputs: Inputs,
-        budget: EvaluationBudget,
+        budget: QueryBudget,
     ) -> Answer:
         if self._unfit[0] is not inputs:
             self._unfit = inputs, []
@@ -139,7 +139,7 @@ class TunedTables:
                 self._is_crowd = not self._is_crowd
                 self._database.close()
                 self._database = self._new_database(
-                    layouts.CROWD_LAYOUT if self._is_crowd else self._few_robots_layout
+                    layouts.CROWD_LAYOUT if self._is_crowd else self._small_layout
                 )
                 self._reset()
             # Of the previous inputs only the names are kept, which are often the same.

@@ -59,23 +59,23 @@ class _Lifter:
             return self._lift_union(query, is_required=is_required)
         if not isinstance(query, exp.Select):
             raise _UnsuitableError
-        with_clause = query.args.get("with_")
+        clause = query.args.get("with_")
         query.set("with_", None)
-        for cte in with_clause.expressions if with_clause else ():
+        for cte in clause.expressions if clause else ():
             original = cte.this.copy()
             if self.lift(cte.this):
                 self._dependent[cte.alias] = original
         lift = self._lift_all_columns if query.is_star else self._lift_select
         is_lifted = lift(query, is_required=is_required)
-        if with_clause is not None:
+        if clause is not None:
             tables_read = {table.name for table in query.find_all(exp.Table)}
-            for cte in reversed(with_clause.expressions):
+            for cte in reversed(clause.expressions):
                 if cte.alias in tables_read:
                     tables_read |= {table.name for table in cte.this.find_all(exp.Table)}
-            with_clause.set(
-                "expressions", [cte for cte in with_clause.expressions if cte.alias in tables_read]
+            clause.set(
+                "expressions", [cte for cte in clause.expressions if cte.alias in tables_read]
             )
-            query.set("with_", with_clause if with_clause.expressions else None)
+            query.set("with_", clause if clause.expressions else None)
         return is_lifted
 
     def _lift_union(self, union: exp.Union, *, is_required: bool) -> bool:

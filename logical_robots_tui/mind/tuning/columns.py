@@ -220,15 +220,9 @@ class MemoryColumns:
         items = {content.rpartition(".")[2]: column for column, content in pairs}
         # No field has a number for its name.
         fields |= {
-            str(number): c
-            for number, c in enumerate(layouts.MEMORY_FIELDS)
-            if c not in fields.values()
+            str(n): c for n, c in enumerate(layouts.MEMORY_FIELDS) if c not in fields.values()
         }
-        items |= {
-            str(number): c
-            for number, c in enumerate(layouts.ITEM_FIELDS)
-            if c not in items.values()
-        }
+        items |= {str(n): c for n, c in enumerate(layouts.ITEM_FIELDS) if c not in items.values()}
         return cls(fields, items)
 
 

@@ -223,15 +223,8 @@ def _result_of(rewriting: Rewriting) -> Tuned:
         for queries in (rewriting.queries, rewriting.crowd)
     )
     crowd_only = crowd_variants if crowd_variants != variants else ()
-    return Tuned(
-        variants[0],
-        bounds,
-        read_columns,
-        rewriting.result,
-        variants[1],
-        variants[2],
-        crowd_only,
-    )
+    query_sql, together, alike = variants
+    return Tuned(query_sql, bounds, read_columns, rewriting.result, together, alike, crowd_only)
 
 
 def _is_movable(tree: exp.Expr) -> bool:

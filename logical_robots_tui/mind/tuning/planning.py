@@ -31,7 +31,7 @@ def materialize(tree: exp.Query, *, by_robots: bool = False) -> None:
     queries = _names(tree)
     for table in tree.find_all(exp.Table):
         query = queries.get(table.name)
-        if query is not None and _runs_often(table, queries, by_robots=by_robots):
+        if query is not None and _repeats(table, queries, by_robots=by_robots):
             query.set("materialized", True)
 
 
@@ -59,7 +59,7 @@ def index_lookups(tree: exp.Query) -> None:
         sides = [side for test in tests for side in (test.this, test.expression)]
         if not any(_read_by(side, select) is not None for side in sides):
             continue
-        if _runs_often(table, queries):
+        if _repeats(table, queries):
             zero = exp.Table(this=sql.expression("JSON_EACH(JSON_ARRAY(0))"))
             select.append("joins", exp.Join(this=exp.alias_(zero, _ZERO, table=True)))
 
@@ -68,9 +68,7 @@ def _names(tree: exp.Query) -> Mapping[str, exp.CTE]:
     return {query.alias: query for query in sql.named_queries(tree)}
 
 
-def _runs_often(
-    table: exp.Table, queries: Mapping[str, exp.CTE], *, by_robots: bool = False
-) -> bool:
+def _repeats(table: exp.Table, queries: Mapping[str, exp.CTE], *, by_robots: bool = False) -> bool:
     node: exp.Expr = table
     is_source = True
     while (parent := node.parent) is not None and not isinstance(parent, exp.CTE):

@@ -33,11 +33,9 @@ def untie_aggregates(tree: exp.Expr) -> None:
         for name in zeros:
             columns = [c for c in select.find_all(exp.Column) if c.table == name]
             ties = [_tie_of(column) for column in columns]
-            own_ties = [
-                node for node in ties if node is not None and _belongs_to(node, select, zeros)
-            ]
-            for node in own_ties:
-                node.replace(node.expressions[1])
+            own_ties = [tie for tie in ties if tie is not None and _belongs_to(tie, select, zeros)]
+            for tie in own_ties:
+                tie.replace(tie.expressions[1])
             if len(own_ties) == len(columns) and len(sql.sources(select)) > 1:
                 sql.drop_source(select, name)
 
@@ -334,11 +332,9 @@ def _use_columns(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
     """Let ArgMin use columns; an infinite best fails, so that the plain query answers."""
     table = next(call.find_all(exp.Column)).table
     call_sql = f"{call.name}(argument, value)"
-    is_infinite = f"{call.name[4:]}(value) IN (9e999, -9e999) OR {call_sql} IN (9e999, -9e999)"
+    overflow = f"{call.name[4:]}(value) IN (9e999, -9e999) OR {call_sql} IN (9e999, -9e999)"
     parts = {
         "argument": exp.column(f"t_0_{name}_arg", table),
         "value": exp.column(value.copy(), table),
     }
-    call.replace(
-        sql.expression(f"CASE WHEN {is_infinite} THEN JSON('') ELSE {call_sql} END", **parts)
-    )
+    call.replace(sql.expression(f"CASE WHEN {overflow} THEN JSON('') ELSE {call_sql} END", **parts))

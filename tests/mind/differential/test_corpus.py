@@ -10,7 +10,7 @@ import pytest
 
 from logical_robots_tui.mind import Limits, Program
 from logical_robots_tui.mind.program import STEPS
-from logical_robots_tui.mind.sqlite.budget import EvaluationBudget
+from logical_robots_tui.mind.sqlite.budget import QueryBudget
 from logical_robots_tui.mind.sqlite.inputs import Inputs
 from logical_robots_tui.mind.sqlite.tables import TunedTables
 from tests.mind.differential.comparing import MEMORIES, ROWS, here, program, same, there
@@ -58,7 +58,7 @@ def assert_the_quick_way_answers(compiled: Program) -> None:
     with closing(TunedTables(Limits())) as tables:
         (view,) = moment.views
         answer = tables.ask(
-            compiled.tuned["Answer"], moment, view, EvaluationBudget(10**9, 10, 1000, None)
+            compiled.tuned["Answer"], moment, view, QueryBudget(10**9, 10, 1000, None)
         )
         assert len(answer[1]) == 1
 
