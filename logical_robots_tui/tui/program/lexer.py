@@ -95,6 +95,7 @@ class LineStates:
     def at(self, line: int, text_of: Callable[[int], str]) -> State:
         """Return the state at the start of a line, counted from 0."""
         while len(self._known) <= line:
-            number = len(self._known) - 1
-            self._known.append(state_after(text_of(number), self._known[-1]))
+            text, state = text_of(len(self._known) - 1), self._known[-1]
+            is_plain = not (state or "/*" in text or '"""' in text)
+            self._known.append("" if is_plain else state_after(text, state))
         return self._known[line]

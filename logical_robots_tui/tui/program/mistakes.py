@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import compress, count
+from operator import ne
 from typing import TYPE_CHECKING, NamedTuple
 
 from rich.segment import Segment
@@ -128,13 +130,10 @@ def follow_rows(
 
     A changed line keeps its number, unless lines were added or removed at the same place.
     """
-    same, most = 0, min(len(before), len(after))
-    while same < most and before[same] == after[same]:
-        same += 1
+    most = min(len(before), len(after))
+    same = next(compress(count(), map(ne, before, after)), most)
     most -= same
-    tail = 0
-    while tail < most and before[-1 - tail] == after[-1 - tail]:
-        tail += 1
+    tail = min(next(compress(count(), map(ne, reversed(before), reversed(after))), most), most)
     grown = len(after) - len(before)
     changed = len(before) - tail - same
 

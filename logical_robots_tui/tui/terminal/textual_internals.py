@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import string
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from textual.widgets import Input
 
 if TYPE_CHECKING:
     from textual.app import App
+    from textual.document._document import Location
     from textual.dom import DOMNode
     from textual.message_pump import MessagePump
     from textual.screen import Screen
@@ -59,6 +60,19 @@ def handle_exception(app: App[object], error: Exception) -> None:
 
 class HangingDocument(WrappedDocument):
     """Wrapped lines whose further rows are indented like the first one."""
+
+    _lines: Sequence[str] = ()  # as they are wrapped
+
+    def wrap(self, width: int, tab_width: int | None = None) -> None:
+        """Wrap all lines, if need be: Textual asks for it as well when only the height changes."""
+        wanted = width, tab_width or self._tab_width
+        if (self._width, self._tab_width) != wanted or self._lines != self.document.lines:
+            super().wrap(width, tab_width)
+            self._lines = self.document.lines.copy()
+
+    def wrap_range(self, *places: Location) -> None:
+        super().wrap_range(*places)
+        self._lines = self.document.lines.copy()
 
     @property
     def height(self) -> int:
