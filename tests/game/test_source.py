@@ -44,7 +44,7 @@ def test_what_is_not_a_program_is_refused(tmp_path: Path) -> None:
         (b"\x7fELF\x00\x00", "binary file"),
         (b"A(1);\nB(\xff);", "line 2 is not UTF-8"),
         (b"x" * 1_000_001, "larger than 1 MB"),
-        (b"\n" * 200_001, "200,001 characters, more than the 200,000"),
+        (b"\n" * 1_000_000, "1,000,000 characters, more than the 200,000"),
     ):
         path.write_bytes(content)
         with pytest.raises(InputError, match=words):
