@@ -18,7 +18,7 @@ from logical_robots_tui import mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import columns, drawn_bar, folder_of, harmless, print_json
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.verification import SECONDS, Budget, OverBudgetError, check_size
+from logical_robots_tui.game.verification import SECONDS, FileBudget, OverBudgetError, check_size
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import read_text
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
@@ -181,7 +181,7 @@ def _check(file: Path, seconds: int, *, as_json: bool) -> int:
         check_size(len({claim[:2] for claim in claims}))
     except InputError as error:
         raise InputError(error.message, place=str(file)) from error
-    budget = Budget(seconds)
+    budget = FileBudget(seconds)
     results: list[dict[str, Any]] = []
     outcomes: dict[tuple[str, str], Measures | str] = {}
     if not as_json:
@@ -214,7 +214,7 @@ def _check(file: Path, seconds: int, *, as_json: bool) -> int:
 
 
 async def _replay(
-    level: str, text: str, budget: Budget, part: str, draw: Callable[[int, int, str, str], None]
+    level: str, text: str, budget: FileBudget, part: str, draw: Callable[[int, int, str, str], None]
 ) -> Measures | str:
     """Return a program's measures, or why there are none."""
     from logical_robots_tui.game.measuring import MeasuringError, Trial, measure

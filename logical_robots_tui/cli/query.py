@@ -238,7 +238,9 @@ async def _diagnose(
     async with run_context(level, program, ticks) as (run, draw):
         with progress_bar("Examining", ticks, delay=BAR_DELAY) as report:
             try:
-                return await diagnose_run(run, ticks, ran=draw, report=report, show=printer.show)
+                return await diagnose_run(
+                    run, ticks, on_tick=draw, report=report, show=printer.show
+                )
             except asyncio.CancelledError:
                 if printer.diagnosis is None:
                     raise

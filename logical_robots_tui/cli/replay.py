@@ -15,7 +15,7 @@ from logical_robots_tui.cli.command import harmless, named_programs, print_json,
 from logical_robots_tui.cli.level import refuse_existing, write
 from logical_robots_tui.cli.run import open_run
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.verification import SECONDS, Budget, OverBudgetError, check_size
+from logical_robots_tui.game.verification import SECONDS, FileBudget, OverBudgetError, check_size
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ async def _compute(replay: Replay, seconds: int) -> Verifier:
     texts_in_order = replay.programs.values()
     robots = max(len(level.robots) for level in replay.levels)
     check_size(sum(map(len, texts_in_order)), (replay.last - replay.first) * robots)
-    budget = Budget(seconds)
+    budget = FileBudget(seconds)
     programs = [await budget.compile(texts) for texts in texts_in_order]
     live_game = game.Game(replay.levels[0], programs[0], history=replay.last)
     try:

@@ -243,7 +243,7 @@ class Outcome:
                 for robot in _robots(self.level, self.frame, "blocked")
             ],
             "goals": [
-                {"area": goal.area_name, "wanted": goal.wanted, "inside": goal.inside}
+                {"area": goal.area_name, "wanted": goal.robots, "inside": goal.inside}
                 for goal in game.goals(self.level, self.frame.after)
             ],
             **({"scores": points(self.level, self.frame.after)} if self.level.scores else {}),
@@ -309,9 +309,9 @@ class Outcome:
             return f"{title}: {self.frame.tick} ticks done. This level has no goal."
         missing = [
             f"{harmless(goal.area_name)} is still missing "
-            + ", ".join(harmless(name) for name in goal.wanted if name not in goal.inside)
+            + ", ".join(harmless(name) for name in goal.robots if name not in goal.inside)
             for goal in game.goals(self.level, self.frame.after)
-            if not goal.reached and len(goal.inside) < len(goal.wanted)
+            if not goal.is_reached and len(goal.inside) < len(goal.robots)
         ]
         return ". ".join([f"{title}: not won within {self.frame.tick} ticks", *missing]) + "."
 
@@ -395,7 +395,7 @@ async def _trace(level: world.Level, program: mind.Program, options: argparse.Na
     run = game.Run(level, program)
     is_won, is_reliable = False, True
     try:
-        async for frame, tables in run.each(1, options.ticks, ask, to_victory=True):
+        async for frame, tables in run.map_ticks(1, options.ticks, ask, to_victory=True):
             is_won = frame.after.won_at is not None
             is_reliable = is_reliable and frame.is_reliable
             document = _data(level, frame, options.robot, tables)

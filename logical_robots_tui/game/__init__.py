@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.pace import Pace
     from logical_robots_tui.game.run import Run, run_key
     from logical_robots_tui.game.source import (
-        Source,
+        ProgramSource,
         compile_program,
         list_programs,
         load_program,
@@ -73,8 +73,8 @@ __getattr__ = lazy_exports(
         "victory": "is_shipped level_key reference_for",
         "run": "Run run_key",
         "source": (
-            "Source compile_program list_programs load_program mistake_in_question save_program "
-            "warnings_in"
+            "ProgramSource compile_program list_programs load_program mistake_in_question "
+            "save_program warnings_in"
         ),
         "advancing": "start_frame",
     },

@@ -44,13 +44,13 @@ def advance(
     worlds: Worlds,
     level: Level,
     mind: Mind,
-    past: Frame,
-    known: Sequence[RecordedTick],
+    previous: Frame,
+    stored_ticks: Sequence[RecordedTick],
     watch: Watch,
     stop: threading.Event,
     clock: Clock,
     seconds: float,
-    most: int | None = None,
+    limit: int | None = None,
     decide: Decide | None = None,
 ) -> list[Advance]:
     """Return the ticks after a past one, up to their end or a breakpoint. Blocks.
@@ -59,40 +59,41 @@ def advance(
     `seconds`. The robots follow what `decide` returns for a tick and its decisions. Raises
     Stopped.
     """
-    if known:
-        most = len(known) if most is None else min(most, len(known))
+    if stored_ticks:
+        limit = len(stored_ticks) if limit is None else min(limit, len(stored_ticks))
     until = clock.now() + seconds
-    done: list[Advance] = []
+    advances: list[Advance] = []
     while True:
-        if known:
-            frame = frame_of(worlds, past, known[len(done)])
+        if stored_ticks:
+            frame = frame_of(worlds, previous, stored_ticks[len(advances)])
         else:
-            world = worlds.of(level)
-            world.restore(past.after)
-            frame = play_tick(world, mind, past, stop, decide, clock)
+            world = worlds.world_for(level)
+            world.restore(previous.after)
+            frame = play_tick(world, mind, previous, stop, decide, clock)
         is_watched = watch.breakpoints and frame.decisions
-        hits = watch.hits(past, frame, mind, stop) if is_watched else ()
-        done.append(Advance(frame, hits))
-        if hits or ends(level, frame) or len(done) == most or clock.now() > until:
-            return done
-        past = frame
+        hits = watch.hits(previous, frame, mind, stop) if is_watched else ()
+        advances.append(Advance(frame, hits))
+        if hits or ends(level, frame) or len(advances) == limit or clock.now() > until:
+            return advances
+        previous = frame
 
 
-def frame_of(worlds: Worlds, before: Frame | TickState, known: RecordedTick) -> Frame:
+def frame_of(worlds: Worlds, previous: Frame | TickState, stored_tick: RecordedTick) -> Frame:
     """Restore a frame: let the robots sense again from the end of the previous tick."""
-    world, moment = worlds.of(known.level), known.moment
+    world, moment = worlds.world_for(stored_tick.level), stored_tick.moment
     if not moment.decisions:
         return fresh_frame(world, moment.after, moment.memories)
-    world.restore(before.after)
-    then, now, rows = before.after, moment.after, tuple(world.sense())
-    memories, decisions, milliseconds = before.memories, moment.decisions, moment.think_milliseconds
-    return Frame(now.tick, then, now, rows, memories, decisions, moment.memories, milliseconds)
+    world.restore(previous.after)
+    start, end, rows = previous.after, moment.after, tuple(world.sense())
+    memories, milliseconds = previous.memories, moment.think_milliseconds
+    decisions = moment.decisions
+    return Frame(end.tick, start, end, rows, memories, decisions, moment.memories, milliseconds)
 
 
 def play_tick(
     world: World,
     mind: Mind,
-    past: Frame,
+    previous: Frame,
     stop: threading.Event | None = None,
     decide: Decide | None = None,
     clock: Clock = CLOCK,
@@ -100,14 +101,14 @@ def play_tick(
     """Let all robots sense, think and follow `decide` once after a past frame, or raise Stopped."""
     rows = tuple(world.sense())
     began = clock.now()
-    decisions = tuple(mind.think(rows, past.memories, stop=stop))
+    decisions = tuple(mind.think(rows, previous.memories, stop=stop))
     milliseconds = 1000 * (clock.now() - began)
     if decide is not None:
         decisions = decide(world.tick, decisions)
     world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
     memories = {d.robot_name: d.memory for d in decisions}
-    after, before = world.save(), past.after
-    return Frame(after.tick, before, after, rows, past.memories, decisions, memories, milliseconds)
+    end, start = world.save(), previous.after
+    return Frame(end.tick, start, end, rows, previous.memories, decisions, memories, milliseconds)
 
 
 def start_frame(level: Level, world: World | None = None) -> Frame:
@@ -128,20 +129,20 @@ class Worlds:
     def __init__(self, level: Level) -> None:
         self._world = World(level)
 
-    def of(self, level: Level) -> World:
+    def world_for(self, level: Level) -> World:
         """Return the world of a level, in the state it was left in."""
         if self._world.level is not level:
             self._world = World(level, like=self._world)
         return self._world
 
 
-def is_thought_alike(before: Level, after: Level) -> bool:
+def are_decisions_valid(old: Level, new: Level) -> bool:
     """Return whether robots, teams, areas and visibility match, so decisions stay valid."""
     names = (
-        ([(one.name, one.team) for one in level.robots], [area.name for area in level.areas])
-        for level in (before, after)
+        ([(robot.name, robot.team) for robot in level.robots], [area.name for area in level.areas])
+        for level in (old, new)
     )
-    return before.visibility == after.visibility and next(names) == next(names)
+    return old.visibility == new.visibility and next(names) == next(names)
 
 
 class Thinker:
@@ -167,24 +168,24 @@ class Thinker:
         return self._mind
 
     def replay(
-        self, program: Program, before: TickState, known: RecordedTick, limits: Limits
+        self, program: Program, previous: TickState, stored_tick: RecordedTick, limits: Limits
     ) -> tuple[Frame, Mind]:
         if self._worlds is None:
-            self._worlds = Worlds(known.level)
-        frame = frame_of(self._worlds, before, known)
-        return frame, self.mind(program, known.level, limits)
+            self._worlds = Worlds(stored_tick.level)
+        frame = frame_of(self._worlds, previous, stored_tick)
+        return frame, self.mind(program, stored_tick.level, limits)
 
     async def do(self, work: Callable[[threading.Event], T]) -> T:
         """Run work in the thread, passing it the event that asks it to stop."""
         stop = self._stop = threading.Event()
 
-        def unless_stopped() -> T:
+        def work_unless_stopped() -> T:
             if stop.is_set():
                 raise Stopped
             return work(stop)
 
         try:
-            return await asyncio.get_running_loop().run_in_executor(self._pool, unless_stopped)
+            return await asyncio.get_running_loop().run_in_executor(self._pool, work_unless_stopped)
         except asyncio.CancelledError:
             stop.set()
             raise

@@ -25,7 +25,7 @@ from logical_robots_tui.game.findings import Observations, Stored, findings_of, 
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedRunError
 from logical_robots_tui.mind import Limits, Program, QueryError
-from logical_robots_tui.mind.compilation import Task, find_result, keep_result
+from logical_robots_tui.mind.compilation import Task
 from logical_robots_tui.processes.helper import Helper, begin
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ Tick: TypeAlias = "tuple[TickState, RecordedTick]"
 """The moment before a tick, and the tick."""
 
 
-class _Answer(NamedTuple):
+class _ProbeAnswer(NamedTuple):
     """The rows of a probe at a tick, in each view; None if it failed."""
 
     tick: int
@@ -99,26 +99,27 @@ def scan(
     probes: Sequence[str],
     ticks: Sequence[Tick],
     stop: threading.Event | None = None,
-) -> Iterator[_Answer]:
+) -> Iterator[_ProbeAnswer]:
     """Yield what probes answer at some ticks; call it in the thinker's thread."""
-    for _, alike in groupby(ticks, key=lambda each: id(each[1].level)):
-        same = list(alike)
-        most = _ticks_at_once(len(same[0][1].level.robots))
-        for at in range(0, len(same), most):
-            replayed = [thinker.replay(program, *each, limits) for each in same[at : at + most]]
-            frames = [frame for frame, _ in replayed]
-            seen = [(frame.sensors, frame.memories_before) for frame in frames]
-            for name, number, views in replayed[-1][1].predicate_rows_at(probes, seen, stop=stop):
-                yield _Answer(frames[number].tick, name, views)
+    for _, group in groupby(ticks, key=lambda tick: id(tick[1].level)):
+        moments = list(group)
+        limit = _ticks_at_once(len(moments[0][1].level.robots))
+        for start in range(0, len(moments), limit):
+            batch = moments[start : start + limit]
+            replays = [thinker.replay(program, *tick, limits) for tick in batch]
+            frames = [frame for frame, _ in replays]
+            inputs = [(frame.sensors, frame.memories_before) for frame in frames]
+            for name, number, views in replays[-1][1].predicate_rows_at(probes, inputs, stop=stop):
+                yield _ProbeAnswer(frames[number].tick, name, views)
 
 
-Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[_Answer] | None]]
+Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[_ProbeAnswer] | None]]
 Report: TypeAlias = Callable[[int, int], None]
 Show: TypeAlias = Callable[[Diagnosis], None]
 
 
 async def diagnose(
-    game: Game, *, report: Report = lambda _done, _all: None, show: Show = lambda _found: None
+    game: Game, *, report: Report = lambda _done, _all: None, show: Show = lambda _diagnosis: None
 ) -> Diagnosis:
     """Diagnose the current program over a game's history; cancelling the call stops it.
 
@@ -159,41 +160,41 @@ async def diagnose_run(
     run: Run,
     ticks: int,
     *,
-    ran: Callable[[int], object] = lambda _tick: None,
+    on_tick: Callable[[int], object] = lambda _tick: None,
     report: Report = lambda _done, _all: None,
-    show: Show = lambda _found: None,
+    show: Show = lambda _diagnosis: None,
 ) -> Diagnosis:
     """Diagnose a run up to its end or so many ticks as `diagnose` does.
 
-    `ran` gets the ticks that were computed. A second process examines them meanwhile. The
+    `on_tick` gets the ticks that were computed. A second process examines them meanwhile. The
     result is kept on disk, if it is the same each time.
     """
     task = _DiagnoseRun(run.key, ticks)
-    kept = await asyncio.to_thread(find_result, task, Diagnosis)
-    if kept is not None:
-        return kept
+    diagnosis = await asyncio.to_thread(find_result, task, Diagnosis)
+    if diagnosis is not None:
+        return diagnosis
     try:
-        found = await _diagnose_run(run, ticks, ran, report, show)
+        diagnosis = await _diagnose_run(run, ticks, on_tick, report, show)
     except DamagedRunError:
         await run.forget()
-        found = await _diagnose_run(run, ticks, ran, report, show)
-    if found.is_reliable and not found.given_up:
-        await asyncio.to_thread(keep_result, task, found)
-    return found
+        diagnosis = await _diagnose_run(run, ticks, on_tick, report, show)
+    if diagnosis.is_reliable and not diagnosis.given_up:
+        await asyncio.to_thread(keep_result, task, diagnosis)
+    return diagnosis
 
 
 async def _diagnose_run(
-    run: Run, ticks: int, ran: Callable[[int], object], report: Report, show: Show
+    run: Run, ticks: int, on_tick: Callable[[int], object], report: Report, show: Show
 ) -> Diagnosis:
     diagnosing = _Diagnosing(run.program, run.limits, report, show)
     helping = asyncio.create_task(diagnosing.help(run))
 
-    def reached(tick: int) -> None:
-        ran(tick)
+    def handle_tick(tick: int) -> None:
+        on_tick(tick)
         diagnosing.offer(tick)
 
     try:
-        history = await run.to_end(ticks, reached)
+        history = await run.to_end(ticks, handle_tick)
         return await diagnosing.diagnose(history, max(1, history.first))
     finally:
         helping.cancel()
@@ -201,29 +202,29 @@ async def _diagnose_run(
         await diagnosing.close()
 
 
-def extent(found: Diagnosis) -> str:
-    return f"{ticks_of(found)}{shortcomings(found)}"
+def extent(diagnosis: Diagnosis) -> str:
+    return f"{ticks_of(diagnosis)}{shortcomings(diagnosis)}"
 
 
-def ticks_of(found: Diagnosis) -> str:
-    if found.last < found.first:
+def ticks_of(diagnosis: Diagnosis) -> str:
+    if diagnosis.last < diagnosis.first:
         return "There are no ticks to examine yet."
-    end = "won" if found.won_at is not None else "not won"
-    return f"Ticks {found.first} to {found.last}, {end}."
+    end = "won" if diagnosis.won_at is not None else "not won"
+    return f"Ticks {diagnosis.first} to {diagnosis.last}, {end}."
 
 
-def shortcomings(found: Diagnosis) -> str:
+def shortcomings(diagnosis: Diagnosis) -> str:
     """Return what was not examined, in sentences after a space, or ""."""
-    said = ""
-    if found.examined is not None:
-        said += f" Only {found.examined} of these ticks were examined."
-    elif found.second_step > 1:
-        said += f" Only one tick in {found.second_step} was examined: rare events may be missed."
-    if found.left_out:
-        said += f" Places not covered, because they are too expensive to examine: {found.left_out}."
-    if not found.is_reliable:
-        said += " A time limit ended a thought: another run may differ."
-    return said
+    text, step = "", diagnosis.second_step
+    if diagnosis.examined is not None:
+        text += f" Only {diagnosis.examined} of these ticks were examined."
+    elif step > 1:
+        text += f" Only one tick in {step} was examined: rare events may be missed."
+    if (count := diagnosis.left_out) > 0:
+        text += f" Places not covered, because they are too expensive to examine: {count}."
+    if not diagnosis.is_reliable:
+        text += " A time limit ended a thought: another run may differ."
+    return text
 
 
 class _Diagnosing:
@@ -243,13 +244,13 @@ class _Diagnosing:
         self._preparing: asyncio.Task[Checkup] | None = None
         self._tally: ProbeTally | None = None
         # Ticks to examine: some first, to find out what need not be looked for in the others.
-        self._some: deque[int] = deque()
-        self._others: deque[int] = deque()
+        self._first_ticks: deque[int] = deque()
+        self._other_ticks: deque[int] = deque()
         self._step, self._second_step = _STEP, 0
-        self._reached = self._done = self._pending = 0
+        self._last_offered = self._done_count = self._pending = 0
         self._is_complete = False  # whether all ticks were offered
         self._changed = asyncio.Event()
-        self._found: Callable[[], Diagnosis] | None = None
+        self._summarise: Callable[[], Diagnosis] | None = None
         self._due = 0.0
 
     async def close(self) -> None:
@@ -259,18 +260,18 @@ class _Diagnosing:
         await self._thinker.close()
 
     def offer(self, last: int) -> None:
-        for tick in range(self._reached + 1, last + 1):
-            (self._others if tick % self._step else self._some).append(tick)
-        self._reached = max(self._reached, last)
+        for tick in range(self._last_offered + 1, last + 1):
+            (self._other_ticks if tick % self._step else self._first_ticks).append(tick)
+        self._last_offered = max(self._last_offered, last)
         self._changed.set()
 
     async def help(self, run: Run) -> None:
         """Examine ticks of a run in another process, until cancelled."""
         with contextlib.suppress(QueryError):  # `diagnose` raises it
-            tally = await self._prepared()
+            tally = await self._tally_of_program()
             scanner = _Scanner(tally.checkup.program, run.level, run.limits)
 
-            async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_Answer] | None:
+            async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_ProbeAnswer] | None:
                 stored = await run.replay(ticks)
                 return await scanner.scan(probes, stored) if stored else None
 
@@ -283,10 +284,10 @@ class _Diagnosing:
         last, turns = history.last, history.turns
         if last < first:
             return Diagnosis((), first, last, None, 1, 1, 0)
-        tally = await self._prepared()
+        tally = await self._tally_of_program()
         observed = await observe(history, first, last)
         level = history.level_at(last)
-        closer: dict[tuple[str, int], ProbeTally] = {}
+        close_tallies: dict[tuple[str, int], ProbeTally] = {}
 
         def stored(ticks: Sequence[int]) -> list[Tick]:
             if history.turns != turns:
@@ -294,17 +295,18 @@ class _Diagnosing:
             # Others were dropped in the meantime.
             return [history.replay(tick) for tick in ticks if tick >= history.first]
 
-        async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_Answer]:
-            program, limits, known = tally.checkup.program, self._limits, stored(ticks)
+        async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_ProbeAnswer]:
+            program, limits, stored_ticks = tally.checkup.program, self._limits, stored(ticks)
             return await self._thinker.do(
-                lambda stop: [*scan(self._thinker, program, limits, probes, known, stop)]
+                lambda stop: [*scan(self._thinker, program, limits, probes, stored_ticks, stop)]
             )
 
-        def found(*, is_final: bool = False) -> Diagnosis:
+        def summarise(*, is_final: bool = False) -> Diagnosis:
             is_complete = is_final and self._second_step <= 1
-            sure, others = findings_of(tally, observed, closer, level, is_complete=is_complete)
+            parts = findings_of(tally, observed, close_tallies, level, is_complete=is_complete)
+            settled, counted = parts
             return Diagnosis(
-                (*sure, *others),
+                (*settled, *counted),
                 first,
                 last,
                 observed.won_at,
@@ -312,28 +314,28 @@ class _Diagnosing:
                 max(1, self._second_step),
                 tally.checkup.skipped_probes + len(tally.failed_probes),
                 history.is_reliable_up_to(last),
-                len(sure) + len(others) * is_final,
-                None if is_final else self._done,
+                len(settled) + len(counted) * is_final,
+                None if is_final else self._done_count,
                 len(tally.failed_probes),
             )
 
-        for robot, ticks in _to_explain(observed):
-            closer[robot, ticks[0]] = near = ProbeTally(tally.checkup, robot)
-            await self._look_closely(near, stored(ticks), robot)
-        self._found = found
-        self._show(found())
+        for robot, ticks in _movement_samples(observed):
+            close_tallies[robot, ticks[0]] = tally_nearby = ProbeTally(tally.checkup, robot)
+            await self._look_closely(tally_nearby, stored(ticks), robot)
+        self._summarise = summarise
+        self._show(summarise())
         robots = max(1, len(level.robots))
-        if not self._reached:
+        if not self._last_offered:
             questions = max(1, len(tally.doubtful_probes()) * robots)
             self._step = max(1, -(-(last + 1 - first) // max(_FEWEST, _QUESTIONS // questions)))
-            self._reached = first - 1
+            self._last_offered = first - 1
         self._is_complete = True
         self.offer(last)
         await self._work(tally, ask, robots)
         stored(())
-        return found(is_final=True)
+        return summarise(is_final=True)
 
-    async def _prepared(self) -> ProbeTally:
+    async def _tally_of_program(self) -> ProbeTally:
         if self._preparing is None:
             work = self._thinker.do(
                 lambda stop: check_up(self._program, stop=stop, limits=self._limits)
@@ -349,10 +351,10 @@ class _Diagnosing:
     ) -> None:
         """Count the rows of all probes that are not settled, some ticks at a time."""
         names = {probe.name: number for number, probe in enumerate(tally.checkup.probes)}
-        most = _ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
+        limit = _ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
         while is_helping or self._pending or self._waiting:
             probes = tally.doubtful_probes()
-            ticks = self._take(len(probes) * robots, most, is_helping=is_helping)
+            ticks = self._next_ticks(len(probes) * robots, limit, is_helping=is_helping)
             if not ticks:
                 if is_helping or self._pending:
                     self._changed.clear()
@@ -366,7 +368,7 @@ class _Diagnosing:
                 self._pending -= len(ticks)
                 self._changed.set()
                 if answers is None:
-                    self._others.extendleft(ticks)
+                    self._other_ticks.extendleft(ticks)
             if answers is None:
                 return
             for answer in answers:
@@ -374,37 +376,37 @@ class _Diagnosing:
                     tally.give_up(names[answer.probe])
                 else:
                     tally.add(answer.tick, names[answer.probe], answer.views)
-            self._done += len(ticks)
-            self._report(self._done, self._done + self._pending + self._waiting)
-            if self._found is not None and CLOCK.now() >= self._due:
-                self._show(self._found())
+            self._done_count += len(ticks)
+            self._report(self._done_count, self._done_count + self._pending + self._waiting)
+            if self._summarise is not None and CLOCK.now() >= self._due:
+                self._show(self._summarise())
                 self._due = CLOCK.now() + _SECONDS
 
     @property
     def _waiting(self) -> int:
-        return len(self._some) + len(self._others)
+        return len(self._first_ticks) + len(self._other_ticks)
 
-    def _take(self, questions: int, most: int, *, is_helping: bool) -> list[int]:
+    def _next_ticks(self, questions: int, limit: int, *, is_helping: bool) -> list[int]:
         """Return the next ticks to examine; none if nothing is left to be found out."""
         if not questions:
-            self._some.clear()
-            self._others.clear()
-        if is_helping and self._waiting <= most:
+            self._first_ticks.clear()
+            self._other_ticks.clear()
+        if is_helping and self._waiting <= limit:
             return []
-        if self._is_complete and not self._some and not self._second_step:
-            self._second_step = max(1, -(-len(self._others) * questions // self._questions))
-            self._others = deque([*self._others][:: self._second_step])
-        queue = self._some or self._others
-        return [queue.popleft() for _ in range(min(most, len(queue)))]
+        if self._is_complete and not self._first_ticks and not self._second_step:
+            self._second_step = max(1, -(-len(self._other_ticks) * questions // self._questions))
+            self._other_ticks = deque([*self._other_ticks][:: self._second_step])
+        queue = self._first_ticks or self._other_ticks
+        return [queue.popleft() for _ in range(min(limit, len(queue)))]
 
     async def _look_closely(self, tally: ProbeTally, ticks: Sequence[Tick], robot: str) -> None:
         """Count the rows of all probes, also of values, in the mind of a robot."""
         probes = enumerate(tally.checkup.probes)
         names = {probe.name: n for n, probe in probes if probe.closeness != "wider"}
 
-        def ask(before: TickState, known: RecordedTick, stop: threading.Event) -> None:
+        def ask(previous: TickState, stored_tick: RecordedTick, stop: threading.Event) -> None:
             program = tally.checkup.program
-            frame, mind = self._thinker.replay(program, before, known, self._limits)
+            frame, mind = self._thinker.replay(program, previous, stored_tick, self._limits)
             sensors, memories = frame.sensors, frame.memories_before
             for name, rows in mind.predicate_rows(
                 [*names], sensors, memories, viewers=[robot], stop=stop
@@ -414,23 +416,23 @@ class _Diagnosing:
                 else:
                     tally.add(frame.tick, names[name], [rows])
 
-        for before, known in ticks:
-            await self._thinker.do(partial(ask, before, known))
+        for previous, stored_tick in ticks:
+            await self._thinker.do(partial(ask, previous, stored_tick))
 
 
-def _to_explain(observed: Observations) -> list[tuple[str, list[int]]]:
-    wanted: dict[tuple[str, int], list[int]] = {}
+def _movement_samples(observed: Observations) -> list[tuple[str, list[int]]]:
+    samples: dict[tuple[str, int], list[int]] = {}
     for kind in {kind for kind, _ in observed.notices}:
         tick, robot = observed.first_notice(kind)
-        wanted[robot, tick] = [tick]
+        samples[robot, tick] = [tick]
     for loss in observed.first_losses():
-        wanted[loss.robot, loss.tick] = [loss.tick]
+        samples[loss.robot, loss.tick] = [loss.tick]
     for stretch in observed.stretches:
         length = stretch.period or stretch.last - stretch.first
         last = min(stretch.last, stretch.first + max(length, _SAMPLES))
         step = max(1, (last - stretch.first) // _SAMPLES)
-        wanted[stretch.robot, stretch.first] = list(range(stretch.first, last + 1, step))
-    return [(robot, ticks) for (robot, _), ticks in wanted.items()]
+        samples[stretch.robot, stretch.first] = list(range(stretch.first, last + 1, step))
+    return [(robot, ticks) for (robot, _), ticks in samples.items()]
 
 
 class _Scanner:
@@ -442,9 +444,9 @@ class _Scanner:
         self._guard = threading.Lock()
         self.is_over = False
 
-    async def scan(self, probes: Sequence[str], ticks: Sequence[Tick]) -> list[_Answer] | None:
+    async def scan(self, probes: Sequence[str], ticks: Sequence[Tick]) -> list[_ProbeAnswer] | None:
         """Return what probes answer at some ticks of the level, or None if the process failed."""
-        request = pickle.dumps((probes, [(before, known.moment) for before, known in ticks]))
+        request = pickle.dumps((probes, [(previous, tick.moment) for previous, tick in ticks]))
         return await asyncio.to_thread(self._exchange, request)
 
     def close(self) -> None:
@@ -453,7 +455,7 @@ class _Scanner:
             if self._process is not None:
                 self._process.end()
 
-    def _exchange(self, request: bytes) -> list[_Answer] | None:
+    def _exchange(self, request: bytes) -> list[_ProbeAnswer] | None:
         try:
             with self._guard:
                 if self.is_over:
@@ -464,7 +466,7 @@ class _Scanner:
                 process = self._process
             _write(process, request)
             assert process.stdout is not None
-            return [_Answer(*each) for each in json.loads(process.stdout.readline())]
+            return [_ProbeAnswer(*fields) for fields in json.loads(process.stdout.readline())]
         except (OSError, ValueError, TypeError):
             self.is_over = True
             return None
@@ -472,9 +474,9 @@ class _Scanner:
 
 def _write(process: Helper, content: bytes) -> None:
     assert process.stdin is not None
-    left = memoryview(len(content).to_bytes(8, "big") + content)
-    while left:
-        left = left[os.write(process.stdin.fileno(), left) :]
+    remaining = memoryview(len(content).to_bytes(8, "big") + content)
+    while remaining:
+        remaining = remaining[os.write(process.stdin.fileno(), remaining) :]
 
 
 def main() -> None:
@@ -484,7 +486,7 @@ def main() -> None:
     with suppress(EOFError):
         while True:
             probes, moments = _read()
-            ticks = [(before, RecordedTick(level, moment)) for before, moment in moments]
+            ticks = [(previous, RecordedTick(level, moment)) for previous, moment in moments]
             answers = scan(thinker, program, limits, probes, ticks)
             sys.stdout.write(json.dumps([*answers]) + "\n")
             sys.stdout.flush()

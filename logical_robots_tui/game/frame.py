@@ -47,7 +47,7 @@ class Frame:
 
     def decision_of(self, robot: str) -> Decision | None:
         """Return the program's decision for a robot; None in a frame without decisions."""
-        return next((each for each in self.decisions if each.robot_name == robot), None)
+        return next((decision for decision in self.decisions if decision.robot_name == robot), None)
 
     @property
     def distance(self) -> float:
@@ -71,25 +71,24 @@ class Superseded(Exception):  # noqa: N818 - not an error: the player did someth
     """The work belonged to a run that is over; its result was dropped."""
 
 
-def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
+def events_between(level: Level, previous: Frame, frame: Frame) -> Iterator[str]:
     """Yield a sentence for each event between two consecutive ticks; names are not escaped."""
-    for before, now in zip(past.after.robots, frame.after.robots, strict=True):
-        yield from _of_robot(
-            before, now, "by a wall or a robot" if level.solid_robots else "by a wall"
-        )
-    for old, area in zip(past.after.areas, frame.after.areas, strict=True):
-        yield from _of_area(old, area)
+    obstacle = "a wall or a robot" if level.solid_robots else "a wall"
+    for old_robot, robot in zip(previous.after.robots, frame.after.robots, strict=True):
+        yield from _robot_events(old_robot, robot, obstacle)
+    for old_area, area in zip(previous.after.areas, frame.after.areas, strict=True):
+        yield from _area_events(old_area, area)
     # Areas may share a name, so goals are identified by position.
-    wanted = [place for place, area in enumerate(level.areas) if area.victory_robots]
-    for place, goal in zip(wanted, goals(level, frame.after), strict=True):
-        if past.after.areas[place].visitors != frame.after.areas[place].visitors:
+    goal_indices = [index for index, area in enumerate(level.areas) if area.victory_robots]
+    for index, goal in zip(goal_indices, goals(level, frame.after), strict=True):
+        if previous.after.areas[index].visitors != frame.after.areas[index].visitors:
             yield goal.words
-    known = {(d.robot_name, notice.kind) for d in past.decisions for notice in d.notices}
+    old_notices = {(d.robot_name, notice.kind) for d in previous.decisions for notice in d.notices}
     for decision in frame.decisions:
         for notice in decision.notices:
-            if (decision.robot_name, notice.kind) not in known:
+            if (decision.robot_name, notice.kind) not in old_notices:
                 yield f"{decision.robot_name}: {notice.message}"
-    if frame.after.won_at == frame.tick and past.after.won_at is None:
+    if frame.after.won_at == frame.tick and previous.after.won_at is None:
         yield f"Won after {frame.tick} ticks."
     if is_match_over(level, frame.tick):
         yield f"The match is over: {standing_words(level, frame.after)}."
@@ -112,22 +111,22 @@ def standing(level: Level, state: WorldState) -> dict[str, float]:
 
 def standing_words(level: Level, state: WorldState) -> str:
     """Return the points of the teams in words, the best first: ``red 12, blue 7``."""
-    found = sorted(standing(level, state).items(), key=lambda each: -each[1])
-    return ", ".join(f"{team} {round(score, 1):,.10g}" for team, score in found)
+    ranking = sorted(standing(level, state).items(), key=lambda entry: -entry[1])
+    return ", ".join(f"{team} {round(score, 1):,.10g}" for team, score in ranking)
 
 
-def _of_robot(before: RobotState, now: RobotState, obstacle: str) -> Iterator[str]:
-    if now.blocked and not before.blocked:
-        yield f"{now.name} is blocked {obstacle}."
-    if before.blocked and not now.blocked:
-        yield f"{now.name} moves again."
-    if now.dead and not before.dead:
-        yield f"The battery of {now.name} is empty."
-    if before.dead and not now.dead:
-        yield f"{now.name} has charge again."
+def _robot_events(old: RobotState, robot: RobotState, obstacle: str) -> Iterator[str]:
+    if robot.blocked and not old.blocked:
+        yield f"{robot.name} is blocked by {obstacle}."
+    if old.blocked and not robot.blocked:
+        yield f"{robot.name} moves again."
+    if robot.dead and not old.dead:
+        yield f"The battery of {robot.name} is empty."
+    if old.dead and not robot.dead:
+        yield f"{robot.name} has charge again."
 
 
-def _of_area(old: AreaState, area: AreaState) -> Iterator[str]:
+def _area_events(old: AreaState, area: AreaState) -> Iterator[str]:
     if area.active is not old.active:
         yield f"{area.name} is switched {'on' if area.active else 'off'}."
     for name in area.visitors:
@@ -143,27 +142,27 @@ class Goal(NamedTuple):
 
     area_name: str
     active: bool
-    wanted: tuple[str, ...]
+    robots: tuple[str, ...]
     inside: tuple[str, ...]
 
     @property
-    def reached(self) -> bool:
+    def is_reached(self) -> bool:
         """Whether all required robots are inside while the area is active."""
-        return self.active and len(self.inside) == len(self.wanted)
+        return self.active and len(self.inside) == len(self.robots)
 
     @property
     def words(self) -> str:
         """Which of the required robots are inside, one sentence."""
-        if len(self.wanted) == 1:
-            return f"{self.area_name}: {self.wanted[0]} is {'in' if self.inside else 'not in yet'}."
-        return f"{self.area_name}: {len(self.inside)} of {len(self.wanted)} are in."
+        if len(self.robots) == 1:
+            return f"{self.area_name}: {self.robots[0]} is {'in' if self.inside else 'not in yet'}."
+        return f"{self.area_name}: {len(self.inside)} of {len(self.robots)} are in."
 
 
 def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
     """Return the goals of a level in their present state."""
-    found = []
-    for area, now in zip(level.areas, state.areas, strict=True):
-        if wanted := area.victory_robots:
-            inside = tuple(name for name in wanted if name in now.visitors)
-            found.append(Goal(area.name, now.active, wanted, inside))
-    return tuple(found)
+    goal_states = []
+    for area, area_state in zip(level.areas, state.areas, strict=True):
+        if names := area.victory_robots:
+            inside = tuple(name for name in names if name in area_state.visitors)
+            goal_states.append(Goal(area.name, area_state.active, names, inside))
+    return tuple(goal_states)

@@ -15,8 +15,8 @@ from logical_robots_tui.game.advancing import (
     Thinker,
     Worlds,
     advance,
+    are_decisions_valid,
     fresh_frame,
-    is_thought_alike,
     start_frame,
 )
 from logical_robots_tui.game.debugging.breakpoints import (
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import Decide
     from logical_robots_tui.mind import Program
 
-_KNOWN_TOGETHER = 16  # ticks taken from history at once
+_BATCH = 16  # ticks taken from history at once
 _SECONDS_SHOWN = 0.008  # of computing at once when each tick is to be shown soon
 _SECONDS_AWAY = 0.03  # when only the end matters: switching threads costs half a tick
 
@@ -166,7 +166,7 @@ class Game:
         Raises:
             Superseded: The game was restarted, rewound or reprogrammed in the meantime.
         """
-        await self._go_on(1)
+        await self._advance(1)
         return self._frame
 
     def back(self, ticks: int = 1) -> Frame:
@@ -212,12 +212,12 @@ class Game:
         Raises:
             ValueError: A pose is for an unknown robot.
         """
-        frame, before = self._frame, self.level
-        former = former_names(before, level)
-        known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
-        memories = {robot.name: known.get(robot.name, "") for robot in level.robots}
-        state = change_state(frame.after, before, level, poses or {})
-        keeps = bool(frame.decisions) and is_thought_alike(before, level)
+        frame, old_level = self._frame, self.level
+        old_names = former_names(old_level, level)
+        values: dict[str, Value] = {name: frame.memories[old] for name, old in old_names.items()}
+        memories = {robot.name: values.get(robot.name, "") for robot in level.robots}
+        state = change_state(frame.after, old_level, level, poses or {})
+        keeps = bool(frame.decisions) and are_decisions_valid(old_level, level)
         return self.go_on_in(level, state, memories, keeps)
 
     def go_on_in(
@@ -226,7 +226,7 @@ class Game:
         """Continue in a given state; one of another tick begins a new branch of history."""
         frame = replace(self._frame, after=state)
         if not keeps_decisions:
-            frame = fresh_frame(self._past.worlds.of(level), state, memories)
+            frame = fresh_frame(self._past.worlds.world_for(level), state, memories)
         self._supersede()
         if state.tick == self._frame.tick:
             self.history.change_level(frame, level)
@@ -269,7 +269,7 @@ class Game:
         try:
             while self._running:
                 try:
-                    if await self._go_on(self.pace.together) or ends(self.level, self._frame):
+                    if await self._advance(self.pace.together) or ends(self.level, self._frame):
                         return
                 except Superseded:
                     continue
@@ -287,8 +287,9 @@ class Game:
             Superseded: The game was restarted, rewound or reprogrammed in the meantime.
         """
         while tick is None or self._frame.tick < tick:
-            most = None if tick is None else tick - self._frame.tick
-            if await self._go_on(most, condition, _SECONDS_AWAY) or ends(self.level, self._frame):
+            limit = None if tick is None else tick - self._frame.tick
+            is_met = await self._advance(limit, condition, _SECONDS_AWAY)
+            if is_met or ends(self.level, self._frame):
                 break
         return self._frame
 
@@ -309,42 +310,42 @@ class Game:
         self.pace.wake()
         await asyncio.gather(self._thinker.close(), self._asker.close())
 
-    async def _go_on(
+    async def _advance(
         self,
-        most: int | None,
+        limit: int | None,
         condition: Callable[[Frame], bool] | None = None,
         seconds: float = _SECONDS_SHOWN,
     ) -> bool:
         """Advance some ticks and show each; return whether a condition or breakpoint was met."""
-        run, here, texts = self.run_number, self._frame.tick, self.program.texts
-        together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
-        leads_on = not self._is_program_wanted
-        known = self.history.stored_ahead(here, together, texts, follow_branch=leads_on)
-        for each in await self._ahead(most, known, seconds):
-            frame = each.frame
+        run, tick, texts = self.run_number, self._frame.tick, self.program.texts
+        batch = min(limit or _BATCH, _BATCH)
+        is_on_branch = not self._is_program_wanted
+        stored = self.history.stored_ahead(tick, batch, texts, follow_branch=is_on_branch)
+        for step in await self._compute_ahead(limit, stored, seconds):
+            frame = step.frame
             follows = frame.before is self._frame.after or not frame.decisions
             if run != self.run_number or not follows:
                 raise Superseded
-            if not known:
+            if not stored:
                 self.history.add(frame, self.program)
                 self._is_program_wanted = False
-            self.history.note_hits(frame.tick, each.hits)
+            self.history.note_hits(frame.tick, step.hits)
             self._show(frame)
-            if each.hits or (condition and condition(each.frame)):
+            if step.hits or (condition and condition(step.frame)):
                 return True
         return False
 
-    async def _ahead(
-        self, most: int | None, known: list[RecordedTick], seconds: float
+    async def _compute_ahead(
+        self, limit: int | None, stored: list[RecordedTick], seconds: float
     ) -> list[Advance]:
-        program, level, past = self.program, self.level, self._frame
+        program, level, frame = self.program, self.level, self._frame
         watch = self._present_watch()
         decide, clock = self.decide, self.clock
 
         def ticks(stop: threading.Event) -> list[Advance]:
             mind = self._thinker.mind(program, level, self.limits)
             return advance(
-                self._worlds, level, mind, past, known, watch, stop, clock, seconds, most, decide
+                self._worlds, level, mind, frame, stored, watch, stop, clock, seconds, limit, decide
             )
 
         try:

@@ -50,20 +50,20 @@ class Ghost:
         """The run in words: ``your best run`` or ``the replay``."""
         return f"{'your' if self.name == BEST else 'the'} {self.name}"
 
-    def at(self, tick: int) -> NDArray[np.float32]:
+    def poses_at(self, tick: int) -> NDArray[np.float32]:
         """Return the poses after a tick; after the run's end, those at the end."""
         poses: NDArray[np.float32] = self.poses[min(tick, self.last)]
         return poses
 
     def comparison(self, area: int, tick: int) -> str:
         """Say how reaching an area in a tick compares with this run."""
-        there = self.arrivals.get(area)
-        if there is None:
+        arrival = self.arrivals.get(area)
+        if arrival is None:
             return f"which {self.run} never did"
-        if there == tick:
+        if arrival == tick:
             return f"in the same tick as {self.run}"
-        side = "before" if tick < there else "after"
-        return f"{count_of(abs(tick - there), 'tick')} {side} {self.run}"
+        side = "before" if tick < arrival else "after"
+        return f"{count_of(abs(tick - arrival), 'tick')} {side} {self.run}"
 
 
 def ghost_of(replay: Replay, level: Level, name: str) -> Ghost:
@@ -79,15 +79,15 @@ def ghost_of(replay: Replay, level: Level, name: str) -> Ghost:
     arrivals: dict[int, int] = {}
     for tick, state in enumerate(replay.states()):
         poses[tick] = [(robot.x, robot.y, robot.angle) for robot in state.robots]
-        for area, _ in reached(level, state):
+        for area, _ in reached_areas(level, state):
             arrivals.setdefault(area, tick)
     return Ghost(level, name, poses, arrivals)
 
 
-def reached(level: Level, state: WorldState) -> Iterator[tuple[int, str]]:
+def reached_areas(level: Level, state: WorldState) -> Iterator[tuple[int, str]]:
     """Yield the areas, by number, that are on and hold a robot they are for, and that robot."""
-    for number, (area, now) in enumerate(zip(level.areas, state.areas, strict=True)):
-        wanted = area.victory_robots or now.visitors
-        name = next((name for name in now.visitors if name in wanted), None)
-        if now.active and name is not None:
+    for number, (area, area_state) in enumerate(zip(level.areas, state.areas, strict=True)):
+        names = area.victory_robots or area_state.visitors
+        name = next((name for name in area_state.visitors if name in names), None)
+        if area_state.active and name is not None:
             yield number, name

@@ -43,7 +43,7 @@ class Examiner:
     async def predicates(self, question: LevelQuestion) -> list[Predicate]:
         """Return the predicates and functions that a query may use, or raise InputError."""
         program = (await self._run(question)).program
-        return [each for each in program.predicates if each.is_listed]
+        return [predicate for predicate in program.predicates if predicate.is_listed]
 
     async def check(
         self,
@@ -60,11 +60,11 @@ class Examiner:
             verdict = await self._check_at(question, query, tick, report)
             if not verdict.is_right:
                 break
-        former = [each for each in question.ticks if each < tick]
+        earlier_ticks = [t for t in question.ticks if t < tick]
         if verdict.is_right:
             words = f"Right at {ticks_in_words(question.ticks)}."
-        elif former:
-            words = f"Right at {ticks_in_words(former)}, but at tick {tick} {verdict.words}"
+        elif earlier_ticks:
+            words = f"Right at {ticks_in_words(earlier_ticks)}, but at tick {tick} {verdict.words}"
         else:
             words = f"At tick {tick} {verdict.words}"
         return verdict._replace(words=words)
@@ -96,16 +96,16 @@ class Examiner:
         self, question: LevelQuestion, query: str, tick: int, report: Callable[[int], object]
     ) -> Verdict:
         try:
-            right = await self.rows(question, question.answer, tick, report)
+            expected = await self.rows(question, question.answer, tick, report)
         except (ProgramError, QueryError) as error:
             message = f"The level's own answer can't be used: {error}"
             raise LevelError(message, place=self._level.source) from error
         try:
-            found = await self.rows(question, query, tick)
+            answer = await self.rows(question, query, tick)
         except QueryError as error:
             return Verdict(False, tick, f"it gives no rows. {error}")
-        words = difference(found, right)
-        return Verdict(not words, tick, words, found)
+        words = difference(answer, expected)
+        return Verdict(not words, tick, words, answer)
 
 
 def program_of(level: Level, question: LevelQuestion) -> str:
@@ -126,74 +126,75 @@ def mistake_lines(query: str, error: ProgramError) -> list[str]:
     return [line, caret[: len(line) + 1], f"{first.message}. {first.hint}".rstrip()]
 
 
-def difference(found: ResultTable, right: ResultTable) -> str:
+def difference(answer: ResultTable, expected: ResultTable) -> str:
     """Return in words how rows differ from the right ones, in any order, or "" if they don't.
 
     Columns are compared by name if both tables have the same names, and otherwise in the order in
     which they fit best.
     """
-    if found.truncated:
-        return f"it gives more than {count_of(len(found.rows), 'row')}."
-    if found.rows and len(found.columns) != len(right.columns):
-        narrower = _without_robot(found, right)
-        if narrower is not None and not difference(narrower, right):
+    if answer.truncated:
+        return f"it gives more than {count_of(len(answer.rows), 'row')}."
+    if answer.rows and len(answer.columns) != len(expected.columns):
+        narrower = _without_robot(answer, expected)
+        if narrower is not None and not difference(narrower, expected):
             return ""
-        columns = count_of(len(found.columns), "column")
-        hint = " The head of a rule chooses them." * (len(found.columns) > len(right.columns))
-        return f"its rows have {columns} instead of {len(right.columns)}.{hint}"
-    keys = [tuple(map(_key, row)) for row in found.rows]
-    wanted = Counter(tuple(map(_key, row)) for row in right.rows)
-    given, missing, extra = min(
+        columns = count_of(len(answer.columns), "column")
+        hint = " The head of a rule chooses them." * (len(answer.columns) > len(expected.columns))
+        return f"its rows have {columns} instead of {len(expected.columns)}.{hint}"
+    keys = [tuple(map(_key, row)) for row in answer.rows]
+    expected_counts = Counter(tuple(map(_key, row)) for row in expected.rows)
+    given_keys, missing, extra = min(
         (
-            (given, wanted - counted, counted - wanted)
-            for order in _orders(found, right)
-            for given in [[tuple(key[place] for place in order) for key in keys]]
-            for counted in [Counter(given)]
+            (given_keys, expected_counts - counted, counted - expected_counts)
+            for order in _orders(answer, expected)
+            for given_keys in [[tuple(key[place] for place in order) for key in keys]]
+            for counted in [Counter(given_keys)]
         ),
-        key=lambda each: each[1].total() + each[2].total(),
+        key=lambda parts: parts[1].total() + parts[2].total(),
     )
-    lacking, more = missing.total(), extra.total()
-    if not lacking and not more:
+    missing_count, surplus = missing.total(), extra.total()
+    if not missing_count and not surplus:
         return ""
-    if lacking == wanted.total():
+    if missing_count == expected_counts.total():
         rows = ("it gives no rows", "your only row is wrong", f"all its {len(keys)} rows are wrong")
-        return f"{rows[min(len(keys), 2)]}; {_are(lacking)} expected."
-    if not lacking and extra.keys() <= wanted.keys():
-        return f"the rows are right, but {_are(more)} repeated: add distinct."
-    odd = next((row for row, key in zip(found.rows, given, strict=True) if key in extra), ())
-    example = clip(f"({', '.join(spell(value, is_rounded=True) for value in odd)})", _WIDEST_ROW)
-    too_many = f"{_are(more)} too many, such as {example}"
-    if not lacking:
+        return f"{rows[min(len(keys), 2)]}; {_are(missing_count)} expected."
+    if not missing_count and extra.keys() <= expected_counts.keys():
+        return f"the rows are right, but {_are(surplus)} repeated: add distinct."
+    pairs = zip(answer.rows, given_keys, strict=True)
+    extra_row = next((row for row, key in pairs if key in extra), ())
+    example = clip(f"({', '.join(spell(v, is_rounded=True) for v in extra_row)})", _WIDEST_ROW)
+    too_many = f"{_are(surplus)} too many, such as {example}"
+    if not missing_count:
         return f"all the right rows are there, but {too_many}."
-    missed = f"{_are(lacking)} missing"
-    if not more:
-        return f"its rows are right, but {missed}."
-    return f"{_are(len(keys) - more)} right, {too_many}, and {missed}."
+    shortage = f"{_are(missing_count)} missing"
+    if not surplus:
+        return f"its rows are right, but {shortage}."
+    return f"{_are(len(keys) - surplus)} right, {too_many}, and {shortage}."
 
 
-def _without_robot(found: ResultTable, right: ResultTable) -> ResultTable | None:
+def _without_robot(answer: ResultTable, expected: ResultTable) -> ResultTable | None:
     """Return a table without the column that a query about a sensor gets by itself."""
-    if _ROBOT not in found.columns or _ROBOT in right.columns:
+    if _ROBOT not in answer.columns or _ROBOT in expected.columns:
         return None
-    kept = [place for place, name in enumerate(found.columns) if name != _ROBOT]
-    rows = tuple(tuple(row[place] for place in kept) for row in found.rows)
-    narrower = ResultTable(tuple(found.columns[place] for place in kept), rows)
-    return narrower if len(kept) == len(right.columns) else None
+    indices = [index for index, name in enumerate(answer.columns) if name != _ROBOT]
+    rows = tuple(tuple(row[index] for index in indices) for row in answer.rows)
+    narrower = ResultTable(tuple(answer.columns[index] for index in indices), rows)
+    return narrower if len(indices) == len(expected.columns) else None
 
 
 def _are(rows: int) -> str:
     return f"{count_of(rows, 'row')} {'is' if rows == 1 else 'are'}"
 
 
-def _orders(found: ResultTable, right: ResultTable) -> Iterator[tuple[int, ...]]:
-    if not found.rows:
+def _orders(answer: ResultTable, expected: ResultTable) -> Iterator[tuple[int, ...]]:
+    if not answer.rows:
         yield ()
-    elif sorted(found.columns) == sorted(right.columns):
-        yield tuple(map(found.columns.index, right.columns))
-    elif len(found.columns) <= _MOST_COLUMNS:
-        yield from permutations(range(len(found.columns)))
+    elif sorted(answer.columns) == sorted(expected.columns):
+        yield tuple(map(answer.columns.index, expected.columns))
+    elif len(answer.columns) <= _MOST_COLUMNS:
+        yield from permutations(range(len(answer.columns)))
     else:
-        yield tuple(range(len(found.columns)))
+        yield tuple(range(len(answer.columns)))
 
 
 def _key(value: Value) -> Hashable:

@@ -74,13 +74,13 @@ def vary_start(level: Level, seed: int) -> Level:
     then bring others together, where that is possible.
     """
     chance = random.Random(seed)  # noqa: S311 - not for security
-    most = (FARTHEST_SHIFT, FARTHEST_SHIFT, WIDEST_TURN)
-    shifts = [[chance.uniform(-each, each) for each in most] for _ in level.robots]
+    bounds = (FARTHEST_SHIFT, FARTHEST_SHIFT, WIDEST_TURN)
+    shifts = [[chance.uniform(-bound, bound) for bound in bounds] for _ in level.robots]
     robots = []
-    for place, robot in enumerate(level.robots):
+    for index, robot in enumerate(level.robots):
         if level.teams:
-            place = sum(earlier.team == robot.team for earlier in level.robots[:place])
-        x, y, turn = shifts[place]
+            index = sum(teammate.team == robot.team for teammate in level.robots[:index])
+        x, y, turn = shifts[index]
         if level.teams:
             cos, sin = math.cos(robot.angle), math.sin(robot.angle)
             x, y = x * cos - y * sin, x * sin + y * cos
@@ -99,21 +99,19 @@ def _shuffle_names(level: Level, chance: random.Random) -> Level:
     beacons = _new_names(level.shuffled_names, level.beacons, chance)
     return replace(
         level,
-        robots=tuple(replace(each, name=robots.get(each.name, each.name)) for each in level.robots),
-        beacons=tuple(
-            replace(each, name=beacons.get(each.name, each.name)) for each in level.beacons
-        ),
+        robots=tuple(replace(r, name=robots.get(r.name, r.name)) for r in level.robots),
+        beacons=tuple(replace(b, name=beacons.get(b.name, b.name)) for b in level.beacons),
         areas=rename_in_areas(level.areas, robots, beacons),
     )
 
 
 def _new_names(
-    patterns: Iterable[str], things: Iterable[Robot | Beacon], chance: random.Random
+    patterns: Iterable[str], entities: Iterable[Robot | Beacon], chance: random.Random
 ) -> dict[str, str]:
     """Exchange the names that match; of more than two, each moves."""
     names = [
         name
-        for name in dict.fromkeys(thing.name for thing in things)
+        for name in dict.fromkeys(entity.name for entity in entities)
         if any(fnmatchcase(name, pattern) for pattern in patterns)
     ]
     order = chance.sample(names, len(names))
@@ -218,7 +216,7 @@ def patience_for(ticks: int) -> int:
 async def measure(
     level: Level,
     program: Program,
-    known: Measures | None,
+    measures: Measures | None,
     report: Callable[[Trial], None] = lambda _trial: None,
     seconds: int = PROCESSOR_SECONDS,
 ) -> Measures | None:
@@ -228,19 +226,19 @@ async def measure(
     ended early, after so many processor seconds at the latest, or the clock cut off a thought.
     """
     loop = asyncio.get_running_loop()
-    work = _Work(pickle.dumps((level, program, known)), seconds)
+    process = _MeasuringProcess(pickle.dumps((level, program, measures)), seconds)
 
-    def pass_on(trial: Trial) -> None:
-        if not work.is_over:
+    def report_soon(trial: Trial) -> None:
+        if not process.is_over:
             loop.call_soon_threadsafe(report, trial)
 
     try:
-        return await asyncio.to_thread(work.do, pass_on)
+        return await asyncio.to_thread(process.run, report_soon)
     finally:
-        work.end()
+        process.end()
 
 
-class _Work:
+class _MeasuringProcess:
     """A measuring process; one thread talks to it, any thread may end it."""
 
     def __init__(self, request: bytes, seconds: int) -> None:
@@ -255,7 +253,7 @@ class _Work:
             if self._process is not None:
                 self._process.kill()
 
-    def do(self, report: Callable[[Trial], None]) -> Measures | None:
+    def run(self, report: Callable[[Trial], None]) -> Measures | None:
         """Run the process and return its result. Blocks."""
         with self._guard:
             if self.is_over:
@@ -272,8 +270,8 @@ class _Work:
                 elif answer["late"]:
                     raise MeasuringError
                 else:
-                    found = answer["measures"]
-                    return found and Measures(**{**found, "goals": tuple(found["goals"])})
+                    fields = answer["measures"]
+                    return fields and Measures(**{**fields, "goals": tuple(fields["goals"])})
             raise MeasuringError
         except (OSError, ValueError) as error:
             raise MeasuringError from error
@@ -288,31 +286,31 @@ def main() -> None:
     os.nice(NICENESS)
     size = int.from_bytes(sys.stdin.buffer.read(8), "big")
     request = sys.stdin.buffer.read(size)
-    level, program, known = pickle.loads(request)  # noqa: S301 - from the game that started this
+    level, program, measures = pickle.loads(request)  # noqa: S301 - from the game that started this
     try:
-        found = _measure(level, program, known)
-        _say(late=False, measures=found and found._asdict())
+        final = _measure(level, program, measures)
+        _send(late=False, measures=final and final._asdict())
     except LateError:
-        _say(late=True)
+        _send(late=True)
 
 
-def _measure(level: Level, program: Program, known: Measures | None) -> Measures | None:
-    if known is None:
-        played = play_through(level, program, 2 * MOST_TICKS)
-        if played.won_at is None:
+def _measure(level: Level, program: Program, measures: Measures | None) -> Measures | None:
+    if measures is None:
+        play = play_through(level, program, 2 * MOST_TICKS)
+        if play.won_at is None:
             return None
-        known = measures_of(level, program, played.won_at, played.distance, played.is_blocked)
-    patience = patience_for(known.ticks)
-    if known.wins is None:
-        wins = try_starts(level, program, patience, report=lambda n, won: _say(tried=n, wins=won))
-        known = known._replace(wins=wins, starts=STARTS)
-    found: dict[GoalKind, int] = {"starts": known.starts - (known.wins or 0)}
+        measures = measures_of(level, program, play.won_at, play.distance, play.is_blocked)
+    patience = patience_for(measures.ticks)
+    if measures.wins is None:
+        wins = try_starts(level, program, patience, report=lambda n, won: _send(tried=n, wins=won))
+        measures = measures._replace(wins=wins, starts=STARTS)
+    goal_values: dict[GoalKind, int] = {"starts": measures.starts - (measures.wins or 0)}
     if any(goal.kind == "mirrored" for goal in level.second_goals):
-        found["mirrored"] = play_through(mirror(level), program, patience).won_at is None
-    goals = dict.fromkeys((*known.goals, *reached_goals(level, found)))
-    return known._replace(goals=tuple(goals))
+        goal_values["mirrored"] = play_through(mirror(level), program, patience).won_at is None
+    goals = dict.fromkeys((*measures.goals, *reached_goals(level, goal_values)))
+    return measures._replace(goals=tuple(goals))
 
 
-def _say(**what: object) -> None:
-    sys.stdout.write(json.dumps(what) + "\n")
+def _send(**fields: object) -> None:
+    sys.stdout.write(json.dumps(fields) + "\n")
     sys.stdout.flush()

@@ -21,20 +21,20 @@ def mind_for(program: Program, level: Level, limits: Limits | None = None) -> Mi
     if level.teams:
         names = [team.name for team in level.teams]
         return TeamMind(program, level, limits, program.team if program.team in names else names[0])
-    seen = level.visibility
-    return Mind(program, seen.memory, seen.sensor, limits, frozen=True)
+    visibility = level.visibility
+    return Mind(program, visibility.memory, visibility.sensor, limits, frozen=True)
 
 
 class TeamMind(Mind):
     """The mind of a team, which answers for that team only, with all limits for itself."""
 
     def __init__(self, program: Program, level: Level, limits: Limits | None, team: str) -> None:
-        seen = level.visibility
-        mine, robots = program.for_team(team), [each for each in level.robots if each.team == team]
-        own = frozenset(robot.name for robot in robots)
-        super().__init__(mine, seen.memory, seen.sensor, limits, frozen=True, robots=own)
+        visibility = level.visibility
+        visible = visibility.memory, visibility.sensor
+        robots = frozenset(robot.name for robot in level.robots if robot.team == team)
+        super().__init__(program.for_team(team), *visible, limits, frozen=True, robots=robots)
         self._others: list[TeamMind] | None = None  # needed for thinking only
-        names = [each.name for each in level.teams if each.name != team]
+        names = [t.name for t in level.teams if t.name != team]
         self._new_others: Callable[[], list[TeamMind]] = lambda: [
             TeamMind(program, level, limits, name) for name in names
         ]
@@ -49,17 +49,17 @@ class TeamMind(Mind):
         """Decide for the robots of all teams as `Mind.think` does, separately for each team."""
         if self._others is None:
             self._others = self._new_others()
-        decided = {
-            each.robot_name: each
+        decisions = {
+            decision.robot_name: decision
             for mind in (self, *self._others)
-            for each in Mind.think(mind, rows, memories, stop=stop)  # without its own others
+            for decision in Mind.think(mind, rows, memories, stop=stop)  # without its own others
         }
-        return [decided[row["robot_name"]] for row in rows]
+        return [decisions[row["robot_name"]] for row in rows]
 
     @property
     def steps(self) -> int:
-        others = (mind.steps for mind in self._others or ())
-        return super().steps + sum(others)
+        step_counts = (mind.steps for mind in self._others or ())
+        return super().steps + sum(step_counts)
 
     def close(self) -> None:
         super().close()

@@ -84,10 +84,10 @@ class Pace:
         self._times.clear()
 
     def count(self) -> None:
-        now = self._clock.now()
+        time = self._clock.now()
         self._computed += 1
-        self._times.append(now)
-        self._forget_old(now)
+        self._times.append(time)
+        self._forget_old(time)
 
     def give_way(self) -> None:
         """Pause briefly at full speed or on a busy computer, so that other threads get a turn."""
@@ -101,15 +101,15 @@ class Pace:
         if self._speed is None:
             await asyncio.sleep(max(self._free_at - self._clock.now(), 0))
             return
-        now = self._clock.now()
-        rest = self._lot if self._lot > _LONGEST_LOT else 0.0
-        self._due = max(self._due + max(self._computed / self._speed, rest), now)
+        time = self._clock.now()
+        pause = self._lot if self._lot > _LONGEST_LOT else 0.0
+        self._due = max(self._due + max(self._computed / self._speed, pause), time)
         if self.spacing:
             self._due = max(self._due, self._free_at)
         self._computed = 0
         self._changed.clear()
         try:
-            async with asyncio.timeout(self._due - now):
+            async with asyncio.timeout(self._due - time):
                 await self._changed.wait()
         except TimeoutError:
             pass
@@ -122,9 +122,9 @@ class Pace:
         return _LOT + self.spacing
 
     def _move(self, steps: int) -> None:
-        at = SPEEDS.index(self._speed) if self._speed in SPEEDS else 0
-        self.speed = SPEEDS[max(0, min(at + steps, len(SPEEDS) - 1))]
+        index = SPEEDS.index(self._speed) if self._speed in SPEEDS else 0
+        self.speed = SPEEDS[max(0, min(index + steps, len(SPEEDS) - 1))]
 
-    def _forget_old(self, now: float) -> None:
-        while self._times and self._times[0] < now - _WINDOW:
+    def _forget_old(self, time: float) -> None:
+        while self._times and self._times[0] < time - _WINDOW:
             self._times.popleft()

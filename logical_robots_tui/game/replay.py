@@ -23,7 +23,7 @@ import msgspec
 import numpy as np
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.advancing import is_thought_alike
+from logical_robots_tui.game.advancing import are_decisions_valid
 from logical_robots_tui.game.frame import Frame, Superseded
 from logical_robots_tui.game.history.packing import is_shallow, is_state
 from logical_robots_tui.mind import Decision
@@ -75,7 +75,7 @@ Columns: TypeAlias = Annotated[tuple[bytes, ...], msgspec.Meta(max_length=_MOST_
 Hashes: TypeAlias = Annotated[dict[int, bytes], msgspec.Meta(max_length=MOST_TICKS // EVERY + 2)]
 
 
-class Text(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+class ReplayProgram(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """A program, and when it began to decide.
 
     Attributes:
@@ -118,7 +118,7 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
     name: str
     last: int
     stages: Annotated[tuple[Stage, ...], msgspec.Meta(max_length=_MOST_STAGES)]
-    texts: Annotated[tuple[Text, ...], msgspec.Meta(max_length=_MOST_STAGES)]
+    texts: Annotated[tuple[ReplayProgram, ...], msgspec.Meta(max_length=_MOST_STAGES)]
     hashes: Hashes
 
     @property
@@ -128,16 +128,16 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
 
     @property
     def has_programs(self) -> bool:
-        return all(each.text is not None for each in self.texts)
+        return all(program.text is not None for program in self.texts)
 
     @property
     def programs(self) -> dict[int, Texts]:
         """What the robots think with from a tick on; `NO_PROGRAM` where that was left out."""
-        found: dict[int, Texts] = {}
-        for each in self.texts:
-            text = NO_PROGRAM if each.text is None else each.text
-            found[each.tick] = {**found.get(each.tick, {}), each.team: text}
-        return found
+        programs: dict[int, Texts] = {}
+        for program in self.texts:
+            text = NO_PROGRAM if program.text is None else program.text
+            programs[program.tick] = {**programs.get(program.tick, {}), program.team: text}
+        return programs
 
     def states(self) -> Iterator[WorldState]:
         """Yield the world after each tick, starting with the first state; needs no programs."""
@@ -147,8 +147,8 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
             world.restore(stage.state)
             yield stage.state
             for tick in range(stage.state.tick + 1, end):
-                wanted = self.desires_in(tick)
-                world.act({name: each for name, each in wanted.items() if each is not None})
+                desires = self.desires_in(tick)
+                world.act({name: desire for name, desire in desires.items() if desire is not None})
                 yield world.save()
 
     def to_bytes(self) -> bytes:
@@ -174,12 +174,12 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
         return list(dict.fromkeys(stage.level for stage in self.stages))
 
     def desires_in(self, tick: int) -> Mapping[str, Desire | None]:
-        at = bisect_left(self.stages, tick, key=lambda stage: stage.state.tick) - 1
-        names = [robot.name for robot in self.levels[at].robots]
-        wanted = self._desires[at][tick - self.stages[at].state.tick - 1]
+        index = bisect_left(self.stages, tick, key=lambda stage: stage.state.tick) - 1
+        names = [robot.name for robot in self.levels[index].robots]
+        rows = self._desires[index][tick - self.stages[index].state.tick - 1]
         return {
             name: None if np.isnan(engines).any() else Desire(*map(float, engines))
-            for name, engines in zip(names, wanted, strict=True)
+            for name, engines in zip(names, rows, strict=True)
         }
 
     @cached_property
@@ -193,8 +193,8 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
             raise ValueError("it has too many levels")
         begins = [stage.state.tick for stage in self.stages]
         ends = [*begins[1:], self.last]
-        texts = [each.tick for each in self.texts]
-        teams = {(each.tick, each.team) for each in self.texts}
+        texts = [program.tick for program in self.texts]
+        teams = {(program.tick, program.team) for program in self.texts}
         if not begins or not 0 <= begins[0] < self.last <= begins[0] + MOST_TICKS:
             raise ValueError("its ticks are out of bounds")
         if any(first >= end for first, end in zip(begins, ends[:-1], strict=False)):
@@ -209,12 +209,12 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
             if weight_of_text(stage.memories) > _HEAVIEST_MEMORIES:
                 raise ValueError(f"its memories at tick {stage.state.tick} are too large")
             state, memories = stage.state, json.loads(stage.memories)
-            sizes = {len(each) for each in stage.desires} - {(end - state.tick) * _DESIRE_BYTES}
+            sizes = {len(column) for column in stage.desires} - {(end - state.tick) * _DESIRE_BYTES}
             if sizes or len(stage.desires) != len(level.robots):
                 raise ValueError("its robots don't act in every tick")
-            fits = previous is not None and is_thought_alike(previous, level)
+            is_compatible = previous is not None and are_decisions_valid(previous, level)
             is_valid = is_shallow(memories) and is_state(state, memories, state.tick, level)
-            if not is_valid or stage.is_decided > fits:
+            if not is_valid or stage.is_decided > is_compatible:
                 raise ValueError(f"its state at tick {state.tick} does not fit the level")
             previous = level
 
@@ -236,7 +236,7 @@ def load_replay(path: Path) -> Replay:
 
 
 def _read(content: bytes) -> Replay:
-    line, _, rest = content.partition(b"\n")
+    line, _, tail = content.partition(b"\n")
     if not line.startswith(_MAGIC):
         raise ValueError("its first line is wrong")
     if len(content) > _MOST_BYTES:
@@ -244,8 +244,8 @@ def _read(content: bytes) -> Replay:
     number = line.removeprefix(_MAGIC)
     if number not in (b"1", b"%d" % _FORMAT):
         raise ValueError("another version of the game made it")
-    body = rest[32:]
-    if hashlib.sha256(body).digest() != rest[:32]:
+    body = tail[32:]
+    if hashlib.sha256(body).digest() != tail[:32]:
         raise ValueError("it is damaged")
     packed = lzma.LZMADecompressor(memlimit=_MOST_TO_UNPACK)
     unpacked = packed.decompress(body, max_length=_MOST_UNPACKED)
@@ -260,9 +260,9 @@ def _read(content: bytes) -> Replay:
     replay = msgspec.msgpack.decode(unpacked, type=Replay)
     if number == b"1":
         texts = (
-            Text(each.tick, each.name, text or None, team)
-            for each in replay.texts
-            for team, text in texts_of(each.text or "").items()
+            ReplayProgram(p.tick, p.name, text or None, team)
+            for p in replay.texts
+            for team, text in texts_of(p.text or "").items()
         )
         replay = msgspec.structs.replace(replay, texts=tuple(islice(texts, _MOST_STAGES)))
     return replay
@@ -307,40 +307,41 @@ async def gather(
         raise InputError("The level was changed too often for a replay.")
     stages, hashes = [], {}
     for first, end in zip([begin, *changes], [*changes, last], strict=True):
-        level, (before, known) = history.level_at(first), history.replay(max(first, history.first))
-        moment = before if first < history.first else known.moment
-        wanted = np.full((end - first, len(level.robots), 2), np.nan, "<f8")
+        level = history.level_at(first)
+        previous, stored = history.replay(max(first, history.first))
+        moment = previous if first < history.first else stored.moment
+        engines = np.full((end - first, len(level.robots), 2), np.nan, "<f8")
         is_decided = bool(moment.decisions) and first > begin
         memories = json.dumps(dict(moment.memories), ensure_ascii=False)
         for tick in range(first + 1, end + 1):
-            after = history.replay(tick)[1].moment
-            for place, decision in enumerate(after.decisions):
+            end_moment = history.replay(tick)[1].moment
+            for place, decision in enumerate(end_moment.decisions):
                 if decision.desire is not None:
                     desire = decision.desire
-                    wanted[tick - first - 1, place] = desire.left_engine, desire.right_engine
+                    engines[tick - first - 1, place] = desire.left_engine, desire.right_engine
             if tick % EVERY == 0 or tick == last:
-                hashes[tick] = _hash_of(after.after)
+                hashes[tick] = _hash_of(end_moment.after)
             if tick % _AT_ONCE == 0 or tick == last:
                 await asyncio.sleep(0)
                 if history.turns != turns:
                     raise Superseded
-        stages.append(Stage(write(level), moment.after, memories, is_decided, _pack(wanted)))
+        stages.append(Stage(write(level), moment.after, memories, is_decided, _pack(engines)))
     texts = [
-        Text(max(tick, begin + 1), name(program), text if with_programs else None, team)
+        ReplayProgram(max(tick, begin + 1), name(program), text if with_programs else None, team)
         for tick, program in history.programs(last)
         for team, text in program.texts.items()
     ]
     return Replay(history.level_at(begin).name, last, tuple(stages), tuple(texts), hashes)
 
 
-def _pack(wanted: NDArray[np.float64]) -> tuple[bytes, ...]:
-    bits = wanted.view("<u8")
+def _pack(engines: NDArray[np.float64]) -> tuple[bytes, ...]:
+    bits = engines.view("<u8")
     bits[1:] ^= bits[:-1].copy()
     return tuple(bits[:, robot].T.tobytes() for robot in range(bits.shape[1]))
 
 
 def _unpack(desires: Sequence[bytes]) -> NDArray[np.float64]:
-    columns = [np.frombuffer(each, "<u8").reshape(2, -1).T for each in desires]
+    columns = [np.frombuffer(column, "<u8").reshape(2, -1).T for column in desires]
     if not columns:
         return np.zeros((MOST_TICKS, 0, 2))
     bits = np.bitwise_xor.accumulate(np.stack(columns, axis=1), axis=0)
@@ -368,18 +369,18 @@ class Verifier:
     def decide(self, tick: int, decisions: tuple[Decision, ...]) -> tuple[Decision, ...]:
         if tick in self._undecided:
             return decisions
-        wanted = self._replay.desires_in(tick)
+        desires = self._replay.desires_in(tick)
         if self._replay.has_programs:
             for decision in decisions:
-                if decision.desire != wanted[decision.robot_name]:
+                if decision.desire != desires[decision.robot_name]:
                     self._note(tick, f"{decision.robot_name} decides differently.")
         return tuple(
-            [replace(decision, desire=wanted[decision.robot_name]) for decision in decisions]
+            [replace(decision, desire=desires[decision.robot_name]) for decision in decisions]
         )
 
     def look(self, frame: Frame) -> None:
-        known = self._replay.hashes.get(frame.tick)
-        if known is not None and known != _hash_of(frame.after):
+        expected = self._replay.hashes.get(frame.tick)
+        if expected is not None and expected != _hash_of(frame.after):
             self._note(frame.tick, "The state of the world differs.")
 
     def _note(self, tick: int, reason: str) -> None:
@@ -393,7 +394,7 @@ async def play_into(
     """Compute all ticks of a replay in a game, or raise Superseded."""
     verifier = Verifier(replay)
     game.decide = verifier.decide
-    changes = {stage.state.tick: at for at, stage in enumerate(replay.stages)}
+    changes = {stage.state.tick: index for index, stage in enumerate(replay.stages)}
     uses = {tick - 1: program for tick, program in zip(replay.programs, programs, strict=True)}
     try:
         for tick in sorted({*changes, *uses, *replay.hashes, replay.last}):

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _CODE = Path(__file__).parents[1]
-_NOTHING = Watch(())
+_NO_WATCH = Watch(())
 _SECONDS = 0.05  # of work in the thread at a time
 
 
@@ -55,7 +55,7 @@ class Run:
         self.limits = limits or Limits()
         self._thinker = Thinker("run")
         self._worlds = Worlds(level)
-        self._latest: Frame = start_frame(level, self._worlds.of(level))
+        self._latest: Frame = start_frame(level, self._worlds.world_for(level))
         start = TickState(self._latest.after, self._latest.memories, (), 0.0, 0.0)
         self.key = run_key(level, program, self.limits)
         self._recording = Recording(self.key, level, start)
@@ -73,9 +73,9 @@ class Run:
         """Return the frame of a tick; `report` gets the last computed tick as work proceeds."""
         while self._recording.last < tick:
             until = CLOCK.now() + _SECONDS
-            await self._thinker.do(partial(self._reached, tick, until=until))
+            await self._thinker.do(partial(self._computed_frame, tick, until=until))
             report(self._recording.last)
-        (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
+        (frame,) = [f async for f in self.map_ticks(tick, tick, lambda f, _mind, _stop: f)]
         return frame
 
     async def to_end(
@@ -87,7 +87,7 @@ class Run:
         """
         over = False
         while not over:
-            tick, over = await self._thinker.do(partial(self._further, last))
+            tick, over = await self._thinker.do(partial(self._compute_to_end, last))
             report(tick)
         return RunHistory(self, self._recording.first, tick)
 
@@ -109,7 +109,7 @@ class Run:
             raise DamagedRunError(f"tick {tick} was dropped")
         return RecordedTick(self.level, self._recording.moment(tick))
 
-    async def each(
+    async def map_ticks(
         self,
         first: int,
         last: int,
@@ -120,20 +120,20 @@ class Run:
         """Yield the result of `work`, called in a thread, for each tick, or raise Stopped."""
         tick, over = first, False
         while tick <= last and not over:
-            some = partial(self._some, tick, last, work, to_victory)
-            found, over = await self._thinker.do(some)
-            for done in found:
-                yield done
-            tick += len(found)
+            batch = partial(self._map_batch, tick, last, work, to_victory)
+            results, over = await self._thinker.do(batch)
+            for result in results:
+                yield result
+            tick += len(results)
 
     async def memories(self, robot: str, tick: int) -> AsyncGenerator[Sequence[Value]]:
         """Yield a robot's memory after a tick, the tick before, and so on, in batches."""
         while tick >= 0:
-            some = await self._thinker.do(partial(self._memories, robot, tick))
-            if some is not None:
-                yield some
-                tick -= len(some)
-                if not some:
+            batch = await self._thinker.do(partial(self._memories, robot, tick))
+            if batch is not None:
+                yield batch
+                tick -= len(batch)
+                if not batch:
                     return
 
     async def forget(self) -> None:
@@ -149,7 +149,7 @@ class Run:
 
     # The rest is called in the thread.
 
-    def _some(
+    def _map_batch(
         self,
         tick: int,
         last: int,
@@ -158,42 +158,42 @@ class Run:
         stop: threading.Event,
     ) -> tuple[list[T], bool]:
         until = CLOCK.now() + _SECONDS
-        done: list[T] = []
+        results: list[T] = []
         mind, over = None, False
-        while not over and tick + len(done) <= last and (not done or CLOCK.now() < until):
-            frame = self._reached(tick + len(done), stop, until=until)
+        while not over and tick + len(results) <= last and (not results or CLOCK.now() < until):
+            frame = self._computed_frame(tick + len(results), stop, until=until)
             if frame is None:
                 break
             mind = mind or self._thinker.mind(self.program, self.level, self.limits)
-            done.append(work(frame, mind, stop))
+            results.append(work(frame, mind, stop))
             over = to_victory and frame.after.won_at is not None
-        return done, over
+        return results, over
 
     def _memories(self, robot: str, tick: int, stop: threading.Event) -> list[Value] | None:
         """Return some memories; none in a gap, None while the tick is still computed."""
         until = CLOCK.now() + _SECONDS
         if self._recording.last < tick:
-            self._reached(tick, stop, until=until)
+            self._computed_frame(tick, stop, until=until)
             return None
-        found: list[Value] = []
+        memories: list[Value] = []
         try:
-            for at in range(tick, -1, -1):
-                if self._recording.is_in_gap(at) or (found and CLOCK.now() >= until):
+            for t in range(tick, -1, -1):
+                if self._recording.is_in_gap(t) or (memories and CLOCK.now() >= until):
                     break
-                found.append(self._recording.memory(at, robot))
+                memories.append(self._recording.memory(t, robot))
         except DamagedRunError:
             self._forget()
             return None
-        return found
+        return memories
 
-    def _further(self, last: int, stop: threading.Event) -> tuple[int, bool]:
+    def _compute_to_end(self, last: int, stop: threading.Event) -> tuple[int, bool]:
         """Return the tick reached after a while, and whether the run ends there."""
         until = CLOCK.now() + _SECONDS
         try:
             while True:
                 tick = min(self._recording.last, last)
                 ends = (self._recording.moment(tick).after.won_at, self.level.match_ticks, last)
-                end = min(each for each in ends if each)
+                end = min(filter(None, ends))
                 if end <= tick or CLOCK.now() >= until:
                     return min(tick, end), end <= tick
                 self._compute(tick + 1, stop, until)
@@ -201,44 +201,44 @@ class Run:
             self._forget()
             return 0, False
 
-    def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
+    def _computed_frame(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
         try:
-            return self._known(tick) if self._compute(tick, stop, until) else None
+            return self._stored_frame(tick) if self._compute(tick, stop, until) else None
         except DamagedRunError:
             self._forget()
             return None
 
     def _compute(self, tick: int, stop: threading.Event, until: float) -> bool:
         """Compute ticks up to one, unless that takes too long; return whether it is there."""
-        if any(self._recording.is_in_gap(each) for each in (max(tick - 1, 0), tick)):
+        if any(self._recording.is_in_gap(t) for t in (max(tick - 1, 0), tick)):
             self._recording.return_to_gap()
         while self._recording.last < tick and CLOCK.now() < until:
-            self._go_on(stop)
+            self._compute_next(stop)
         return tick <= self._recording.last
 
     def _forget(self) -> None:
         self._recording.forget()
         self._latest = start_frame(self.level)
 
-    def _known(self, tick: int) -> Frame:
+    def _stored_frame(self, tick: int) -> Frame:
         if self._latest.tick == tick:
             return self._latest
-        before: Frame | TickState = self._latest
+        previous: Frame | TickState = self._latest
         if self._latest.tick != tick - 1:
-            before = self._recording.moment(max(tick - 1, 0))
-        known = RecordedTick(self.level, self._recording.moment(tick))
-        self._latest = frame_of(self._worlds, before, known)
+            previous = self._recording.moment(max(tick - 1, 0))
+        stored_tick = RecordedTick(self.level, self._recording.moment(tick))
+        self._latest = frame_of(self._worlds, previous, stored_tick)
         return self._latest
 
-    def _go_on(self, stop: threading.Event) -> None:
-        past = self._known(self._recording.last)
+    def _compute_next(self, stop: threading.Event) -> None:
+        previous = self._stored_frame(self._recording.last)
         mind = self._thinker.mind(self.program, self.level, self.limits)
         (step,) = advance(
-            self._worlds, self.level, mind, past, (), _NOTHING, stop, CLOCK, seconds=0, most=1
+            self._worlds, self.level, mind, previous, (), _NO_WATCH, stop, CLOCK, seconds=0, limit=1
         )
         frame = self._latest = step.frame
-        before = self._recording.moment(past.tick).driven
-        self._recording.add(TickState.from_frame(frame, before + frame.distance))
+        distance = self._recording.moment(previous.tick).driven
+        self._recording.add(TickState.from_frame(frame, distance + frame.distance))
 
 
 class RunHistory:
@@ -253,8 +253,8 @@ class RunHistory:
 
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before a tick, and the tick, or raise DamagedRunError."""
-        before = self._stored(max(tick - 1, 0)).moment
-        return before, self._stored(tick)
+        previous = self._stored(max(tick - 1, 0)).moment
+        return previous, self._stored(tick)
 
     def _stored(self, tick: int) -> RecordedTick:
         latest = self._latest
@@ -281,7 +281,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "limits": asdict(limits),
     }
     for kind in ("robots", "beacons", "areas", "teams", "scores"):
-        parts[kind] = [asdict(each) for each in getattr(level, kind)]
+        parts[kind] = [asdict(entity) for entity in getattr(level, kind)]
     digest = hashlib.sha256(simulation_digest())
     digest.update(json.dumps(parts).encode())
     return digest.hexdigest()

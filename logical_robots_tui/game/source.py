@@ -48,7 +48,7 @@ MAX_PROGRAM_BYTES = 1_000_000
 _TEAM = "#team="
 
 
-class Source(NamedTuple):
+class ProgramSource(NamedTuple):
     """A program's text and its file, which must not be overwritten if it is shipped."""
 
     name: str
@@ -62,7 +62,7 @@ class Source(NamedTuple):
         return f"{self.path}{_TEAM}{self.team}" if self.team else str(self.path)
 
     @classmethod
-    def of_draft(cls, draft: str, name: str) -> Source:
+    def of_draft(cls, draft: str, name: str) -> ProgramSource:
         """Return the program that a draft belongs to, even if its file is gone."""
         path, _, team = draft.partition(_TEAM)
         try:
@@ -72,11 +72,11 @@ class Source(NamedTuple):
         return source._replace(team=team)
 
 
-def list_programs(own: Path | None = None) -> list[str]:
+def list_programs(own_folder: Path | None = None) -> list[str]:
     shipped = (*shipped_names("programs", SUFFIX), *shipped_names("programs", SUFFIX, ARENAS))
     names = [name for name in shipped if not is_hidden(name)]
-    if own is not None and is_folder(own):
-        names += sorted(p.stem for p in own.glob(f"*{SUFFIX}") if p.stem not in names)
+    if own_folder is not None and is_folder(own_folder):
+        names += sorted(p.stem for p in own_folder.glob(f"*{SUFFIX}") if p.stem not in names)
     return names
 
 
@@ -122,8 +122,8 @@ def _folders() -> tuple[Path, Path, Path]:
 
 
 def load_program(
-    path_or_name: str | Path, own: Path | None = None, *, pipes: bool = False
-) -> Source:
+    path_or_name: str | Path, own_folder: Path | None = None, *, pipes: bool = False
+) -> ProgramSource:
     """Read a program by path, or by name from the player's own and the shipped ones.
 
     With `pipes` it may block. Raises InputError unless it is a visible text that is not too long.
@@ -136,11 +136,11 @@ def load_program(
     except OSError as error:
         raise InputError(f"can't be read: {error.strerror or error}", place=str(path)) from error
     if path.name == str(path_or_name):
-        for folder in (own, *_folders()):
-            if folder is not None and is_file(found := folder / f"{path.name}{SUFFIX}"):
-                return _read(found)
-    known = list_programs(own)
-    hint = did_you_mean(path.stem, known) or f"There are {', '.join(known) or 'none'}."
+        for folder in (own_folder, *_folders()):
+            if folder is not None and is_file(file := folder / f"{path.name}{SUFFIX}"):
+                return _read(file)
+    names = list_programs(own_folder)
+    hint = did_you_mean(path.stem, names) or f"There are {', '.join(names) or 'none'}."
     raise InputError("There is no such program", place=str(path_or_name), hint=hint)
 
 
@@ -148,33 +148,33 @@ def programs_for(
     level: Level,
     names: Sequence[str],
     by_team: Mapping[str, str],
-    own: Path | None = None,
+    own_folder: Path | None = None,
     *,
     pipes: bool = False,
-) -> dict[str, Source]:
+) -> dict[str, ProgramSource]:
     """Return the program of each team of a level, or of "" if it has no teams.
 
     `names` are by the order of the teams; the level names the others. If none is named, the
     first team is the player's and begins with the starter. Raises InputError.
     """
     usual = level.starter or DEFAULT_PROGRAM
-    wanted = {team.name: team.program or usual for team in level.teams} or {"": usual}
+    program_names = {team.name: team.program or usual for team in level.teams} or {"": usual}
     if level.starter and not (names or by_team):
-        wanted[next(iter(wanted))] = level.starter
-    if len(names) > len(wanted):
+        program_names[next(iter(program_names))] = level.starter
+    if len(names) > len(program_names):
         teams = f"{len(level.teams)} teams" if level.teams else "no teams"
         raise InputError(f"{len(names)} programs are too many: {level.name} has {teams}.")
     for team in by_team:
-        if team not in wanted or not team:
-            hint = did_you_mean(team, wanted) or f"It has {', '.join(wanted)}."
+        if team not in program_names or not team:
+            hint = did_you_mean(team, program_names) or f"It has {', '.join(program_names)}."
             raise InputError(f"{level.name} has no team {team}.", hint=hint if level.teams else "")
-    in_order = dict(zip(wanted, names, strict=False))
-    if twice := in_order.keys() & by_team.keys():
-        raise InputError(f"Two programs are named for {min(twice)}.")
-    wanted |= in_order | dict(by_team)
+    in_order = dict(zip(program_names, names, strict=False))
+    if duplicates := in_order.keys() & by_team.keys():
+        raise InputError(f"Two programs are named for {min(duplicates)}.")
+    program_names |= in_order | dict(by_team)
     return {
-        team: load_program(name, own, pipes=pipes)._replace(team=team)
-        for team, name in wanted.items()
+        team: load_program(name, own_folder, pipes=pipes)._replace(team=team)
+        for team, name in program_names.items()
     }
 
 
@@ -195,7 +195,7 @@ def save_program(path: Path, text: str) -> None:
         raise InputError(message, place=str(path), hint=hint) from error
 
 
-def _read(path: Path, *, pipes: bool = False) -> Source:
+def _read(path: Path, *, pipes: bool = False) -> ProgramSource:
     file = real(path)
     shipped = file.parent in [folder.resolve() for folder in _folders()]
     if shipped and is_hidden(file.stem):
@@ -208,7 +208,7 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
             why = "an arena's solution, hidden here"
             hint = f"Beat the sparring partner of {level} without it."
         raise InputError(f"is {why}", place=path.stem, hint=hint)
-    return Source(path.stem, _text_of(path, pipes=pipes), path, shipped)
+    return ProgramSource(path.stem, _text_of(path, pipes=pipes), path, shipped)
 
 
 def _text_of(path: Path, *, pipes: bool = False) -> str:
@@ -244,7 +244,7 @@ def _text_of(path: Path, *, pipes: bool = False) -> str:
 
 def target(
     name: str,
-    own: Path,
+    own_folder: Path,
     *,
     folder: Literal["levels", "programs"] = "programs",
     suffixes: tuple[str, ...] = (SUFFIX,),
@@ -270,11 +270,11 @@ def target(
         if not re.fullmatch(r"[\w][\w .+-]*", stem):
             message = "A name is made of letters, digits, spaces and _ - + ."
             raise InputError(message, hint="Put a slash in it to name a file anywhere.")
-        known = (shipped_names(folder, suffix, w) for suffix in suffixes for w in ("", ARENAS))
-        if any(stem in names for names in known):
+        shipped = (shipped_names(folder, suffix, w) for suffix in suffixes for w in ("", ARENAS))
+        if any(stem in names for names in shipped):
             message = f"{stem} is part of the game and can't be changed."
             raise InputError(message, hint="Choose another name.")
-        path = own / f"{stem}{usual}"
+        path = own_folder / f"{stem}{usual}"
     if is_folder(path):
         raise InputError("is a folder.", place=str(path), hint="Choose another name.")
     if is_there(path) and not is_file(path):
@@ -300,11 +300,11 @@ async def compile_program(text: str | Texts, report: Report | None = None) -> Pr
         # A mind will be needed next.
         from logical_robots_tui.mind import Mind, Program  # noqa: F401 - to load it
 
-        def pass_on(done: int, of_all: int) -> None:
+        def report_soon(count: int, total: int) -> None:
             if report is not None and not stop.is_set():
-                loop.call_soon_threadsafe(report, done, of_all)
+                loop.call_soon_threadsafe(report, count, total)
 
-        return Program.compile(text, stop=stop, report=pass_on)
+        return Program.compile(text, stop=stop, report=report_soon)
 
     return await _in_thread(work)
 
@@ -316,15 +316,15 @@ def warnings_in(
 
     With a level also those about names that it does not have; perhaps those for the web platform.
     """
-    found = [*program.warnings, *(program.web if web else ())]
+    warnings = [*program.warnings, *(program.web if web else ())]
     if level is not None:
         solid = (area.name for area in level.areas if area.impenetrable)
         names = LevelNames(
             frozenset(robot.name for robot in level.robots),
             frozenset([*(beacon.name for beacon in level.beacons), *solid]),
         )
-        found += unknown_names(program.mentions, names)
-    return tuple(sorted(found, key=lambda each: (each.line, each.column)))
+        warnings += unknown_names(program.mentions, names)
+    return tuple(sorted(warnings, key=lambda d: (d.line, d.column)))
 
 
 async def mistake_in_question(program: Program, query: str) -> str:

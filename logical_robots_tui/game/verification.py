@@ -35,12 +35,12 @@ T = TypeVar("T")
 
 def check_size(programs: int, robot_ticks: int = 0) -> None:
     """Raise InputError for a file that is too large to be played again."""
-    for number, most, what in (
+    for number, limit, noun in (
         (programs, MOST_PROGRAMS, "programs"),
         (robot_ticks, MOST_ROBOT_TICKS, "decisions of robots"),
     ):
-        if number > most:
-            raise InputError(f"It has {number:,} {what}; at most {most:,} are played again")
+        if number > limit:
+            raise InputError(f"It has {number:,} {noun}; at most {limit:,} are played again")
 
 
 class OverBudgetError(InputError):
@@ -49,7 +49,7 @@ class OverBudgetError(InputError):
         super().__init__(message, hint="--seconds N allows more.")
 
 
-class Budget:
+class FileBudget:
     """The processor time for a file, including processes that have ended."""
 
     def __init__(self, seconds: int) -> None:

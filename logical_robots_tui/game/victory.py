@@ -106,7 +106,7 @@ def victory_of(game: Game, level: Level) -> Victory | None:
     elif is_reference(level, program.text):
         verdict = "reference"
     measures = None
-    if all(each.texts == program.texts for _, each in history.programs(tick)):
+    if all(p.texts == program.texts for _, p in history.programs(tick)):
         is_blocked = history.is_blocked_up_to(tick)
         measures = measures_of(level, program, tick, history.driven(tick), is_blocked)
     return Victory(level, program, tick, verdict, measures)
@@ -117,19 +117,19 @@ def measures_of(
 ) -> Measures:
     """Return the measures of a victory; the distance is map units of all robots together."""
     size = size_of(program.text)
-    found: dict[GoalKind, int] = {
+    goal_values: dict[GoalKind, int] = {
         "tick": ticks,
         "symbol": size,
         "unit": round(distance),
         "blocked": int(is_blocked),
     }
-    return Measures(ticks, size, distance, goals=tuple(reached_goals(level, found)))
+    return Measures(ticks, size, distance, goals=tuple(reached_goals(level, goal_values)))
 
 
-def reached_goals(level: Level, found: Mapping[GoalKind, int]) -> Iterator[str]:
+def reached_goals(level: Level, goal_values: Mapping[GoalKind, int]) -> Iterator[str]:
     """Yield the bonus goals that are reached, as far as what they limit was found."""
     for goal in level.second_goals:
-        if goal.kind in found and found[goal.kind] <= goal.limit:
+        if goal.kind in goal_values and goal_values[goal.kind] <= goal.limit:
             yield goal.words
 
 
@@ -167,5 +167,5 @@ def brief(bests: Bests | Measures, width: int = 100) -> str:
         return ""
     size = [count_of(bests.ticks, "tick"), f"size {bests.size}"]
     wins = [] if bests.wins is None else [f"{bests.wins}/{bests.starts}"]
-    told = " · ".join([*size, f"{bests.distance:,.0f} units", *wins])
-    return told if len(told) <= width else " · ".join([*size, *wins])
+    line = " · ".join([*size, f"{bests.distance:,.0f} units", *wins])
+    return line if len(line) <= width else " · ".join([*size, *wins])

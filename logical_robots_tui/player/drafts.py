@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
 
-from logical_robots_tui.game.source import Source
+from logical_robots_tui.game.source import ProgramSource
 from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.player.session_state import Ui
 from logical_robots_tui.wording import clip, one_line
@@ -299,7 +299,7 @@ State = TypeVar("State")
 class UnsavedText(NamedTuple):
     """What is in the editor, and the key of its level."""
 
-    source: Source
+    source: ProgramSource
     text: str
     level: str
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 
-from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.game.source import is_hidden, reference_names
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session import Session
@@ -36,7 +36,7 @@ class Learning:
         ui: Ui,
         recorder: ProgressRecorder,
         program: ProgramText,
-        open_program: Callable[[Source, str], None],
+        open_program: Callable[[ProgramSource, str], None],
         with_keys: Callable[[str], str],
     ) -> None:
         self._session, self._ui, self._recorder = session, ui, recorder

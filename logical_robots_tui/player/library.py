@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import Source, load_program, save_program
+from logical_robots_tui.game import ProgramSource, load_program, save_program
 from logical_robots_tui.game.source import programs_for, shipped_texts
 from logical_robots_tui.player.drafts import Autosave, Draft, Drafts, Key, UnsavedText
 from logical_robots_tui.player.recorder import ProgressRecorder
@@ -113,7 +113,7 @@ class Library:
         self.open_with(level, sources, own_text)
 
     def open_with(
-        self, level: Level, sources: Mapping[str, Source], own_text: str | None = None
+        self, level: Level, sources: Mapping[str, ProgramSource], own_text: str | None = None
     ) -> None:
         """Open a level with programs by team; `own_text` is the player's version of the first."""
         text = self._load_text_of(next(iter(sources.values())), own_text)
@@ -124,7 +124,7 @@ class Library:
         self._load_text_of(source, applied, notify=False)
         self._session.look_at(team)
 
-    def open_program(self, source: Source, text: str | None = None) -> None:
+    def open_program(self, source: ProgramSource, text: str | None = None) -> None:
         """Edit and apply a program, with a given text or that of its draft."""
         source = source._replace(team=self._session.sources.team)
         if text is None:
@@ -149,7 +149,7 @@ class Library:
         await asyncio.to_thread(save_program, path, self._program.text)
         self.saved(former, await asyncio.to_thread(load_program, path))
 
-    def saved(self, former: Source, saved: Source) -> None:
+    def saved(self, former: ProgramSource, saved: ProgramSource) -> None:
         """Continue with a saved program, unless another one was opened meanwhile."""
         if self._session.source.draft == former.draft:
             self._drafts.drop(("program", former.draft))
@@ -157,7 +157,7 @@ class Library:
             self._autosave.edited()
             self._ui.tell(f"Saved as {one_line(saved.name)} in {saved.path.parent}.")
 
-    def take_from_disk(self, source: Source) -> None:
+    def take_from_disk(self, source: ProgramSource) -> None:
         """Use a program changed on disk, unless the player has typed meanwhile."""
         session, name = self._session, one_line(source.name)
         if self._program.text == source.text:
@@ -172,7 +172,7 @@ class Library:
             self._ui.warn(f"{name} has changed on disk; your text is kept here.")
 
     def _load_text_of(
-        self, source: Source, own_text: str | None = None, *, notify: bool = True
+        self, source: ProgramSource, own_text: str | None = None, *, notify: bool = True
     ) -> str:
         """Put a program's draft, or else the player's version, into the editor; return the text.
 
@@ -230,7 +230,7 @@ class Library:
         return [draft for draft in drafts if await self._is_unsaved(draft)]
 
     def _continue_with(self, draft: Draft) -> None:
-        source, sources = Source.of_draft(draft.path, draft.name), self._session.sources
+        source, sources = ProgramSource.of_draft(draft.path, draft.name), self._session.sources
         if source.team != sources.team and source.team in sources.teams:
             self.look_at(source.team)
         self._autosave.flush()
@@ -246,7 +246,7 @@ class Library:
 
     async def _is_unsaved(self, draft: Draft) -> bool:
         """Return whether a draft is neither in its file nor among the earlier versions."""
-        source = await asyncio.to_thread(Source.of_draft, draft.path, draft.name)
+        source = await asyncio.to_thread(ProgramSource.of_draft, draft.path, draft.name)
         is_version = await self._recorder.ask(lambda progress: progress.holds(draft.text))
         if source.text != draft.text and not is_version:
             return True

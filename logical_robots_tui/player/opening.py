@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.source import Source, load_program, programs_for
+from logical_robots_tui.game.source import ProgramSource, load_program, programs_for
 from logical_robots_tui.game.victory import level_key
 from logical_robots_tui.player.best_runs import BestRuns
 from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
@@ -46,7 +46,7 @@ class Opening(NamedTuple):
     """
 
     level: Level
-    sources: Mapping[str, Source]
+    sources: Mapping[str, ProgramSource]
     data_dir: Path
     text: str | None = None
     welcome: bool = False
@@ -108,7 +108,7 @@ def level_of(replay: Replay) -> Level:
     return shipped if alike(shipped, level) else level
 
 
-def sources_of(replay: Replay, folder: Path) -> dict[str, Source]:
+def sources_of(replay: Replay, folder: Path) -> dict[str, ProgramSource]:
     """Return each team's last program ("" without teams), the player's or shipped if equal."""
     name = re.sub(r"[^\w.-]+", "-", replay.texts[-1].name, flags=re.ASCII)[:40] or "replay"
     texts = replay.programs[replay.texts[-1].tick]
@@ -121,7 +121,7 @@ def sources_of(replay: Replay, folder: Path) -> dict[str, Source]:
     }
 
 
-def _source_of(name: str, text: str, folder: Path) -> Source:
+def _source_of(name: str, text: str, folder: Path) -> ProgramSource:
     try:
         source = load_program(name, folder)
         if source.text == text:
@@ -129,7 +129,7 @@ def _source_of(name: str, text: str, folder: Path) -> Source:
         name += "-in-replay"
     except InputError:
         pass
-    return Source(name, text, folder / f"{name}.l", shipped=False)
+    return ProgramSource(name, text, folder / f"{name}.l", shipped=False)
 
 
 def initial_level(progress: Progress) -> Level:
@@ -146,7 +146,7 @@ def initial_level(progress: Progress) -> Level:
 
 def initial_programs(
     progress: Progress, level: Level, names: Sequence[str], by_team: Mapping[str, str], folder: Path
-) -> tuple[dict[str, Source], str | None]:
+) -> tuple[dict[str, ProgramSource], str | None]:
     """Return the programs to open, by team, and the player's last text of the first.
 
     `names` follow the order of the teams; by default the usual ones. In a level without teams

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game import Source, level_key
+from logical_robots_tui.game import ProgramSource, level_key
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.game.victory import Victory, keep_victory, references_for
 from logical_robots_tui.player.drafts import Draft
@@ -141,7 +141,7 @@ class ProgressRecorder(SessionListener):
         key = draft.level or self._key
 
         def keep(progress: Progress) -> None:
-            source = Source.of_draft(draft.path, draft.name)
+            source = ProgramSource.of_draft(draft.path, draft.name)
             progress.keep_aside(key, draft.text, source.text)
 
         self._write(keep)

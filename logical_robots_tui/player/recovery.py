@@ -172,7 +172,7 @@ class GamePosition:
         return list(zip(texts, [*ends, self.tick], strict=True))
 
 
-def position_of(game_: game.Game, level: Level, source: game.Source) -> GamePosition | None:
+def position_of(game_: game.Game, level: Level, source: game.ProgramSource) -> GamePosition | None:
     """Return the position of a game; None at the start, or if the level was edited on the way."""
     history, tick = game_.history, game_.frame.tick
     if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
@@ -190,7 +190,7 @@ class Bookmark(SessionListener):
         session: Session,
         drafts: Drafts,
         ui: Ui,
-        open_program: Callable[[game.Source, str | None], None],
+        open_program: Callable[[game.ProgramSource, str | None], None],
         look_at: Callable[[str], None],
     ) -> None:
         self._session, self._drafts, self._ui = session, drafts, ui
@@ -265,7 +265,7 @@ class Bookmark(SessionListener):
             while playing.frame.tick < end:
                 await playing.run_until(tick=end)
 
-    def _source_of(self, position: GamePosition) -> game.Source:
+    def _source_of(self, position: GamePosition) -> game.ProgramSource:
         try:
             return game.load_program(position.program)
         except InputError:

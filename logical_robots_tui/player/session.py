@@ -41,7 +41,7 @@ class Session:
     def __init__(
         self,
         level: Level,
-        sources: Mapping[str, game.Source],
+        sources: Mapping[str, game.ProgramSource],
         spawn: Spawn,
         on_change: Callable[[], None],
         clock: Clock = CLOCK,
@@ -81,7 +81,7 @@ class Session:
         return not self.movement.is_resting
 
     @property
-    def source(self) -> game.Source:
+    def source(self) -> game.ProgramSource:
         """The program in the editor: that of the selected team."""
         return self.sources.source
 
@@ -108,7 +108,9 @@ class Session:
         """Seconds that the current think has taken; 0.0 while not worth showing."""
         return self.movement.thinking_for(self.clock.now(), self.pace.period)
 
-    def open_level(self, level: Level, sources: Mapping[str, game.Source], text: str) -> None:
+    def open_level(
+        self, level: Level, sources: Mapping[str, game.ProgramSource], text: str
+    ) -> None:
         """Open a level at its start; `text` replaces that of the first program."""
         self.pause()
         if self.game is not None:
@@ -130,11 +132,11 @@ class Session:
             self._think_with(self.game.program)
         self._on_change()
 
-    def open_program(self, source: game.Source, text: str) -> None:
+    def open_program(self, source: game.ProgramSource, text: str) -> None:
         self.sources.source = source
         self.apply(text)
 
-    def saved_as(self, source: game.Source) -> None:
+    def saved_as(self, source: game.ProgramSource) -> None:
         self.sources.source = source
         self._on_change()
 

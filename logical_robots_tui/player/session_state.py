@@ -13,7 +13,7 @@ from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame, Hit, Source
+    from logical_robots_tui.game import Frame, Hit, ProgramSource
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.mind.program import Texts
@@ -44,7 +44,7 @@ class OpenLevel:
 class TeamSources:
     """A level's programs by team ("" without teams), in order; editor and questions use one."""
 
-    def __init__(self, sources: Mapping[str, Source]) -> None:
+    def __init__(self, sources: Mapping[str, ProgramSource]) -> None:
         self._sources = {team: source._replace(team=team) for team, source in sources.items()}
         self._texts = {team: source.text for team, source in sources.items()}
         self.team = next(iter(sources))
@@ -55,18 +55,18 @@ class TeamSources:
         return tuple(filter(None, self._sources))
 
     @property
-    def first(self) -> Source:
+    def first(self) -> ProgramSource:
         return next(iter(self._sources.values()))
 
     @property
-    def source(self) -> Source:
+    def source(self) -> ProgramSource:
         return self._sources[self.team]
 
     @source.setter
-    def source(self, source: Source) -> None:
+    def source(self, source: ProgramSource) -> None:
         self._sources[self.team] = source._replace(team=self.team)
 
-    def source_and_text(self, team: str) -> tuple[Source, str]:
+    def source_and_text(self, team: str) -> tuple[ProgramSource, str]:
         return self._sources[team], self._texts[team]
 
     def with_text(self, text: str) -> Texts:

@@ -12,7 +12,7 @@ from logical_robots_tui.game import load_program
 from logical_robots_tui.game.verification import (
     MOST_PROGRAMS,
     MOST_ROBOT_TICKS,
-    Budget,
+    FileBudget,
     OverBudgetError,
     check_size,
 )
@@ -64,9 +64,9 @@ async def test_work_is_cancelled_when_its_time_is_over() -> None:
 
 
 async def test_what_is_done_in_time_has_its_result_or_error() -> None:
-    assert await Budget(100).bound(asyncio.to_thread(str, "x")) == "x"
+    assert await FileBudget(100).bound(asyncio.to_thread(str, "x")) == "x"
     with pytest.raises(ZeroDivisionError):
-        await Budget(100).bound(asyncio.to_thread(divmod, 1, 0))
+        await FileBudget(100).bound(asyncio.to_thread(divmod, 1, 0))
 
 
 def test_victories_are_given_up_by_name(command: Command, tmp_path: Path) -> None:
@@ -91,12 +91,12 @@ def test_a_replay_is_given_up_at_a_tick(
 ) -> None:
     file = tmp_path / "a.replay"
     command("replay", "record", LEVEL, "first-steps", "-o", file, "--ticks", 5)
-    monkeypatch.setattr("logical_robots_tui.cli.replay.Budget", lambda _seconds: Bounded(100))
+    monkeypatch.setattr("logical_robots_tui.cli.replay.FileBudget", lambda _seconds: Bounded(100))
     told = command("replay", "verify", file)
     assert f"{file}: Tick 0 of 5: given up after 100 processor seconds" in told.refusal
 
 
-class Bounded(Budget):
+class Bounded(FileBudget):
     def end(self) -> None:
         self._end = 0
 

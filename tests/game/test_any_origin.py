@@ -78,7 +78,7 @@ def test_the_tick_is_that_of_the_last_change_and_all_else_is_true(text: str, dat
 async def _check(level: Level, text: str, data: Any) -> None:
     names = [robot.name for robot in level.robots]
     async with opened(level, text) as run:
-        frames = [it async for it in run.each(0, TICKS, lambda frame, _mind, _stop: frame)]
+        frames = [it async for it in run.map_ticks(0, TICKS, lambda frame, _mind, _stop: frame)]
         for _ in range(4):
             name, field = data.draw(st.sampled_from(names)), data.draw(st.integers(0, 3))
             tick = data.draw(st.integers(1, TICKS))

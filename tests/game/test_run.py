@@ -45,7 +45,7 @@ async def frames(
     level: Level, ticks: int = TICKS, text: str = COUNTER, limits: Limits | None = None
 ) -> list[Frame]:
     async with opened(level, text, limits) as run:
-        return [frame async for frame in run.each(0, ticks, lambda frame, _mind, _stop: frame)]
+        return [frame async for frame in run.map_ticks(0, ticks, lambda frame, _mind, _stop: frame)]
 
 
 async def known(level: Level, text: str = COUNTER) -> int:
@@ -151,7 +151,7 @@ async def test_what_is_held_in_memory_is_bounded_and_what_is_dropped_computed_an
     monkeypatch.setattr(recording, "MAX_BYTES", 4_000)
     monkeypatch.setattr(recording, "MAX_HELD_BYTES", 8_000)
     async with opened(level) as run:
-        assert [frame async for frame in run.each(0, 500, lambda frame, *_: frame)] == expected
+        assert [frame async for frame in run.map_ticks(0, 500, lambda frame, *_: frame)] == expected
         held = run._recording
         assert sum(len(piece.content) for piece in held._pieces) <= 8_000
         first, *gap, last = [tick for tick in range(500) if held.is_in_gap(tick)]

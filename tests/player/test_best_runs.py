@@ -60,8 +60,8 @@ async def test_the_fastest_win_is_kept_with_where_the_robots_were(tmp_path: Path
         for tick in range(slow + 1):
             at.session.go_to(tick)
             (robot,) = at.session.frame.after.robots
-            assert ghost.at(tick)[0] == pytest.approx((robot.x, robot.y, robot.angle))
-        assert (ghost.at(slow + 9) == ghost.at(slow)).all()
+            assert ghost.poses_at(tick)[0] == pytest.approx((robot.x, robot.y, robot.angle))
+        assert (ghost.poses_at(slow + 9) == ghost.poses_at(slow)).all()
         await at.apply(FAST)
         quick = await win(at)
         assert load_replay(path).last == quick < slow

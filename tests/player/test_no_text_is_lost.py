@@ -13,7 +13,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, rule
 
-from logical_robots_tui.game import Source, level_key
+from logical_robots_tui.game import ProgramSource, level_key
 from logical_robots_tui.player import drafts as drafts_module
 from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
 from logical_robots_tui.player.library import Library
@@ -28,7 +28,7 @@ ANSWERS = st.lists(st.sampled_from(["yes", "no", None]), max_size=4)
 class Editor:
     """The text in the editor of a session, and the program that is applied."""
 
-    def __init__(self, source: Source, text: str) -> None:
+    def __init__(self, source: ProgramSource, text: str) -> None:
         self.source, self.text = source, text
         self.level = LEVEL
         self.sources = self
@@ -39,7 +39,7 @@ class Editor:
 
     load = put
 
-    def open_program(self, source: Source, text: str) -> None:
+    def open_program(self, source: ProgramSource, text: str) -> None:
         self.source, self.text = source, text
 
 

@@ -21,7 +21,7 @@ from textual.pilot import Pilot
 from textual.widget import Widget
 from textual.widgets import Input
 
-from logical_robots_tui.game import Source, load_program, measuring
+from logical_robots_tui.game import ProgramSource, load_program, measuring
 from logical_robots_tui.player.opening import Opening
 from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.settings import Settings
@@ -441,7 +441,7 @@ def short(tmp_path: Path) -> Path:
     return path
 
 
-def source_of(text: str, folder: Path, name: str = "mine") -> Source:
+def source_of(text: str, folder: Path, name: str = "mine") -> ProgramSource:
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.l"
     path.write_text(text, "utf-8")

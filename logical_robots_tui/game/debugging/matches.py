@@ -74,7 +74,7 @@ async def find_matches(
     holds: list[tuple[int, int]] = []
     failed: list[tuple[int, int]] = []
     reason, last, won_at = "", 0, None
-    async for frame, answer in run.each(1, ticks, ask, to_victory=True):
+    async for frame, answer in run.map_ticks(1, ticks, ask, to_victory=True):
         last, won_at = frame.tick, frame.after.won_at
         is_reliable = is_reliable and frame.is_reliable
         if isinstance(answer, str):

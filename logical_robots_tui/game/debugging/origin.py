@@ -313,7 +313,7 @@ class _RunTicks:
         def work(frame: Frame, mind: Mind, stop: threading.Event) -> ValueSource:
             return _source(robot, subject, frame, mind, stop)
 
-        (source,) = [source async for source in self._run.each(tick, tick, work)]
+        (source,) = [source async for source in self._run.map_ticks(tick, tick, work)]
         return source
 
 

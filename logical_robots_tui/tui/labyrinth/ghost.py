@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.ghost import BEST, REPLAY, ghost_of, reached
+from logical_robots_tui.game.ghost import BEST, REPLAY, ghost_of, reached_areas
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world.level import alike
@@ -70,9 +70,9 @@ class GhostController(SessionListener):
         history = self._session.history
         if history is not None and history.turns != self._turns:
             self._turns = history.turns
-            reached_ticks = self._reached.items()
-            self._reached = {area: tick for area, tick in reached_ticks if tick < frame.tick}
-        for area, name in reached(self._session.level, frame.after):
+            known = self._reached.items()
+            self._reached = {area: tick for area, tick in known if tick < frame.tick}
+        for area, name in reached_areas(self._session.level, frame.after):
             if area not in self._reached:
                 self._reached[area] = frame.tick
                 if is_next and frame.tick > 1:  # earlier it began there

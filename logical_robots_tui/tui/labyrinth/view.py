@@ -253,7 +253,7 @@ class LabyrinthView(Widget):
             frame, traces = self._frame, self._traces
             race, ghosts = self.ghost, None
             if race is not None and self.overlay is None and alike(race.level, self._level):
-                ghosts = race.at(frame.tick)
+                ghosts = race.poses_at(frame.tick)
             cells = self._picture.draw(
                 self._level, frame, view, look, traces, ghosts=ghosts, hurried=self._hurried
             )

@@ -159,18 +159,18 @@ def _goals(all_goals: Sequence[Goal], *, long: bool) -> Content:
     parts: list[Content] = []
     for goal in all_goals:
         words: list[Content] = []
-        colour = INK.good if goal.reached else INK.text if goal.active else INK.dim
+        colour = INK.good if goal.is_reached else INK.text if goal.active else INK.dim
         name = clip(one_line(goal.area_name), 20) or "goal"
         off = "" if goal.active else " (off)"
         words.append(Content.styled(f"{name}{off}:" if long else name, colour))
         if long:
-            for robot in goal.wanted:
+            for robot in goal.robots:
                 is_in = robot in goal.inside
                 mark = "✓" if is_in else "·"
                 style = INK.good if is_in else INK.dim
                 words.append(Content.styled(f"{clip(one_line(robot), 12)} {mark}", style))
         else:
-            words.append(Content.styled(f"{len(goal.inside)}/{len(goal.wanted)}", colour))
+            words.append(Content.styled(f"{len(goal.inside)}/{len(goal.robots)}", colour))
         parts.append(Content(" ").join(words))
     return Content("  ").join(parts)
 

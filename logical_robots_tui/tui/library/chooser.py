@@ -19,7 +19,7 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import Source, list_programs, load_program
+from logical_robots_tui.game import ProgramSource, list_programs, load_program
 from logical_robots_tui.game.replay import SUFFIX, Replay, load_replay
 from logical_robots_tui.paths import pasted_path, typed_path
 from logical_robots_tui.player.learning import version_name, version_result
@@ -226,9 +226,10 @@ class ProgramShelf:
         source = load_program(name, self.folder)
         return Card(_first_comment(source) or ("" if source.shipped else "your own"), source.text)
 
-    def take(self, name_or_path: str) -> Source:
-        source_name = typed_path(name_or_path) if "/" in name_or_path else name_or_path
-        return load_program(source_name, self.folder)
+    def take(self, name_or_path: str) -> ProgramSource:
+        """Load a program; raises `InputError`."""
+        program = typed_path(name_or_path) if "/" in name_or_path else name_or_path
+        return load_program(program, self.folder)
 
 
 @dataclass(frozen=True)
@@ -295,7 +296,7 @@ def _changes(current: str, restored: str) -> Iterator[str]:
         yield f"@ line {row.split()[1][1:].partition(',')[0]}" if row.startswith("@@") else row
 
 
-def _first_comment(source: Source) -> str:
+def _first_comment(source: ProgramSource) -> str:
     for line in source.text.splitlines()[:20]:
         if line.lstrip().startswith("#"):
             return line.lstrip().lstrip("#").strip()

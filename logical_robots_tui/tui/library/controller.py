@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game import Source
+from logical_robots_tui.game import ProgramSource
 
 if TYPE_CHECKING:
     from logical_robots_tui.player.library import Library
@@ -51,7 +51,9 @@ class LibraryController:
     async def choose_program(self) -> None:
         from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 
-        chooser = Chooser[Source](ProgramShelf(self._library.programs), self._session.source.name)
+        chooser = Chooser[ProgramSource](
+            ProgramShelf(self._library.programs), self._session.source.name
+        )
         source = await self._ui.ask(chooser)
         if source is not None:
             self._library.open_program(source)

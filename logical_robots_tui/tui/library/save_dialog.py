@@ -11,7 +11,7 @@ from textual import on
 from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import Source, load_program, save_program
+from logical_robots_tui.game import ProgramSource, load_program, save_program
 from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.tui.app.ui import in_background
@@ -92,10 +92,10 @@ class SaveDialog(Dialog[Result]):
             self._is_saving = False  # if another dialog is above, this one stays
 
 
-class SaveAs(SaveDialog[Source]):
+class SaveAs(SaveDialog[ProgramSource]):
     heading = "Save the program as"
 
-    def __init__(self, source: Source, text: str, folder: Path) -> None:
+    def __init__(self, source: ProgramSource, text: str, folder: Path) -> None:
         super().__init__(_proposal(source, folder))
         self._source = source
         self._text = text
@@ -107,12 +107,12 @@ class SaveAs(SaveDialog[Source]):
     def replaces(self, path: Path) -> bool:
         return path != self._source.path and super().replaces(path)
 
-    async def save(self, path: Path) -> Source:
+    async def save(self, path: Path) -> ProgramSource:
         await asyncio.to_thread(save_program, path, self._text)
         return await asyncio.to_thread(load_program, path)
 
 
-def _proposal(source: Source, folder: Path) -> str:
+def _proposal(source: ProgramSource, folder: Path) -> str:
     if source.shipped:
         return f"my-{source.name}"
     return source.name if source.path.parent == folder else str(source.path)

@@ -16,7 +16,7 @@ from textual.app import SuspendNotSupported
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.paths import write_atomically
@@ -195,9 +195,11 @@ _PAUSE = 0.25  # seconds between two checks
 class FileWatch:
     """Checks one file repeatedly, in a thread, because disks may be slow."""
 
-    def __init__(self, source: Callable[[], Source], changed: Callable[[Source], None]) -> None:
+    def __init__(
+        self, source: Callable[[], ProgramSource], changed: Callable[[ProgramSource], None]
+    ) -> None:
         self._current, self._changed = source, changed
-        self._source: Source | None = None
+        self._source: ProgramSource | None = None
         self._stamp: tuple[int, int] | None = None
 
     async def follow(self) -> None:
@@ -210,7 +212,7 @@ class FileWatch:
             if found is not None and self._current() is source:
                 self._changed(found)
 
-    def newer(self, source: Source) -> Source | None:
+    def newer(self, source: ProgramSource) -> ProgramSource | None:
         """Return the program on disk if changed since the last check; the first compares texts."""
         stamp = _stamp(source)
         if source is not self._source:
@@ -225,7 +227,7 @@ class FileWatch:
         return found if found.text != source.text else None
 
 
-def _stamp(source: Source) -> tuple[int, int] | None:
+def _stamp(source: ProgramSource) -> tuple[int, int] | None:
     try:
         status = source.path.stat()
     except OSError:

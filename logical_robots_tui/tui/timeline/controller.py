@@ -17,7 +17,7 @@ from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Breakpoint, Game, Hit, SearchResult, Source
+    from logical_robots_tui.game import Breakpoint, Game, Hit, ProgramSource, SearchResult
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.mind import Program
@@ -260,7 +260,7 @@ class Replays:
         ui: Dialogs,
         folder: Path,
         programs: Path,
-        open_level: Callable[[Level, Mapping[str, Source]], None],
+        open_level: Callable[[Level, Mapping[str, ProgramSource]], None],
     ) -> None:
         self._session, self._ui, self._folder = session, ui, folder
         self._programs, self._open_level = programs, open_level

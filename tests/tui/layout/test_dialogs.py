@@ -7,7 +7,7 @@ from rich.style import Style
 from textual import events
 from textual.widgets import Input, OptionList
 
-from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.tui.commands.help import PaletteScreen
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
@@ -23,7 +23,7 @@ async def test_saves_and_choices_come_late(data_dir: Path, monkeypatch: pytest.M
         hold.here()
         path.write_text(text)
 
-    def take(shelf: ProgramShelf, name: str) -> Source:
+    def take(shelf: ProgramShelf, name: str) -> ProgramSource:
         choice.here()
         return load_program(name, shelf.folder)
 

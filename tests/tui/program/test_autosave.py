@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from textual.widgets import Button, Input
 
-from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.player.drafts import Draft, Drafts, Kind
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
@@ -282,7 +282,7 @@ async def test_the_disk_is_not_waited_for(data_dir: Path, monkeypatch: pytest.Mo
     holds = {STILL: first, f"{STILL}\n": second}
     other = source_of(PAPER, data_dir / "programs", "other")
 
-    def slowly(path: Path) -> Source:
+    def slowly(path: Path) -> ProgramSource:
         source = load_program(path)
         if path == other.path:
             looked.set()

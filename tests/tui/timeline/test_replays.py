@@ -7,7 +7,7 @@ import pytest
 
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.editing.level_text import write_native
-from logical_robots_tui.game.replay import Replay, Stage, Text, load_replay
+from logical_robots_tui.game.replay import Replay, ReplayProgram, Stage, load_replay
 from logical_robots_tui.player.opening import Opening, level_of, sources_of
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import World, load_level
@@ -85,7 +85,7 @@ def test_a_shipped_level_and_program_are_recognised(tmp_path: Path) -> None:
 def test_a_program_of_any_name_is_one_of_the_player_s_folder(tmp_path: Path, name: str) -> None:
     level = load_level("01-first-steps")
     stage = Stage(write_native(level), World(level).save(), "{}", False, ())
-    replay = Replay("x", 1, (stage,), (Text(1, name, STILL),), {})
+    replay = Replay("x", 1, (stage,), (ReplayProgram(1, name, STILL),), {})
     source = sources_of(replay, tmp_path)[""]
     assert source.path.parent == tmp_path
     assert not source.shipped
