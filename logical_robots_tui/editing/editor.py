@@ -254,13 +254,13 @@ class LevelEditor:
         if ref is None or entity is None:
             self._warn("Select something to duplicate first.")
             return
-        beside = 2 * reach_of(entity) + 4
+        distance = 2 * reach_of(entity) + 4
         room = self.level.width - reach_of(entity)
-        across = beside if entity.x + beside < room else -beside
+        across = distance if entity.x + distance < room else -distance
 
         def work(level: Level) -> Level:
-            changed, self.selected = entities.duplicate(level, ref, across, 0.0)
-            return changed
+            new_level, self.selected = entities.duplicate(level, ref, across, 0.0)
+            return new_level
 
         self.do("duplicate", work)
 
@@ -313,8 +313,8 @@ class LevelEditor:
             new = Area(_free_name("Area", level.areas), *point, _NEW_RADIUS)
 
         def work(level: Level) -> Level:
-            changed, self.selected = entities.add(level, new)
-            return changed
+            new_level, self.selected = entities.add(level, new)
+            return new_level
 
         label = f"place {tool.value}"
         if self.do(label, work) and self.stroke is not None:

@@ -54,10 +54,10 @@ class _Flips(NamedTuple):
 
     def change(self, walls: NDArray[np.bool_], *, forward: bool) -> NDArray[np.bool_]:
         height, width = self.flipped.shape
-        changed = walls.copy()
-        changed[self.top : self.top + height, self.left : self.left + width] ^= self.flipped.bits()
-        changed.flags.writeable = False
-        return changed
+        units = walls.copy()
+        units[self.top : self.top + height, self.left : self.left + width] ^= self.flipped.bits()
+        units.flags.writeable = False
+        return units
 
 
 class _Replacement(NamedTuple):
@@ -67,9 +67,9 @@ class _Replacement(NamedTuple):
     new: PackedBits
 
     def change(self, walls: NDArray[np.bool_], *, forward: bool) -> NDArray[np.bool_]:
-        changed = (self.new if forward else self.old).bits()
-        changed.flags.writeable = False
-        return changed
+        new_walls = (self.new if forward else self.old).bits()
+        new_walls.flags.writeable = False
+        return new_walls
 
 
 class Edits:
@@ -90,7 +90,7 @@ class Edits:
         return self._level
 
     @property
-    def changed(self) -> bool:
+    def is_changed(self) -> bool:
         """Whether there are steps since the last save."""
         return self._position != self._saved
 
@@ -142,7 +142,7 @@ class Edits:
         self._level = delta.apply(self._level, forward=forward)
         return label
 
-    def saved(self) -> None:
+    def mark_saved(self) -> None:
         self._close()
         self._saved = self._position
 

@@ -46,8 +46,8 @@ def set_words(level: Level, **values: Any) -> Level:
         if name not in COMPARED or name in ("width", "height", *KINDS):
             raise LevelError(f"A level has no property {name}.")
     words = read_words(Fields(words_of(replace(level, **values)), level.name))
-    changed = replace(level, **words)
-    return level if words_of(changed) == words_of(level) else changed
+    new_level = replace(level, **words)
+    return level if words_of(new_level) == words_of(level) else new_level
 
 
 def resize(
@@ -60,7 +60,7 @@ def resize(
     map.
     """
     sizes = Fields({"width": width, "height": height}, level.name)
-    width, height = sizes.whole("width", minimum=1), sizes.whole("height", minimum=1)
+    width, height = sizes.integer("width", minimum=1), sizes.integer("height", minimum=1)
     sizes.check_size("width", width, height)
     if (width, height, left, top) == (level.width, level.height, 0, 0):
         return level
@@ -139,8 +139,8 @@ def change(level: Level, ref: Ref, **values: Any) -> Level:
         return level
     entities = list(_entities(level, ref.kind))
     entities[ref.index] = new
-    changed = _replace_entities(level, ref.kind, tuple(entities))
-    return _rename_references(changed, old, new) if new.name != old.name else changed
+    new_level = _replace_entities(level, ref.kind, tuple(entities))
+    return _rename_references(new_level, old, new) if new.name != old.name else new_level
 
 
 def duplicate(level: Level, ref: Ref, dx: float, dy: float) -> tuple[Level, Ref]:
@@ -218,8 +218,8 @@ def _numbered_names(name: str) -> Iterator[str]:
     match = re.fullmatch(r"(.+?)( ?)\d{1,4}", name, re.DOTALL)
     stem, gap = (match[1], match[2]) if match else (name, " ")
     for number in range(2, MOST_OF_A_KIND + 3):
-        ending = f"{gap}{number}"
-        yield stem[: LONGEST_NAME - len(ending)] + ending
+        suffix = f"{gap}{number}"
+        yield stem[: LONGEST_NAME - len(suffix)] + suffix
 
 
 def level_at(level: Level, state: WorldState) -> Level:

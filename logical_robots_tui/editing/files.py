@@ -136,8 +136,8 @@ def _rewrite(text: str, old_level: Level, level: Level) -> str | None:
             else:
                 inline.append(kind)
         blocks.head = _head(blocks.head, old_level, level, inline)
-        changed = blocks.text()
-        return changed if alike(read_native(changed, "", ""), level) else None
+        new_text = blocks.text()
+        return new_text if alike(read_native(new_text, "", ""), level) else None
     except (ValueError, KeyError, TOMLKitError, LevelError):
         return None
 
@@ -225,8 +225,8 @@ def _head(head: str, old_level: Level, level: Level, inline: Sequence[Kind]) -> 
         drawing = _drawing(document, drawing, level)
         if place is None:
             document["walls"] = tomlkit.value(f"'''\n{drawing}'''")
-    changed = document.as_string().rstrip("\n") + (head[len(body) :] or "\n")
-    return changed if place is None else changed.replace(mark, drawing)
+    new_text = document.as_string().rstrip("\n") + (head[len(body) :] or "\n")
+    return new_text if place is None else new_text.replace(mark, drawing)
 
 
 def _drawing(document: tomlkit.TOMLDocument, drawing: str, level: Level) -> str:

@@ -25,7 +25,7 @@ from logical_robots_tui.game.findings import Observations, Stored, findings_of, 
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedRunError
 from logical_robots_tui.mind import Limits, Program, QueryError
-from logical_robots_tui.mind.compilation import Task
+from logical_robots_tui.mind.compilation import Task, find_result, keep_result
 from logical_robots_tui.processes.helper import Helper, begin
 
 if TYPE_CHECKING:

@@ -149,7 +149,7 @@ def run_battery(
     """
     if not robot.has_battery:
         return
-    charged = False
+    is_charged = False
     if mover.battery_level < robot.battery_capacity:
         for source in sources:
             if source is mover:
@@ -157,10 +157,10 @@ def run_battery(
             if math.hypot(source.x - mover.x, source.y - mover.y) >= CHARGING_RADIUS:
                 continue
             mover.battery_level = min(robot.battery_capacity, mover.battery_level + CHARGING_RATE)
-            charged = True
+            is_charged = True
             if isinstance(source, Mover):
                 source.battery_level = max(0.0, source.battery_level - CHARGING_RATE)
-    if not charged and mover.battery_level > 0:
+    if not is_charged and mover.battery_level > 0:
         mover.battery_level = max(0.0, mover.battery_level - _cost(robot, left, right))
 
 

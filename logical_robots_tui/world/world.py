@@ -141,14 +141,14 @@ class World:
         solid = [area for area, state in pairs if area.impenetrable and state.active]
         powers = [(_power(d.left_engine), _power(d.right_engine)) for d in robot_desires]
         sources = charging_sources(level, movers)
-        divided = level.divided_charge or bool(level.teams)
-        if divided:
+        is_divided = level.divided_charge or bool(level.teams)
+        if is_divided:
             run_batteries(level.robots, movers, powers, sources)
         bodies = old_state.robots
         for robot, mover, body, (left, right) in zip(
             level.robots, movers, bodies, powers, strict=True
         ):
-            if not divided:
+            if not is_divided:
                 run_battery(robot, mover, left, right, sources)
             mover.dead = is_dead(robot, mover)
             if mover.dead:

@@ -208,18 +208,18 @@ def test_a_stroke_that_goes_on_is_one_step_unless_it_was_saved_under_way() -> No
     for count in (45, 0):
         edits.undo()
         assert edits.level.walls.sum() == count
-    assert not edits.changed
+    assert not edits.is_changed
     edits.do("paint", paint(edits.level, [(5, 5)]))
-    assert edits.changed
-    edits.saved()
-    assert not edits.changed
+    assert edits.is_changed
+    edits.mark_saved()
+    assert not edits.is_changed
     edits.do("paint", paint(edits.level, [(6, 5)]), merge=True)
-    assert edits.changed
+    assert edits.is_changed
     for is_changed in (False, True):
         edits.undo()
-        assert edits.changed == is_changed
+        assert edits.is_changed == is_changed
     edits.do("paint", paint(edits.level, [(9, 9)]))
-    assert edits.changed
+    assert edits.is_changed
 
 
 def test_the_box_of_a_change_is_the_smallest() -> None:

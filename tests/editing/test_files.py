@@ -113,9 +113,9 @@ def test_any_sequence_of_edits_and_saves_loads_back(steps: Sequence[Edit | str],
                 edits.do(step.what, step(edits.level))
             elif step == "save":
                 save_level(edits.level, path)
-                edits.saved()
+                edits.mark_saved()
                 assert alike(load_level(path), edits.level)
-                assert not edits.changed
+                assert not edits.is_changed
             else:
                 getattr(edits, step)()
 

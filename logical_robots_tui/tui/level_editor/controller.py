@@ -323,7 +323,7 @@ class LevelController(SessionListener):
         self.file, self._path = Path(saved.source), saved.source
         self.session.level_saved_as(saved)
         if level is levels.edited:
-            levels.edits.saved()
+            levels.edits.mark_saved()
         self._autosave.edited()
         self.changed()
 

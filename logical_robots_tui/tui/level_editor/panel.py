@@ -115,7 +115,7 @@ class InfoLine(Static):
         findings, thing = self._controller.findings, editor.entity
         x, y = editor.cursor
         parts = [Content.styled(f"{x:.0f}, {y:.0f}", f"bold {INK.number}")]
-        if not levels.saved.source or levels.edits.changed:
+        if not levels.saved.source or levels.edits.is_changed:
             parts.append(Content.styled("● not saved", INK.title))
         if findings:
             forbids = any(finding.forbids for finding in findings)

@@ -75,15 +75,15 @@ class Fields(NamedTuple):
             raise self.error(key, f'"{key}" must be {minimum:g} or more, not {value:.12g}.')
         return float(value)
 
-    def whole(self, key: str, *, minimum: int) -> int:
+    def integer(self, key: str, *, minimum: int) -> int:
         value = self.number(key, minimum=minimum)
         if not value.is_integer():
             raise self.error(key, f'"{key}" must be a whole number, not {value:g}.')
         return int(value)
 
-    def wholes(self, key: str, *, minimum: int) -> tuple[int, ...]:
+    def integers(self, key: str, *, minimum: int) -> tuple[int, ...]:
         return tuple(
-            Fields({item: number}, self.file, self.path).whole(item, minimum=minimum)
+            Fields({item: number}, self.file, self.path).integer(item, minimum=minimum)
             for item, number in ((f"{key}[{i}]", n) for i, n in enumerate(self._list(key)))
         )
 
@@ -123,7 +123,7 @@ class Fields(NamedTuple):
         listed = " or ".join(f'"{option}"' for option in options)
         raise self.error(key, f'"{key}" must be {listed}.')
 
-    def placed(self) -> tuple[str, float, float]:
+    def name_and_position(self) -> tuple[str, float, float]:
         """Return the name of an object, and its place in map units."""
         return self.name("name"), self.number("x"), self.number("y")
 

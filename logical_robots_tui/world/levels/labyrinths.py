@@ -107,15 +107,15 @@ def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[
         visited.add(neighbour)
         path.append(neighbour)
     open_doors = set(doors)
-    closed = [
+    closed_doors = [
         (cell, neighbour)
         for cell in _cells(columns, rows)
         for neighbour in ((cell[0] + 1, cell[1]), (cell[0], cell[1] + 1))
         if neighbour[0] < columns and neighbour[1] < rows and (cell, neighbour) not in open_doors
     ]
-    for _ in range(round(loops * len(closed))):
-        door = _draw(closed, random)
-        closed.remove(door)
+    for _ in range(round(loops * len(closed_doors))):
+        door = _draw(closed_doors, random)
+        closed_doors.remove(door)
         doors.append(door)
     return doors
 

@@ -52,7 +52,7 @@ def read_web(text: str, name: str, source: str) -> Level:
     unknown robots and beacons. Raises LevelError.
     """
     top = Fields(_parse(text, source), source)
-    width, height = top.whole("width", minimum=1), top.whole("height", minimum=1)
+    width, height = top.integer("width", minimum=1), top.integer("height", minimum=1)
     top.check_size("width", width, height)
     walls = _walls(top, width, height)
     robots = top.records("robots", _robot)
@@ -111,7 +111,7 @@ def _robot(fields: Fields) -> Robot:
     has_battery = fields.flag("has_battery")
     can_charge = fields.flag("can_charge")
     return Robot(
-        *fields.placed(),
+        *fields.name_and_position(),
         angle=fields.number("angle", 0.0),
         color=_color(fields, ROBOT_COLOR),
         has_battery=has_battery,
@@ -125,13 +125,13 @@ def _beacon(fields: Fields) -> Beacon:
     station = fields.record.get("charging_station")
     # The platform compares loosely: true, 1 and "1" count.
     is_one = station == 1 or (isinstance(station, str) and station.strip() == "1")
-    return Beacon(*fields.placed(), is_one)
+    return Beacon(*fields.name_and_position(), is_one)
 
 
 def _area(fields: Fields) -> Area:
     sticky = fields.record.get("sticky_switch")
     return Area(
-        *fields.placed(),
+        *fields.name_and_position(),
         radius=fields.number("radius", minimum=0),
         color=_color(fields, AREA_COLOR),
         victory_robots=fields.names("victory_robots"),

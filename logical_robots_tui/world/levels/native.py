@@ -100,7 +100,7 @@ def read_words(top: Fields) -> dict[str, Any]:
         "shared_names": top.names("shared_names"),
         "second_goals": tuple(_second_goals(top)),
         "teams": top.records("teams", _read_team),
-        "match_ticks": match.whole("ticks", minimum=1) if top.has("match") else 0,
+        "match_ticks": match.integer("ticks", minimum=1) if top.has("match") else 0,
         "scores": top.records("scores", _score),
         **{key: top.flag(key) for key in FLAGS},
         "shuffled_names": top.names("shuffled_names"),
@@ -199,7 +199,7 @@ def read_robot(fields: Fields) -> Robot:
     if fields.has("angle") and fields.has("heading"):
         raise fields.error("angle", '"heading" and "angle" say the same in degrees and radians.')
     return Robot(
-        *fields.placed(),
+        *fields.name_and_position(),
         angle=fields.number("angle", math.radians(fields.number("heading", 0.0))),
         color=fields.color("color", ROBOT_COLOR),
         has_battery=has_battery and used,
@@ -212,13 +212,13 @@ def read_robot(fields: Fields) -> Robot:
 
 def read_beacon(fields: Fields) -> Beacon:
     fields.refuse_unknown(_BEACON_KEYS)
-    return Beacon(*fields.placed(), fields.flag("charging_station"))
+    return Beacon(*fields.name_and_position(), fields.flag("charging_station"))
 
 
 def read_area(fields: Fields) -> Area:
     fields.refuse_unknown(_AREA_KEYS)
     return Area(
-        *fields.placed(),
+        *fields.name_and_position(),
         radius=fields.number("radius", minimum=0),
         color=fields.color("color", AREA_COLOR),
         victory_robots=fields.names("goal_for"),
@@ -272,7 +272,7 @@ def _question(fields: Fields) -> LevelQuestion:
     for key, text in (("ask", ask), ("answer", answer)):
         if not text:
             raise fields.error(key, f'"{key}" is empty.')
-    ticks = fields.wholes("ticks", minimum=0)
+    ticks = fields.integers("ticks", minimum=0)
     if not ticks or ticks != tuple(sorted(set(ticks))) or ticks[-1] > LAST_TICK_ASKED:
         message = f'"ticks" must be ascending numbers up to {LAST_TICK_ASKED}.'
         raise fields.error("ticks", message, "Write them like [120, 480].")
@@ -326,7 +326,7 @@ def read_drawing(top: Fields, text: str) -> _Bits:
 
     Returns a read-only array of shape (height, width) in map units; True is wall.
     """
-    cell = top.whole("cell", minimum=1)
+    cell = top.integer("cell", minimum=1)
     drawing = top.record.get("walls")
     if not isinstance(drawing, str):
         raise top.error("walls", '"walls" must be a drawing of the labyrinth.', _DRAW)

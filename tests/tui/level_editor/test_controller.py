@@ -64,7 +64,7 @@ def test_any_strokes_undos_and_saves_load_back_as_the_level(done: list[tuple[str
                 editor.settings = replace(editor.settings, **more)
             elif what == "save":
                 save_level(editor.level, file)
-                editor.edits.saved()
+                editor.edits.mark_saved()
                 assert alike(load_level(file), editor.level)
                 before = file.read_bytes()
                 save_level(editor.level, file)
