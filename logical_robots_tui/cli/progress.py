@@ -233,14 +233,14 @@ async def _replay(
     report(Trial())
     try:
         program = await budget.compile(text)
-        seconds_left, limit = budget.left, budget.of_entry
+        seconds_left, limit = budget.remaining, budget.entry_seconds
         measures = await measure(loaded_level, program, None, report, limit)
     except OverBudgetError as error:
         return str(error)
     except mind.ProgramError as error:
         return f"line {error.diagnostics[0].line}: {error.diagnostics[0].message}"
     except MeasuringError:
-        if seconds_left - budget.left > _SHARE_OF_GIVEN_UP * limit:
+        if seconds_left - budget.remaining > _SHARE_OF_GIVEN_UP * limit:
             return f"{OverBudgetError(limit)}"
         return "it could not be played to the end; try again"
     return measures or "the program does not win"

@@ -61,7 +61,7 @@ def advance(
     """
     if stored_ticks:
         limit = len(stored_ticks) if limit is None else min(limit, len(stored_ticks))
-    until = clock.now() + seconds
+    deadline = clock.now() + seconds
     advances: list[Advance] = []
     while True:
         if stored_ticks:
@@ -73,7 +73,7 @@ def advance(
         is_watched = watch.breakpoints and frame.decisions
         hits = watch.hits(previous, frame, mind, stop) if is_watched else ()
         advances.append(Advance(frame, hits))
-        if hits or ends(level, frame) or len(advances) == limit or clock.now() > until:
+        if hits or ends(level, frame) or len(advances) == limit or clock.now() > deadline:
             return advances
         previous = frame
 
@@ -100,9 +100,9 @@ def play_tick(
 ) -> Frame:
     """Let all robots sense, think and follow `decide` once after a past frame, or raise Stopped."""
     rows = tuple(world.sense())
-    began = clock.now()
+    start_time = clock.now()
     decisions = tuple(mind.think(rows, previous.memories, stop=stop))
-    milliseconds = 1000 * (clock.now() - began)
+    milliseconds = 1000 * (clock.now() - start_time)
     if decide is not None:
         decisions = decide(world.tick, decisions)
     world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})

@@ -127,13 +127,13 @@ async def diagnose(
     for a program that is too complex, Superseded if another branch began.
     """
     history = game.history
-    began = [begin for begin, program in history.programs(history.last)][-1:]
-    first = max([1, history.first, *began])
-    diagnosing = _Diagnosing(game.program, Limits(), report, show)
+    last_begin = [begin for begin, program in history.programs(history.last)][-1:]
+    first = max([1, history.first, *last_begin])
+    diagnosis_run = _DiagnosisRun(game.program, Limits(), report, show)
     try:
-        return await diagnosing.diagnose(history, first)
+        return await diagnosis_run.diagnose(history, first)
     finally:
-        await diagnosing.close()
+        await diagnosis_run.close()
 
 
 async def diagnose_history(
@@ -143,11 +143,11 @@ async def diagnose_history(
 
     Raises QueryError for a program that is too complex.
     """
-    diagnosing = _Diagnosing(program, limits, lambda *_: None, lambda _: None, questions)
+    diagnosis_run = _DiagnosisRun(program, limits, lambda *_: None, lambda _: None, questions)
     try:
-        return await diagnosing.diagnose(history, max(1, history.first))
+        return await diagnosis_run.diagnose(history, max(1, history.first))
     finally:
-        await diagnosing.close()
+        await diagnosis_run.close()
 
 
 class _DiagnoseRun(Task, frozen=True):
@@ -186,20 +186,20 @@ async def diagnose_run(
 async def _diagnose_run(
     run: Run, ticks: int, on_tick: Callable[[int], object], report: Report, show: Show
 ) -> Diagnosis:
-    diagnosing = _Diagnosing(run.program, run.limits, report, show)
-    helping = asyncio.create_task(diagnosing.help(run))
+    diagnosis_run = _DiagnosisRun(run.program, run.limits, report, show)
+    helper_task = asyncio.create_task(diagnosis_run.help(run))
 
     def handle_tick(tick: int) -> None:
         on_tick(tick)
-        diagnosing.offer(tick)
+        diagnosis_run.offer(tick)
 
     try:
         history = await run.to_end(ticks, handle_tick)
-        return await diagnosing.diagnose(history, max(1, history.first))
+        return await diagnosis_run.diagnose(history, max(1, history.first))
     finally:
-        helping.cancel()
-        await asyncio.gather(helping, return_exceptions=True)
-        await diagnosing.close()
+        helper_task.cancel()
+        await asyncio.gather(helper_task, return_exceptions=True)
+        await diagnosis_run.close()
 
 
 def extent(diagnosis: Diagnosis) -> str:
@@ -227,7 +227,7 @@ def shortcomings(diagnosis: Diagnosis) -> str:
     return text
 
 
-class _Diagnosing:
+class _DiagnosisRun:
     """A diagnosis: a queue of ticks, and what was counted in those that were examined."""
 
     def __init__(

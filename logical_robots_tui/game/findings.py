@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
 from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally
 from logical_robots_tui.explain.diagnosis.telling import Finding, Severity, rule_findings, shorten
@@ -219,10 +219,14 @@ _MOST_PLACES = 6
 _MOST_LEAVES = 3
 
 
+CloseTallies: TypeAlias = Mapping[tuple[str, int], ProbeTally]
+"""Tallies of single robots, by robot and the tick near which they were examined."""
+
+
 def findings_of(
     tally: ProbeTally,
-    observed: Observations,
-    close_tallies: Mapping[tuple[str, int], ProbeTally],
+    observations: Observations,
+    close_tallies: CloseTallies,
     level: Level,
     *,
     is_complete: bool = True,
@@ -233,18 +237,18 @@ def findings_of(
     ticks only.
     """
     settled = [
-        *_notice_findings(observed, close_tallies),
-        *_memory_findings(tally.checkup, observed, close_tallies),
-        *_text_findings(tally.checkup, observed, level),
-        *_definition_findings(tally.checkup, observed.first),
+        *_notice_findings(observations, close_tallies),
+        *_memory_findings(tally.checkup, observations, close_tallies),
+        *_text_findings(tally.checkup, observations, level),
+        *_definition_findings(tally.checkup, observations.first),
     ]
     causes, consequences = rule_findings(
-        tally, is_over=observed.is_over and is_complete, is_complete=is_complete
+        tally, is_over=observations.is_over and is_complete, is_complete=is_complete
     )
     counted = [
         *causes,
-        *_movement_findings(observed, close_tallies),
-        *_unchanged_findings(tally.checkup, observed),
+        *_movement_findings(observations, close_tallies),
+        *_unchanged_findings(tally.checkup, observations),
         *consequences,
     ]
     warnings = [finding for finding in settled if finding.severity == "warning"]
@@ -252,13 +256,11 @@ def findings_of(
     return warnings, sorted([*notes, *counted], key=lambda finding: finding.severity == "note")
 
 
-def _notice_findings(
-    observed: Observations, close_tallies: Mapping[tuple[str, int], ProbeTally]
-) -> Iterator[Finding]:
-    for notice in dict.fromkeys(kind for kind, _ in observed.notices):
-        tick, robot = observed.first_notice(notice)
-        tally, message = close_tallies[robot, tick], observed.notices[notice, robot][2]
-        count = sum(entry[1] for (kind, _), entry in observed.notices.items() if kind == notice)
+def _notice_findings(observations: Observations, close_tallies: CloseTallies) -> Iterator[Finding]:
+    for notice in dict.fromkeys(kind for kind, _ in observations.notices):
+        tick, robot = observations.first_notice(notice)
+        tally, message = close_tallies[robot, tick], observations.notices[notice, robot][2]
+        count = sum(entry[1] for (kind, _), entry in observations.notices.items() if kind == notice)
         first = f"{message} First at tick {tick}, {count} times in total."
         if notice == "several rows":
             yield _several_rows_finding(tally, robot, tick, first)
@@ -317,12 +319,12 @@ _AGGREGATE = re.compile(r"[A-Z]\w*\s*\{")
 
 
 def _null_engine_finding(tally: ProbeTally, robot: str, tick: int, first: str) -> Finding:
-    leaves, decided = _leaves(tally, robot), _decided(tally, robot)
+    leaves, deciding = _leaves(tally, robot), _deciding_rules(tally, robot)
     nulls = [
         place
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "value" and tally.sites[number].first_true is not None
-        if tally.checkup.rules[site.rule].predicate != "Robot" or site.rule in decided
+        if tally.checkup.rules[site.rule].predicate != "Robot" or site.rule in deciding
         for place in (site.span, *site.places)
     ]
     span, more_spans = _split([*nulls, *(span for leaf in leaves for span in leaf)])
@@ -345,18 +347,20 @@ def _split(places: Iterable[SourceSpan]) -> tuple[SourceSpan | None, tuple[Sourc
 
 
 def _memory_findings(
-    checkup: Checkup, observed: Observations, close_tallies: Mapping[tuple[str, int], ProbeTally]
+    checkup: Checkup,
+    observations: Observations,
+    close_tallies: CloseTallies,
 ) -> Iterator[Finding]:
     reads = {field.name: field for field in reversed(checkup.reads)}
     writes = {field.name: field for field in reversed(checkup.writes)}
     for name, field in reads.items():
-        if name not in observed.fields and (name not in writes or checkup.writes_all):
-            close = closest(name, {*writes, *observed.fields})
+        if name not in observations.fields and (name not in writes or checkup.writes_all):
+            close = closest(name, {*writes, *observations.fields})
             hint = f"Did you mean {close}?" if close else "It is always null."
             message = f"memory.{name} is read, but no memory ever had a field {name}."
             memory_spans = [rule.memory for rule in checkup.rules if rule.memory is not None]
             more_spans = (writes[close].span,) if close in writes else tuple(memory_spans)
-            first = observed.first
+            first = observations.first
             yield Finding(
                 "memory never written", "warning", field.span, first, message, hint, more_spans
             )
@@ -365,8 +369,9 @@ def _memory_findings(
             close = closest(name, reads)
             hint = f"{close} is read; did you mean that?" if close else "It can be removed."
             message = f"The field {name} of memory is written and never read."
-            yield Finding("memory never read", "note", field.span, observed.first, message, hint)
-    for loss in observed.first_losses():
+            first = observations.first
+            yield Finding("memory never read", "note", field.span, first, message, hint)
+    for loss in observations.first_losses():
         name, tick, robot = loss.field, loss.tick, loss.robot
         if name not in reads:
             continue
@@ -379,10 +384,10 @@ def _memory_findings(
         yield Finding("memory lost", "warning", span, tick, message, hint, more_spans, robot)
 
 
-def _text_findings(checkup: Checkup, observed: Observations, level: Level) -> Iterator[Finding]:
+def _text_findings(checkup: Checkup, observations: Observations, level: Level) -> Iterator[Finding]:
     names = {robot.name for robot in level.robots} | {beacon.name for beacon in level.beacons}
     names |= {area.name for area in level.areas if area.impenetrable}  # rays see their names
-    valid_texts = {*names, *_RAY_WORDS, *observed.texts}
+    valid_texts = {*names, *_RAY_WORDS, *observations.texts}
     for field in checkup.texts:
         if field.name in valid_texts:
             continue
@@ -392,7 +397,7 @@ def _text_findings(checkup: Checkup, observed: Observations, level: Level) -> It
         hint = "Robots, beacons and solid areas have other names here."
         hint = f'Did you mean "{close}"?' if close else hint
         message = f'Nothing in this level is called "{field.name}".'
-        yield Finding("unknown string", "warning", field.span, observed.first, message, hint)
+        yield Finding("unknown string", "warning", field.span, observations.first, message, hint)
 
 
 def _definition_findings(checkup: Checkup, first: int) -> Iterator[Finding]:
@@ -407,42 +412,43 @@ def _definition_findings(checkup: Checkup, first: int) -> Iterator[Finding]:
 
 
 def _movement_findings(
-    observed: Observations, close_tallies: Mapping[tuple[str, int], ProbeTally]
+    observations: Observations, close_tallies: CloseTallies
 ) -> Iterator[Finding]:
     reported: set[tuple[str, SourceSpan | None]] = set()
-    for stretch in sorted(observed.stretches, key=lambda s: [*_MOVEMENTS].index(s.kind)):
-        if observed.won_at is not None and stretch.kind != "blocked":
+    for stretch in sorted(observations.stretches, key=lambda s: [*_MOVEMENTS].index(s.kind)):
+        if observations.won_at is not None and stretch.kind != "blocked":
             continue
         leaves = _leaves(close_tallies[stretch.robot, stretch.first], stretch.robot)
         span, more_spans = _split(place for row in zip_longest(*leaves) for place in row if place)
         if (stretch.kind, span) in reported:
             continue
         reported.add((stretch.kind, span))
-        is_fixed = stretch.kind == "still" and not observed.is_over  # perhaps where it should be
-        is_doubtful = observed.won_at is None and stretch.kind != "unfinished" and not is_fixed
+        # A robot that stands still may be where it should be.
+        is_fixed = stretch.kind == "still" and not observations.is_over
+        is_doubtful = observations.won_at is None and stretch.kind != "unfinished" and not is_fixed
         severity: Severity = "warning" if is_doubtful else "note"
         verb, hint = _MOVEMENTS[stretch.kind]
         verb += f" {stretch.period} ticks" if stretch.kind == "circle" else ""
-        doing = f", mostly with `{shorten(span.text)}`" if span is not None else ""
+        desire_text = f", mostly with `{shorten(span.text)}`" if span is not None else ""
         ticks = f"from tick {stretch.first} to {stretch.last}{stretch.route}"
-        message, begin = f"{stretch.robot} {verb} {ticks}{doing}.", stretch.first
+        message, begin = f"{stretch.robot} {verb} {ticks}{desire_text}.", stretch.first
         yield Finding(stretch.kind, severity, span, begin, message, hint, more_spans, stretch.robot)
 
 
-def _unchanged_findings(checkup: Checkup, observed: Observations) -> Iterator[Finding]:
+def _unchanged_findings(checkup: Checkup, observations: Observations) -> Iterator[Finding]:
     """Yield the states that robots without progress remain in, such as a phase of a plan."""
-    stuck = {stretch.robot for stretch in observed.stretches if stretch.last == observed.last}
+    stuck = {s.robot for s in observations.stretches if s.last == observations.last}
     states: dict[str, tuple[int, str, str]] = {}
-    for (robot, name), (tick, value) in sorted(observed.since.items(), key=itemgetter(1)):
+    for (robot, name), (tick, value) in sorted(observations.since.items(), key=itemgetter(1)):
         # A state is a text that the program both sets and asks for.
         is_state = checkup.program.text.count(spell(value)) > 1
-        if is_state and robot in stuck and observed.last - tick >= _LONG:
+        if is_state and robot in stuck and observations.last - tick >= _LONG:
             states.setdefault(name, (tick, value, robot))
-    for field in checkup.writes if observed.won_at is None else ():
+    for field in checkup.writes if observations.won_at is None else ():
         if field.name in states:
             tick, value, robot = states[field.name]
             quoted = f"{robot}'s memory.{field.name} stayed {spell(shorten(value))}"
-            message = f"{quoted} from tick {tick} to {observed.last}."
+            message = f"{quoted} from tick {tick} to {observations.last}."
             hint = "Check the condition that should change it: can it ever hold?"
             span, more_spans = _split([*field.places, field.span])
             yield Finding("unchanged", "note", span, tick, message, hint, more_spans, robot)
@@ -468,22 +474,22 @@ def _leaves(tally: ProbeTally, robot: str) -> list[list[SourceSpan]]:
 
     For each choice these are its place and the sources of its values.
     """
-    rules, decided = tally.checkup.rules, _decided(tally, robot)
-    owners = {name for n in decided for name in rules[n].sources}
+    rules, deciding = tally.checkup.rules, _deciding_rules(tally, robot)
+    owners = {name for n in deciding for name in rules[n].sources}
     ranking = []
     for number, site in enumerate(tally.checkup.sites):
         if site.kind != "leaf" or site.owner not in owners:
             continue
         ticks = tally.sites[number].ticks
         if rules[site.rule].predicate == "Robot":
-            ticks = ticks & decided.get(site.rule, set())
+            ticks = ticks & deciding.get(site.rule, set())
         if ticks:
             ranking.append((rules[site.rule].is_function, -len(ticks), number))
     sites = {tally.checkup.sites[n].span: tally.checkup.sites[n] for *_, n in sorted(ranking)}
     return [[site.span, *site.places] for site in [*sites.values()][:_MOST_LEAVES]]
 
 
-def _decided(tally: ProbeTally, robot: str) -> dict[int, set[int]]:
+def _deciding_rules(tally: ProbeTally, robot: str) -> dict[int, set[int]]:
     """Return the rules of `Robot` whose row counted, because it was the last, with the ticks."""
     rules: dict[int, set[int]] = {}
     for (name, tick), rows in tally.robot_rows.items():

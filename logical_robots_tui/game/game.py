@@ -217,8 +217,8 @@ class Game:
         values: dict[str, Value] = {name: frame.memories[old] for name, old in old_names.items()}
         memories = {robot.name: values.get(robot.name, "") for robot in level.robots}
         state = change_state(frame.after, old_level, level, poses or {})
-        keeps = bool(frame.decisions) and are_decisions_valid(old_level, level)
-        return self.go_on_in(level, state, memories, keeps)
+        keeps_decisions = bool(frame.decisions) and are_decisions_valid(old_level, level)
+        return self.go_on_in(level, state, memories, keeps_decisions)
 
     def go_on_in(
         self, level: Level, state: WorldState, memories: Mapping[str, Value], keeps_decisions: bool
@@ -269,7 +269,7 @@ class Game:
         try:
             while self._running:
                 try:
-                    if await self._advance(self.pace.together) or ends(self.level, self._frame):
+                    if await self._advance(self.pace.batch_size) or ends(self.level, self._frame):
                         return
                 except Superseded:
                     continue

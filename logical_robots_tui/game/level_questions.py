@@ -114,8 +114,8 @@ def program_of(level: Level, question: LevelQuestion) -> str:
 
 
 def ticks_in_words(ticks: Sequence[int]) -> str:
-    *former, last = map(str, ticks)
-    return f"tick{'s' * bool(former)} {', '.join(former)}{' and ' * bool(former)}{last}"
+    *first, last = map(str, ticks)
+    return f"tick{'s' * bool(first)} {', '.join(first)}{' and ' * bool(first)}{last}"
 
 
 def mistake_lines(query: str, error: ProgramError) -> list[str]:

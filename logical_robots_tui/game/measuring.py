@@ -91,10 +91,10 @@ def vary_start(level: Level, seed: int) -> Level:
 def _shuffle_names(level: Level, chance: random.Random) -> Level:
     if not level.shuffled_names:
         return level
-    together = [set(area.victory_robots) for area in level.areas if len(area.victory_robots) > 1]
+    groups = [set(area.victory_robots) for area in level.areas if len(area.victory_robots) > 1]
     for _ in range(MOST_DRAWS):
         robots = _new_names(level.shuffled_names, level.robots, chance)
-        if not any({robots.get(name, name) for name in names} in together for names in together):
+        if not any({robots.get(name, name) for name in names} in groups for names in groups):
             break
     beacons = _new_names(level.shuffled_names, level.beacons, chance)
     return replace(

@@ -64,7 +64,7 @@ class Pace:
         return 1 / self._speed + self.spacing if self._speed else 0.0
 
     @property
-    def together(self) -> int | None:
+    def batch_size(self) -> int | None:
         """The number of ticks per batch; None means as many as time allows."""
         if self._speed is None:
             return None

@@ -72,8 +72,8 @@ class Run:
     async def frame(self, tick: int, report: Callable[[int], object] = lambda _tick: None) -> Frame:
         """Return the frame of a tick; `report` gets the last computed tick as work proceeds."""
         while self._recording.last < tick:
-            until = CLOCK.now() + _SECONDS
-            await self._thinker.do(partial(self._computed_frame, tick, until=until))
+            deadline = CLOCK.now() + _SECONDS
+            await self._thinker.do(partial(self._computed_frame, tick, deadline=deadline))
             report(self._recording.last)
         (frame,) = [f async for f in self.map_ticks(tick, tick, lambda f, _mind, _stop: f)]
         return frame
@@ -157,11 +157,11 @@ class Run:
         to_victory: bool,
         stop: threading.Event,
     ) -> tuple[list[T], bool]:
-        until = CLOCK.now() + _SECONDS
+        deadline = CLOCK.now() + _SECONDS
         results: list[T] = []
         mind, over = None, False
-        while not over and tick + len(results) <= last and (not results or CLOCK.now() < until):
-            frame = self._computed_frame(tick + len(results), stop, until=until)
+        while not over and tick + len(results) <= last and (not results or CLOCK.now() < deadline):
+            frame = self._computed_frame(tick + len(results), stop, deadline=deadline)
             if frame is None:
                 break
             mind = mind or self._thinker.mind(self.program, self.level, self.limits)
@@ -171,14 +171,14 @@ class Run:
 
     def _memories(self, robot: str, tick: int, stop: threading.Event) -> list[Value] | None:
         """Return some memories; none in a gap, None while the tick is still computed."""
-        until = CLOCK.now() + _SECONDS
+        deadline = CLOCK.now() + _SECONDS
         if self._recording.last < tick:
-            self._computed_frame(tick, stop, until=until)
+            self._computed_frame(tick, stop, deadline=deadline)
             return None
         memories: list[Value] = []
         try:
             for t in range(tick, -1, -1):
-                if self._recording.is_in_gap(t) or (memories and CLOCK.now() >= until):
+                if self._recording.is_in_gap(t) or (memories and CLOCK.now() >= deadline):
                     break
                 memories.append(self._recording.memory(t, robot))
         except DamagedRunError:
@@ -188,31 +188,31 @@ class Run:
 
     def _compute_to_end(self, last: int, stop: threading.Event) -> tuple[int, bool]:
         """Return the tick reached after a while, and whether the run ends there."""
-        until = CLOCK.now() + _SECONDS
+        deadline = CLOCK.now() + _SECONDS
         try:
             while True:
                 tick = min(self._recording.last, last)
                 ends = (self._recording.moment(tick).after.won_at, self.level.match_ticks, last)
                 end = min(filter(None, ends))
-                if end <= tick or CLOCK.now() >= until:
+                if end <= tick or CLOCK.now() >= deadline:
                     return min(tick, end), end <= tick
-                self._compute(tick + 1, stop, until)
+                self._compute(tick + 1, stop, deadline)
         except DamagedRunError:
             self._forget()
             return 0, False
 
-    def _computed_frame(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
+    def _computed_frame(self, tick: int, stop: threading.Event, *, deadline: float) -> Frame | None:
         try:
-            return self._stored_frame(tick) if self._compute(tick, stop, until) else None
+            return self._stored_frame(tick) if self._compute(tick, stop, deadline) else None
         except DamagedRunError:
             self._forget()
             return None
 
-    def _compute(self, tick: int, stop: threading.Event, until: float) -> bool:
+    def _compute(self, tick: int, stop: threading.Event, deadline: float) -> bool:
         """Compute ticks up to one, unless that takes too long; return whether it is there."""
         if any(self._recording.is_in_gap(t) for t in (max(tick - 1, 0), tick)):
             self._recording.return_to_gap()
-        while self._recording.last < tick and CLOCK.now() < until:
+        while self._recording.last < tick and CLOCK.now() < deadline:
             self._compute_next(stop)
         return tick <= self._recording.last
 

@@ -168,10 +168,10 @@ def programs_for(
         if team not in program_names or not team:
             hint = did_you_mean(team, program_names) or f"It has {', '.join(program_names)}."
             raise InputError(f"{level.name} has no team {team}.", hint=hint if level.teams else "")
-    in_order = dict(zip(program_names, names, strict=False))
-    if duplicates := in_order.keys() & by_team.keys():
+    named_programs = dict(zip(program_names, names, strict=False))
+    if duplicates := named_programs.keys() & by_team.keys():
         raise InputError(f"Two programs are named for {min(duplicates)}.")
-    program_names |= in_order | dict(by_team)
+    program_names |= named_programs | dict(by_team)
     return {
         team: load_program(name, own_folder, pipes=pipes)._replace(team=team)
         for team, name in program_names.items()

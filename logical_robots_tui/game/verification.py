@@ -57,31 +57,31 @@ class FileBudget:
         self._end = _processor_seconds() + seconds
 
     @property
-    def left(self) -> float:
+    def remaining(self) -> float:
         return self._end - _processor_seconds()
 
     @property
-    def of_entry(self) -> int:
+    def entry_seconds(self) -> int:
         """The whole processor seconds that one of many victories may take, at least 1."""
-        return max(1, int(min(self.left, self.seconds / _SHARES)))
+        return max(1, int(min(self.remaining, self.seconds / _SHARES)))
 
     async def compile(self, texts: str | Texts) -> Program:
         """Compile at the expense of the budget; raise ProgramError, OverBudgetError."""
         from logical_robots_tui.game.source import compile_program
 
-        began = monotonic()
+        start_time = monotonic()
         try:
             return await self.bound(compile_program(texts))
         finally:
             # The compile process lives on, so what it computed is known by an upper bound only.
-            self._end -= min(monotonic() - began, Limits().compile_seconds)
+            self._end -= min(monotonic() - start_time, Limits().compile_seconds)
 
     async def bound(self, work: Coroutine[Any, Any, T]) -> T:
         """Await work, or cancel it and raise OverBudgetError when no time is left."""
         task = asyncio.ensure_future(work)
         try:
             while not task.done():
-                if self.left <= 0:
+                if self.remaining <= 0:
                     raise OverBudgetError(self.seconds)
                 await asyncio.wait([task], timeout=_LOOK_EVERY)
             return task.result()

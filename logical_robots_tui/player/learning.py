@@ -9,7 +9,7 @@ from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.game.source import is_hidden, reference_names
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session import Session
-from logical_robots_tui.player.session_state import ProgramText, Ui, tried
+from logical_robots_tui.player.session_state import ProgramText, Ui, run_or_warn
 from logical_robots_tui.progress import Version
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.level import LevelQuestion
@@ -106,7 +106,7 @@ class Learning:
         if not self._has_won and await choose("Reference programs", question, answers) != "yes":
             return ""
         names = await asyncio.to_thread(reference_names, solution)
-        sources = await tried(self._ui, lambda: [*map(load_program, names)])
+        sources = await run_or_warn(self._ui, lambda: [*map(load_program, names)])
         return "\n\n".join(source.text for source in sources or ())
 
     async def versions(self) -> list[Version]:
@@ -130,7 +130,7 @@ class Learning:
         if not level.starter:
             self._ui.tell("This level has no starter program.")
             return
-        starter = await tried(self._ui, load_program, level.starter)
+        starter = await run_or_warn(self._ui, load_program, level.starter)
         if starter is None:
             return
         if starter.text == self._program.text:

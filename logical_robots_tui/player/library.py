@@ -16,7 +16,7 @@ from logical_robots_tui.player.drafts import Autosave, Draft, Drafts, Key, Unsav
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.recovery import Offers, short_name, when_saved
 from logical_robots_tui.player.session import Session
-from logical_robots_tui.player.session_state import ProgramText, Ui, tried
+from logical_robots_tui.player.session_state import ProgramText, Ui, run_or_warn
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
@@ -84,7 +84,7 @@ class Library:
         if name is None:
             self._ui.tell("This was the last level.")
             return
-        if (level := await tried(self._ui, load_level, name)) is not None:
+        if (level := await run_or_warn(self._ui, load_level, name)) is not None:
             await self.open_level(level)
 
     async def open_daily(self) -> None:
@@ -97,14 +97,14 @@ class Library:
         if answer is None:
             return
         find = partial(daily_level, self._recorder.progress, today, cast("DailySize", answer))
-        if (level := await tried(self._ui, find)) is not None:
+        if (level := await run_or_warn(self._ui, find)) is not None:
             await self.open_level(level)
 
     async def open_level(self, level: Level) -> None:
         source = self._session.source
         sources = dict.fromkeys([team.name for team in level.teams] or [""], source)
         if level.teams or (level.starter and level.starter != source.name):
-            team_sources = await tried(self._ui, programs_for, level, (), {}, self.programs)
+            team_sources = await run_or_warn(self._ui, programs_for, level, (), {}, self.programs)
             sources = sources if team_sources is None else team_sources
         source = next(iter(sources.values()))
         own_text = None
@@ -145,17 +145,17 @@ class Library:
 
     async def save_as(self, path: Path) -> None:
         """Save the program in a file and continue with that, or raise InputError."""
-        former = self._session.source
+        old_source = self._session.source
         await asyncio.to_thread(save_program, path, self._program.text)
-        self.saved(former, await asyncio.to_thread(load_program, path))
+        self.saved(old_source, await asyncio.to_thread(load_program, path))
 
-    def saved(self, former: ProgramSource, saved: ProgramSource) -> None:
+    def saved(self, old_source: ProgramSource, new_source: ProgramSource) -> None:
         """Continue with a saved program, unless another one was opened meanwhile."""
-        if self._session.source.draft == former.draft:
-            self._drafts.drop(("program", former.draft))
-            self._session.saved_as(saved)
+        if self._session.source.draft == old_source.draft:
+            self._drafts.drop(("program", old_source.draft))
+            self._session.saved_as(new_source)
             self._autosave.edited()
-            self._ui.tell(f"Saved as {one_line(saved.name)} in {saved.path.parent}.")
+            self._ui.tell(f"Saved as {one_line(new_source.name)} in {new_source.path.parent}.")
 
     def take_from_disk(self, source: ProgramSource) -> None:
         """Use a program changed on disk, unless the player has typed meanwhile."""
@@ -200,7 +200,7 @@ class Library:
     async def offer(self, offers: Offers) -> None:
         """Offer unsaved texts of this program; those of others are offered next time."""
         last_path: str | None = None
-        while drafts := await offers.at_hand(self._left_unsaved):
+        while drafts := await offers.at_hand(self._unsaved_drafts):
             path = last_path or self._session.source.draft
             draft = next((draft for draft in drafts if draft.path == path), drafts[0])
             if last_path not in (None, draft.path):
@@ -221,7 +221,7 @@ class Library:
                 return
             last_path = draft.path
 
-    async def _left_unsaved(self) -> list[Draft]:
+    async def _unsaved_drafts(self) -> list[Draft]:
         try:
             drafts = await asyncio.to_thread(self._drafts.adopt, "program")
         except OSError as error:
@@ -234,8 +234,8 @@ class Library:
         if source.team != sources.team and source.team in sources.teams:
             self.look_at(source.team)
         self._autosave.flush()
-        if replaced := self._drafts.get(draft.key):
-            self._recorder.set_aside(replaced)
+        if old_draft := self._drafts.get(draft.key):
+            self._recorder.set_aside(old_draft)
         self._drafts.take(draft.key, draft.text)
         if draft.path == self._session.source.draft:
             source = self._session.source

@@ -259,11 +259,11 @@ class Bookmark(SessionListener):
         ends = [(await game.compile_program(texts), end) for texts, end in position.segments()]
         self._session.go_through(ends[0][0], partial(self._replay, ends))
 
-    async def _replay(self, ends: list[tuple[mind.Program, int]], playing: game.Game) -> None:
+    async def _replay(self, ends: list[tuple[mind.Program, int]], game_: game.Game) -> None:
         for program, end in ends:
             self._session.use(program)
-            while playing.frame.tick < end:
-                await playing.run_until(tick=end)
+            while game_.frame.tick < end:
+                await game_.run_until(tick=end)
 
     def _source_of(self, position: GamePosition) -> game.ProgramSource:
         try:

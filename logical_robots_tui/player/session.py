@@ -168,12 +168,12 @@ class Session:
         program = self._think_with(program)
         self._tell(lambda listener: listener.program_used(program))
         if self.game is None:
-            playing = self.game = game.Game(
+            game_ = self.game = game.Game(
                 self.level, program, breakpoints=self.breakpoints, clock=self.clock
             )
-            playing.pace = self.pace
-            playing.listen(lambda frame: self._show(playing, frame))
-            self.frame = playing.frame
+            game_.pace = self.pace
+            game_.listen(lambda frame: self._show(game_, frame))
+            self.frame = game_.frame
             if self.movement.kind == "awaiting":
                 self.run()
         else:
@@ -188,7 +188,7 @@ class Session:
 
     def run(self) -> None:
         if self.game is not None and self.movement.kind != "run":
-            self._begin(Movement("run"), lambda playing: playing.run())
+            self._begin(Movement("run"), lambda game_: game_.run())
         elif self.game is None and self.state.phase in ("fresh", "compiling"):
             self.movement = Movement("awaiting")
         self._on_change()
@@ -213,7 +213,7 @@ class Session:
     def run_until(self, tick: int) -> None:
         """Run at full speed to a tick, a breakpoint or victory."""
         self.pause()
-        self._begin(Movement("until"), lambda playing: playing.run_until(tick=tick))
+        self._begin(Movement("until"), lambda game_: game_.run_until(tick=tick))
 
     def go_through(self, program: mind.Program, work: Going) -> None:
         """Restart with a program and let `work` advance the game until paused."""
@@ -273,9 +273,9 @@ class Session:
         self._spawn(close, "close", exclusive=False)
 
     async def close(self) -> None:
-        playing, self.game = self.game, None
-        if playing is not None:
-            await playing.close()
+        game_, self.game = self.game, None
+        if game_ is not None:
+            await game_.close()
 
     async def _compile(self, text: str, texts: Texts) -> None:
         try:
@@ -320,21 +320,17 @@ class Session:
         self.state = ProgramState.of_applied(program.text, self._warnings(program))
         return program
 
-    def _show(self, playing: game.Game, frame: game.Frame) -> None:
-        if playing is not self.game:
+    def _show(self, game_: game.Game, frame: game.Frame) -> None:
+        if game_ is not self.game:
             return
         is_next = frame.tick == self.frame.tick + 1
-        is_changed = playing.level is not self.level
-        self.frame, self.levels.shown = frame, playing.level
+        is_changed = game_.level is not self.level
+        self.frame, self.levels.shown = frame, game_.level
         self.movement.waiting_since = self.clock.now()
         self._tell(lambda listener: listener.tick_shown(frame))
         if is_changed:
             self._tell(lambda listener: listener.level_changed())
-        if (
-            is_next
-            and not playing.decide
-            and (victory := victory_of(playing, self.opened)) is not None
-        ):
+        if is_next and not game_.decide and (victory := victory_of(game_, self.opened)) is not None:
             victory_key = victory.program.texts, victory.tick
             if victory_key != self._last_victory:
                 self._last_victory = victory_key
@@ -352,10 +348,10 @@ class Session:
             move = partial(self._move, self.game, work, movement)
             self._spawn(move, "move", exclusive=True)
 
-    async def _move(self, playing: game.Game, work: Going, movement: Movement) -> None:
+    async def _move(self, game_: game.Game, work: Going, movement: Movement) -> None:
         try:
-            await work(playing)
-            if playing is self.game and (hits := self._hits(playing)):
+            await work(game_)
+            if game_ is self.game and (hits := self._hits(game_)):
                 self._tell(lambda listener: listener.stopped(hits))
         except game.Superseded:
             pass
@@ -364,19 +360,19 @@ class Session:
                 self.movement = Movement()
             self._on_change()
 
-    async def _step(self, playing: game.Game) -> None:
+    async def _step(self, game_: game.Game) -> None:
         movement = self.movement
         while movement.owed and self.movement is movement:
             movement.owed -= 1
             try:
-                frame = await playing.step()
+                frame = await game_.step()
             except (
                 game.Superseded
             ):  # by another program or a changed level, in which the step is due
-                movement.owed += playing is self.game
+                movement.owed += game_ is self.game
                 continue
-            if self._hits(playing) or ends(playing.level, frame):
+            if self._hits(game_) or ends(game_.level, frame):
                 movement.owed = 0
 
-    def _hits(self, playing: game.Game) -> tuple[game.Hit, ...]:
-        return tuple(hit for hit in playing.hits if self.breakpoints.is_on(hit.breakpoint))
+    def _hits(self, game_: game.Game) -> tuple[game.Hit, ...]:
+        return tuple(hit for hit in game_.hits if self.breakpoints.is_on(hit.breakpoint))

@@ -243,7 +243,7 @@ class Ui(Protocol):
         """Ask a question and return the name of the answer, or None; only for background work."""
 
 
-async def tried(ui: Ui, work: Callable[..., T], *values: Any) -> T | None:
+async def run_or_warn(ui: Ui, work: Callable[..., T], *values: Any) -> T | None:
     """Return what `work` returns in a thread; None, with a warning, if it raises InputError."""
     try:
         return await asyncio.to_thread(work, *values)

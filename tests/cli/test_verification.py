@@ -58,7 +58,7 @@ async def test_work_is_cancelled_when_its_time_is_over() -> None:
     with pytest.raises(OverBudgetError, match=r"given up after 1 processor second\. --seconds N"):
         await budget.bound(compute())
     assert ended.is_set()
-    assert budget.of_entry == 1
+    assert budget.entry_seconds == 1
     with pytest.raises(OverBudgetError):
         await budget.compile("Robot();")
 

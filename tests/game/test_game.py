@@ -193,7 +193,7 @@ async def test_on_a_busy_machine_ticks_come_in_lots_and_then_more_slowly() -> No
         pace = Pace(40.0, VirtualClock())
         pace.spacing = spacing
         pace.start()
-        assert pace.together == together
+        assert pace.batch_size == together
         for _ in range(together):
             pace.count()
         assert await waited(pace) == pytest.approx(seconds, abs=0.05)

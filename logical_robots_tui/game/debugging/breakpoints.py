@@ -56,26 +56,26 @@ class Breakpoint(NamedTuple):
     @property
     def words(self) -> str:
         """Its description, such as ``Ada enters Home``."""
-        who = self.robot or "a robot"
-        whose = f" for {self.robot}" if self.robot else ""
+        robot = self.robot or "a robot"
+        suffix = f" for {self.robot}" if self.robot else ""
         match self.event:
             case "rows":
-                return f"{self.subject} {'has rows' if self.is_named else 'holds'}{whose}"
+                return f"{self.subject} {'has rows' if self.is_named else 'holds'}{suffix}"
             case "no rows":
                 verb = "no longer has rows" if self.is_named else "no longer holds"
-                return f"{self.subject} {verb}{whose}"
+                return f"{self.subject} {verb}{suffix}"
             case "change":
                 column = f".{self.column}" if self.column else ""
-                return f"{self.subject}{column} changes{whose}"
+                return f"{self.subject}{column} changes{suffix}"
             case "blocked":
-                return f"{who} is blocked by a wall"
+                return f"{robot} is blocked by a wall"
             case "loses sight":
-                return f"{who} loses sight of {self.subject or 'something'}"
+                return f"{robot} loses sight of {self.subject or 'something'}"
             case "notice":
                 kind = f"“{self.subject}”" if self.subject else ""
-                return " ".join(f"a notice {kind} appears{whose}".split())
+                return " ".join(f"a notice {kind} appears{suffix}".split())
             case _:
-                return f"{who} {self.event} {self.subject or 'an area'}"
+                return f"{robot} {self.event} {self.subject or 'an area'}"
 
 
 class Hit(NamedTuple):

@@ -368,14 +368,14 @@ def _source(
     robot: str, subject: Subject, frame: Frame, mind: Mind, stop: threading.Event
 ) -> ValueSource:
     explainer = explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
-    known_columns = _decided(frame.decision_of(robot), subject)
+    known_columns = _deciding_columns(frame.decision_of(robot), subject)
     if known_columns:
         question = replace(subject.query, given={**subject.query.given, **known_columns})
         subject = replace(subject, query=question)
     return explainer.source(subject)
 
 
-def _decided(decision: Decision | None, subject: Subject) -> dict[str, Value]:
+def _deciding_columns(decision: Decision | None, subject: Subject) -> dict[str, Value]:
     """Return what tells the row of `Robot` that counts from the others, if there are several."""
     if decision is None or subject.query.predicate != "Robot":
         return {}
@@ -421,13 +421,13 @@ def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
         verb = "copied from" if source.read.kind == "memory" else "read from"
     pairs = list(zip(link.inputs, link.input_links, strict=True))
     for part, number in pairs[:_SHOWN_INPUTS]:
-        goes_on = f" ({number + 1}.)" if number is not None else ""
-        yield f"{verb} {_input(part, written)}{goes_on}"
+        reference = f" ({number + 1}.)" if number is not None else ""
+        yield f"{verb} {_input(part, written)}{reference}"
         verb = "from"
     if (rest_count := len(pairs) - len(pairs[:_SHOWN_INPUTS]) + source.excess) > 0:
         numbers = [f"{n + 1}." for _, n in pairs[_SHOWN_INPUTS:] if n is not None]
-        goes_on = f" ({', '.join(numbers)})" if numbers else ""
-        yield f"and from {rest_count} more{goes_on}"
+        reference = f" ({', '.join(numbers)})" if numbers else ""
+        yield f"and from {rest_count} more{reference}"
 
 
 def _without_source(link: Link) -> str:

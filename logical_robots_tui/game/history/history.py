@@ -77,9 +77,9 @@ class History:
         """Store a finished tick; storing an earlier one again begins another branch."""
         if frame.tick <= self.last:
             self._abandon(self._branch.up_to(frame.tick - 1))
-        packed = self._branch.add(frame, program)
+        is_packed = self._branch.add(frame, program)
         self._look_for_divergence(frame.tick)
-        if packed:  # and may have become too much
+        if is_packed:  # and may have become too much
             if self.kept_bytes > self._most_bytes:
                 self._other = self.divergence = None
             while self.kept_bytes > self._most_bytes and self._branch.forget_pack():

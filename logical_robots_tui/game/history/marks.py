@@ -89,20 +89,20 @@ class Marks:
         self._robots: list[str] = []
         self._areas: list[str] = []
         self._ticks: dict[MarkKind, array[int]] = {kind: array("q") for kind in MARK_KINDS}
-        self._who: dict[MarkKind, list[int]] = {kind: [] for kind in MARK_KINDS}
+        self._bits: dict[MarkKind, list[int]] = {kind: [] for kind in MARK_KINDS}
         self.refer_to(state)
 
-    def note(self, tick: int, kind: MarkKind, who: int = 1) -> None:
-        """Store a mark; `who` is a bit set of indices. Fastest for a tick after all others."""
+    def note(self, tick: int, kind: MarkKind, bits: int = 1) -> None:
+        """Store a mark; `bits` is a set of indices. Fastest for a tick after all others."""
         if places := self._places.get(kind):
-            who = sum(1 << place for index, place in enumerate(places) if who >> index & 1)
-        ticks, everyone = self._ticks[kind], self._who[kind]
+            bits = sum(1 << place for index, place in enumerate(places) if bits >> index & 1)
+        ticks, masks = self._ticks[kind], self._bits[kind]
         position = len(ticks) if not ticks or ticks[-1] < tick else bisect_left(ticks, tick)
         if position < len(ticks) and ticks[position] == tick:
-            everyone[position] |= who
+            masks[position] |= bits
         else:
             ticks.insert(position, tick)
-            everyone.insert(position, who)
+            masks.insert(position, bits)
 
     def refer_to(self, state: WorldState) -> None:
         robots = _places([robot.name for robot in state.robots], self._robots)
@@ -117,9 +117,10 @@ class Marks:
         for kind, ticks in self._ticks.items():
             index = bisect_left(ticks, tick)
             if index < len(ticks) and ticks[index] == tick:
-                who, names = self._who[kind][index], self._areas if kind == "area" else self._robots
+                bits = self._bits[kind][index]
+                names = self._areas if kind == "area" else self._robots
                 indexed_names = enumerate(names if kind in self._places else ())
-                marks.append(Mark(kind, tuple(name for n, name in indexed_names if who >> n & 1)))
+                marks.append(Mark(kind, tuple(name for n, name in indexed_names if bits >> n & 1)))
         return tuple(marks)
 
     def has(self, kind: MarkKind, first: int, last: int, robot: str | None = None) -> bool:
@@ -128,8 +129,8 @@ class Marks:
         begin, end = bisect_left(ticks, first), bisect_right(ticks, last)
         if kind != "memory" or robot not in self._robots:
             return begin < end
-        who = 1 << self._robots.index(robot)
-        return any(everyone & who for everyone in self._who[kind][begin:end])
+        bits = 1 << self._robots.index(robot)
+        return any(masks & bits for masks in self._bits[kind][begin:end])
 
     def nearest(
         self, tick: int, steps: Literal[-1, 1], kinds: Collection[MarkKind], robot: str | None
@@ -149,19 +150,19 @@ class Marks:
         copy._places = self._places
         ends = {kind: bisect_right(ticks, last) for kind, ticks in self._ticks.items()}
         copy._ticks = {kind: ticks[: ends[kind]] for kind, ticks in self._ticks.items()}
-        copy._who = {kind: who[: ends[kind]] for kind, who in self._who.items()}
+        copy._bits = {kind: bits[: ends[kind]] for kind, bits in self._bits.items()}
         return copy
 
     def forget_before(self, tick: int) -> None:
         for kind, ticks in self._ticks.items():
             end = bisect_left(ticks, tick)
-            del ticks[:end], self._who[kind][:end]
+            del ticks[:end], self._bits[kind][:end]
 
-    def _next(self, kind: MarkKind, tick: int, steps: Literal[-1, 1], who: int) -> int | None:
-        ticks, everyone = self._ticks[kind], self._who[kind]
+    def _next(self, kind: MarkKind, tick: int, steps: Literal[-1, 1], bits: int) -> int | None:
+        ticks, masks = self._ticks[kind], self._bits[kind]
         index = bisect_right(ticks, tick) if steps > 0 else bisect_left(ticks, tick) - 1
         while 0 <= index < len(ticks):
-            if everyone[index] & who:
+            if masks[index] & bits:
                 return ticks[index]
             index += steps
         return None
