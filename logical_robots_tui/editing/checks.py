@@ -197,7 +197,7 @@ class Reach:
         }
 
     def to(self, area: Area) -> tuple[list[str], list[str]]:
-        """Return the robots that can't reach their goal, and those that need too narrow gaps.
+        """Return the robots that can't reach their goal, and those whose way there is too narrow.
 
         A robot that is walled in at the start is in neither list.
         """

@@ -185,7 +185,7 @@ def _replace_entities(level: Level, kind: Kind, entities: tuple[Entity, ...]) ->
 
 
 def reread(level: Level, ref: Ref, entity: Entity) -> Entity:
-    """Return an object as it will be when it is loaded again, or raise LevelError."""
+    """Return an object as a reload would read it, or raise LevelError."""
     return _READ[ref.kind](Fields(record_of(entity), level.name, f"{ref.kind}[{ref.index}]"))
 
 

@@ -262,7 +262,7 @@ class _Blocks:
             raise ValueError("The pieces mean something other than the whole.")
 
     def _split(self, text: str, *, with_comments: bool) -> bool:
-        """Split a text; return whether the pieces mean the same as the whole."""
+        """Split a text; return whether its pieces together mean the same."""
         headers = list(_HEADER.finditer(text))
         starts = [match.start() for match in headers]
         if with_comments:

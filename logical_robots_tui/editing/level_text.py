@@ -212,6 +212,6 @@ _ALWAYS = ("name", "x", "y", "radius", "color", "victory_robots")
 
 
 def _record(entity: Entity) -> Record:
-    """Return what a file of the platform says: of the other fields, those that it needs."""
+    """Return an object's record in a web platform file, without empty optional fields."""
     record = {name: _number(value) for name, value in asdict(entity).items() if name != "team"}
     return {name: value for name, value in record.items() if value or name in _ALWAYS}

@@ -139,7 +139,7 @@ async def diagnose(
 async def diagnose_history(
     history: Stored, program: Program, limits: Limits, questions: int
 ) -> Diagnosis:
-    """Diagnose a program over ticks with so many questions, in an order that is always the same.
+    """Diagnose a program over ticks with a fixed number of questions, in a reproducible order.
 
     Raises QueryError for a program that is too complex.
     """
@@ -164,10 +164,10 @@ async def diagnose_run(
     report: Report = lambda _done, _all: None,
     show: Show = lambda _diagnosis: None,
 ) -> Diagnosis:
-    """Diagnose a run up to its end or so many ticks as `diagnose` does.
+    """Diagnose a run as `diagnose` does, up to its end or for at most `ticks` ticks.
 
-    `on_tick` gets the ticks that were computed. A second process examines them meanwhile. The
-    result is kept on disk, if it is the same each time.
+    `on_tick` gets each computed tick. A second process examines ticks at the same time. A
+    reproducible result is kept on disk.
     """
     task = _DiagnoseRun(run.key, ticks)
     diagnosis = await asyncio.to_thread(find_result, task, Diagnosis)
@@ -228,7 +228,7 @@ def shortcomings(diagnosis: Diagnosis) -> str:
 
 
 class _DiagnosisRun:
-    """A diagnosis: a queue of ticks, and what was counted in those that were examined."""
+    """A diagnosis in progress: a queue of ticks, and the counts of those examined."""
 
     def __init__(
         self,

@@ -57,7 +57,7 @@ def start_of(level: Level, start: int) -> Level:
 
 
 def named_start_of(level: Level, start: int) -> Level:
-    """Do the same as `start_of`, but give the level its own name and no file."""
+    """Return the level of `start_of` with a name of its own and no file."""
     if not start:
         return level
     name = f"{level.name}-start-{start}"

@@ -75,7 +75,7 @@ class Victory(NamedTuple):
 
     Attributes:
         level: The level as in its file.
-        program: The robots' program at the end, as that of the player's team.
+        program: The robots' last program, from the view of the player's team.
         tick: The tick of victory.
         verdict: ``counts``; won by a ``reference`` program; or not saved, because a time limit
             (``clock``) ended a thought or the level was ``edited``.

@@ -379,7 +379,7 @@ class Autosave(Generic[State]):
 
 
 def program_draft(unsaved: UnsavedText) -> Draft | Key:
-    """Return a program's draft, or only its key if the text equals that of the file."""
+    """Return a program's draft, or only its key if the file has the same text."""
     source, text, level = unsaved
     if text == source.text:
         return "program", source.draft

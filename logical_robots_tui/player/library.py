@@ -1,4 +1,4 @@
-"""Opening levels, also that of a day, and programs; saving, and restoring drafts."""
+"""Opening levels, including the daily one, and programs; saving, and restoring drafts."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ class Library:
         self._session.look_at(team)
 
     def open_program(self, source: ProgramSource, text: str | None = None) -> None:
-        """Edit and apply a program, with a given text or that of its draft."""
+        """Edit and apply a program, with a given text or its draft's."""
         source = source._replace(team=self._session.sources.team)
         if text is None:
             text = self._load_text_of(source)
@@ -150,7 +150,7 @@ class Library:
         self.saved(old_source, await asyncio.to_thread(load_program, path))
 
     def saved(self, old_source: ProgramSource, new_source: ProgramSource) -> None:
-        """Continue with a saved program, unless another one was opened meanwhile."""
+        """Continue with a saved program, unless the player has opened another one."""
         if self._session.source.draft == old_source.draft:
             self._drafts.drop(("program", old_source.draft))
             self._session.saved_as(new_source)
@@ -158,7 +158,7 @@ class Library:
             self._ui.tell(f"Saved as {one_line(new_source.name)} in {new_source.path.parent}.")
 
     def take_from_disk(self, source: ProgramSource) -> None:
-        """Use a program changed on disk, unless the player has typed meanwhile."""
+        """Use a program changed on disk, unless the player has edited it, too."""
         session, name = self._session, one_line(source.name)
         if self._program.text == source.text:
             session.saved_as(source)  # the game may have just saved it

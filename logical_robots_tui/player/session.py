@@ -82,7 +82,7 @@ class Session:
 
     @property
     def source(self) -> game.ProgramSource:
-        """The program in the editor: that of the selected team."""
+        """The program in the editor, the selected team's."""
         return self.sources.source
 
     @property

@@ -188,7 +188,7 @@ class ProgramState(NamedTuple):
 
     @property
     def newest(self) -> tuple[str, tuple[Diagnostic, ...]]:
-        """The text that was compiled last, for whatever purpose, with what is wrong with it."""
+        """The text compiled last, for any purpose, with its diagnostics."""
         if self.checked is None:
             return self.tried, self.mistakes
         return self.checked, self.diagnostics

@@ -131,7 +131,7 @@ ScoreKind: TypeAlias = Literal["hold", "most", "first", "near", "beacons", "char
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """A part of what a match is about; `dynamics.points` says what it gives.
+    """One part of the score of a match; `dynamics.points` computes it.
 
     Attributes:
         kind: ``hold`` an area alone, have the ``most`` robots in it, be ``first`` there or ``near``
@@ -191,7 +191,7 @@ class SecondGoal(NamedTuple):
 
 
 class LevelQuestion(NamedTuple):
-    """A question to answer with one query, as somebody who sees the rows of all robots.
+    """A question to answer with one query over the rows of all robots.
 
     Attributes:
         ask: What is asked, plain text.
@@ -235,7 +235,7 @@ class Level:
             one of them, and none is empty.
         match_ticks: Length of a match in ticks; 0 where there is none.
         scores: What a match is about, in file order.
-        divided_charge: Whether a source divides what it gives among those that it charges.
+        divided_charge: Whether a source divides its charge among its receivers.
         solid_robots: Whether robots block each other.
         all_goals: Whether all goals must be reached at once, not any one.
         shuffled_names: Patterns of names of robots and beacons that varied starts exchange.

@@ -277,7 +277,7 @@ def _is_nearer(dx: _Floats, dy: _Floats, radius: _Floats) -> NDArray[np.bool_]:
 
 
 def _take_one_by_one(hits: _Ints, codes: int, rays: Rays, circles: Circles, limit: int) -> bool:
-    """Do as `take_nearer_circles`; for more than `limit` pairs return False, unchanged."""
+    """Like `take_nearer_circles`; with more than `limit` pairs return False and change nothing."""
     rows = hits.tolist()
     targets = list(zip(*(part.tolist() for part in circles), strict=True))
     starts = zip(rays.robot.tolist(), rays.x.tolist(), rays.y.tolist(), strict=True)

@@ -107,7 +107,7 @@ class Walls:
     def _scan_all_steps(
         self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats, free: int
     ) -> _Ints:
-        """Do as `distances`, all (rays,); the first `free` steps are not in walls."""
+        """Like `distances`, for arrays (rays,); the first `free` steps are not in walls."""
         # A ray behind a wall may be anywhere; only its first wall matters.
         x, y, cos, sin = x[:, None], y[:, None], cos[:, None], sin[:, None]
         in_wall = self._room_on(x, y, cos, sin, self._ahead[free:, 0] + 1) == _WALL
@@ -140,7 +140,7 @@ class Walls:
     def _scan_near_walls(
         self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats, free: int
     ) -> _Ints:
-        """Return the same, looking closely only at steps with little free space around them."""
+        """Return the same, testing only steps with little free space around them."""
         first = min(free + 1 + _HALF_WINDOW, self._reach)
         samples = np.arange(float(first), self._reach + _HALF_WINDOW, _WINDOW)
         room = self._room_on(x, y, cos, sin, samples[:, None])
@@ -206,7 +206,7 @@ def clearances(walls: _Bits, limit: int) -> _Bytes:
 
 
 def row_clearances(walls: _Bits, limit: int) -> _Bytes:
-    """Return the same as `clearances`, within each row."""
+    """Like `clearances`, but within each row."""
     distances = np.empty(walls.shape, dtype=np.uint8)
     for start in range(0, len(walls), _ROWS_AT_ONCE):
         rows = slice(start, start + _ROWS_AT_ONCE)

@@ -11,12 +11,12 @@ from logical_robots_tui.mind import QueryError
 from logical_robots_tui.values import Value, is_same
 
 FEWEST_STEPS = 3
-"""The changes from which on they are told together."""
+"""From this number on, changes are reported together."""
 
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """Changes that go on in the same manner, up to the last one.
+    """A series of like changes, up to the last one.
 
     Attributes:
         increment: The difference between two values; None if each tick changed it differently.
@@ -36,8 +36,8 @@ class Change:
     """The last change of a part of a memory.
 
     Attributes:
-        tick: The tick in which it got its value; the first tick known, if it had it already.
-        path: Where it was then: an element may have moved within its list.
+        tick: The tick that set the value, or the first known tick if it was set earlier.
+        path: Its path then, because an element may have moved within its list.
         is_known: Whether it is known that it had another value before.
     """
 

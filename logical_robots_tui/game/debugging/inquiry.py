@@ -45,7 +45,7 @@ Path: TypeAlias = "tuple[str | int, ...]"
 class Pin(NamedTuple):
     """A number of rows ("" as column), or one value in one row.
 
-    Of a question only rows for which it holds count.
+    A question counts only the rows for which it holds.
     """
 
     predicate: str
@@ -180,7 +180,7 @@ _LIMITS = Limits()
 
 
 class _Explained(NamedTuple):
-    """An explainer and what it is about: one that is asked again knows what it has told."""
+    """An explainer with its subject; asked again, it reuses what it has worked out."""
 
     about: tuple[Mind, str, Frame]
     explainer: Explainer

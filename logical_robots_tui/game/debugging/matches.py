@@ -153,7 +153,7 @@ _Tick: TypeAlias = "tuple[TickState, RecordedTick]"
 class SearchResult:
     """The result of a search.
 
-    `problem` is why it failed in the first tick in which it did, or "".
+    `problem` is the reason for the first failure, or "".
     """
 
     tick: int | None

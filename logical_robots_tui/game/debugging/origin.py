@@ -39,14 +39,14 @@ class Link:
     """A value in the chain.
 
     Attributes:
-        tick: The tick in which it was made, or, if there is no source, the first one known.
-        until: The tick after which it is asked for; it is the same since `tick`.
-        source: What it was made from; None if it was there already, or if that can't be told.
+        tick: The tick that produced it, or the first known one if there is no source.
+        until: The tick after which it was read; it has not changed since `tick`.
+        source: What produced it; None if it existed from the start, or if that is unknown.
         path: The part of the robot's memory that it is; None if it is none.
         steps: Changes that led to it in the same manner, if it was made from its last value.
         input_links: For each of the inputs, the index of its link, or None if it is an end.
         began: The index of the link of the value before all steps.
-        problem: Why the source can't be told, or "".
+        problem: Why the source is unknown, or "".
     """
 
     robot: str
@@ -161,9 +161,9 @@ def subject_name(robot: str, subject: Subject) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _PendingInput:
-    """What a link goes on with: a read of a memory after a tick, or a value in a tick.
+    """An input still to be traced: a memory after a tick, or a value in a tick.
 
-    `place` is that of the input, or None for the value before all steps.
+    `place` is the index of the input, or None for the value before all steps.
     """
 
     parent: int

@@ -95,7 +95,7 @@ class UnpackableRuns(Protocol):
 
 
 class OpenPacks:
-    """A cache of unpacked runs, up to so many bytes of objects."""
+    """A cache of unpacked runs, bounded by the bytes of their objects."""
 
     def __init__(self, most_bytes: int) -> None:
         self._most_bytes = most_bytes
@@ -184,7 +184,7 @@ class _Values:
         self._places: dict[bytes, int] = {}  # by what is written, because 1, 1.0 and true are equal
 
     def places(self, memory: Value) -> object:
-        """Return the places of a memory's fields, or that of another memory."""
+        """Return the places of a memory's fields, or the place of a memory without fields."""
         if isinstance(memory, dict):
             return {name: self._place(value) for name, value in memory.items()}
         return self._place(memory)

@@ -46,7 +46,7 @@ _LONG_NUMBER = re.compile(r"[:\[,]\s*+-?\d{10000}")
 
 
 def read_web(text: str, name: str, source: str) -> Level:
-    """Read a level of the web platform, as leniently as that where it makes sense.
+    """Read a level of the web platform, about as leniently as the platform does.
 
     Visibility is ``all`` for both, as there. Robots may be outside, and areas may name
     unknown robots and beacons. Raises LevelError.
@@ -221,7 +221,7 @@ def is_web_file(path: str | Path) -> bool:
 def current_name(name: str) -> str | None:
     """Return the name of a shipped level, or None.
 
-    The number may be left out, or be that of an earlier version; or it is all that is given.
+    The number may be missing, come from an earlier version, or stand alone.
     """
     names = list_shipped()
     if re.fullmatch("[0-9]{1,2}", name):
