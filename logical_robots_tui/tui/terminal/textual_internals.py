@@ -18,7 +18,6 @@ from textual.document import _wrapped_document
 from textual.document._wrapped_document import WrappedDocument
 from textual.geometry import Offset, Region
 from textual.keys import _character_to_key
-from textual.widgets import Input
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -124,21 +123,23 @@ def hang_wrapped_lines() -> None:
 
 
 _LONGEST_INPUT = 2_000  # characters of a line, all of which Textual draws at each key
-_replace = Input.replace
-
-
-def _replace_within_limit(self: Input, text: str, start: int, end: int) -> None:
-    length = len(self.value) - abs(end - start) + len(text)
-    if text and length > _LONGEST_INPUT:
-        message = f"{length:,} characters are too many here; at most {_LONGEST_INPUT:,} fit."
-        self.notify(message, severity="warning", markup=False)
-    else:
-        _replace(self, text, start, end)
 
 
 def limit_input_lines() -> None:
     """Let no line for input grow too long, as by a paste; that of the palette is Textual's."""
-    Input.replace = _replace_within_limit  # type: ignore[method-assign] # of all lines
+    from textual.widgets import Input
+
+    replace = Input.replace
+
+    def replace_within_limit(line: Input, text: str, start: int, end: int) -> None:
+        length = len(line.value) - abs(end - start) + len(text)
+        if text and length > _LONGEST_INPUT:
+            message = f"{length:,} characters are too many here; at most {_LONGEST_INPUT:,} fit."
+            line.notify(message, severity="warning", markup=False)
+        else:
+            replace(line, text, start, end)
+
+    Input.replace = replace_within_limit  # type: ignore[assignment] # of all lines
 
 
 _LONGEST = 0.5  # seconds that a key may delay the next ones

@@ -94,13 +94,13 @@ def describe_divergence(divergence: Divergence) -> Content:
     return Content("\n").join(lines)
 
 
-def _sides(each: BranchDifference) -> list[str]:
+def _sides(difference: BranchDifference) -> list[str]:
     """Return both values, with enough digits to see the difference."""
     texts: list[str] = []
     for digits in (6, 17):
-        sides = (each.value, each.other_value)
-        said = [_describe_matter(each.matter, side, digits) for side in sides]
-        if said[0] != said[1]:
+        values = (difference.value, difference.other_value)
+        texts = [_describe_matter(difference.matter, value, digits) for value in values]
+        if texts[0] != texts[1]:
             break
     return texts
 
