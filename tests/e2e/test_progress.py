@@ -1,13 +1,15 @@
 """The tour, the first minute, the level screen, hints and versions; and what outlives a kill."""
 
 import os
+import re
 import signal
 
 import pytest
 
 from logical_robots_tui import list_levels, load_level
+from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import FILE_NAME, Progress
-from tests.e2e.conftest import Player, Seat
+from tests.e2e.conftest import Player, Seat, tick_on
 from tests.waiting import until
 
 FIRST, SECOND = (load_level(name) for name in list_levels()[:2])
@@ -58,6 +60,34 @@ def test_the_first_start_shows_the_tour_and_a_level(seat: Seat, size: tuple[int,
         start_anew(player)
         player.tmux.press("n")
         assert "skip the tour" not in player.wait_for_tick(1)
+
+
+@pytest.mark.slow
+def test_in_the_first_minute_somebody_new_wins_by_what_the_briefing_says(player: Player) -> None:
+    asked = re.search(r'change "([^"]+)" to "([^"]+)"', FIRST.briefing.replace("\n", " "))
+    assert asked
+    before, after = asked.groups()
+    lines = load_program(FIRST.starter).text.splitlines()
+    row, line = next((row, line) for row, line in enumerate(lines) if before in line)
+    player.play()
+    skip_the_tour(player)
+    player.tmux.wait_for("Try first")
+    enter_editor(player)
+    back = len(line) - line.index(before) - len(before)
+    # From below, because lines above the rule wrap.
+    up = ["C-End", *["Up"] * (len(lines) - row)]
+    player.tmux.press(*up, "End", *["Left"] * back, *["BSpace"] * len(before))
+    player.tmux.type(after, sees=after)
+    player.tmux.press("C-r", sees="· applied")
+    leave_editor(player)
+    player.tmux.type("++++++", sees="flat out")
+    player.tmux.press("Space")
+    won = tick_on(player.tmux.wait_for("WON", "your best", "reference"))
+    until(lambda: record_of(player).record(FIRST.name).bests.ticks == won)
+    kill(player)
+    start_anew(player)
+    player.tmux.press("l")
+    player.tmux.wait_for("★ won", f"{won:,} ticks")
 
 
 @pytest.mark.slow
