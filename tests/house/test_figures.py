@@ -20,9 +20,9 @@ VAGUE = frozenset(
 )
 """Names that do not say what is bound to them: participles, adverbs, prepositions."""
 
-MOST_VAGUE = 330
+MOST_VAGUE = 120
 MOST_AMBIGUOUS = 8
-MOST_LINES = 65_000
+MOST_LINES = 66_700
 
 
 def bound_names(tree: ast.AST) -> Iterator[str]:
