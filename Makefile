@@ -47,6 +47,7 @@ lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
 	$(BIN)/python -m ruff check .
 	$(BIN)/python -m mypy
 	$(BIN)/lint-imports
+	@$(BIN)/python -m tests.house.figures
 
 check: lint test ## Everything that must be true before a commit
 

@@ -14,7 +14,6 @@ SOURCES = sorted(
     for folder in ("logical_robots_tui", "tests", "benchmarks", "docs")
     for path in (CHECKOUT / folder).rglob("*.py")
 )
-MOST_MODULES = 15  # in a folder, besides `__init__`
 MODULES = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "logical_robots_tui")]
 BENCHMARKS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "benchmarks")]
 TESTS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "tests")]
@@ -140,18 +139,11 @@ def test_a_module_is_one_idea_and_says_which() -> None:
     for path in MODULES:
         text = path.read_text(encoding="utf-8")
         assert text.startswith('"""'), path
-        assert text.count("\n") <= 500, path
 
 
-def test_a_room_is_on_the_map_and_has_few_modules() -> None:
+def test_a_room_is_on_the_map() -> None:
     package = CHECKOUT / "logical_robots_tui"
     folders = {path.parent for path in MODULES}
-    crowded = {
-        str(folder.relative_to(package)): count
-        for folder in folders
-        if (count := sum(path.stem != "__init__" for path in folder.glob("*.py"))) > MOST_MODULES
-    }
-    assert crowded == {}
     map_ = (CHECKOUT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     named = set(re.findall(r"^\| `([a-z_/]+)/` \|", map_, re.MULTILINE))
     rooms = {str(folder.relative_to(package)) for folder in folders if folder != package}
