@@ -11,33 +11,7 @@ from logical_robots_tui.explain.why.probing import PredicateCall, SourceSpan
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import is_built_in
 from logical_robots_tui.language.source_text import Prepared, with_whole_brackets
-from logical_robots_tui.language.tree import (
-    REST,
-    Aggregate,
-    Aggregation,
-    Atom,
-    Call,
-    Conjunction,
-    Disjunction,
-    Expression,
-    Head,
-    Membership,
-    Node,
-    Proposition,
-    Record,
-    Rule,
-    Tree,
-    Variable,
-    arguments,
-    conjuncts,
-    equation_sides,
-    is_aggregate,
-    operands,
-    rebuild,
-    variable_of,
-    variables,
-    walk,
-)
+from logical_robots_tui.language.tree import Atom, Expression, Head, Node, Proposition, Rule, Tree
 from logical_robots_tui.schema import INPUTS, VALUE
 
 N = TypeVar("N", bound=Node)
@@ -56,7 +30,9 @@ def make_rule(
     columns: Mapping[str, Expression] | Mapping[int | str, Expression],
     body: Sequence[Proposition],
 ) -> Rule:
-    return Rule(Head(name, arguments(columns)), Conjunction(tuple(body)) if body else None)
+    return Rule(
+        Head(name, tree.arguments(columns)), tree.Conjunction(tuple(body)) if body else None
+    )
 
 
 def span_of(node: Tree, source: Prepared) -> SourceSpan:
@@ -82,8 +58,8 @@ def parameters(rule: Rule) -> list[tuple[str, str]] | None:
     for column in rule.head.columns:
         if column.field == VALUE:
             continue
-        variable = variable_of(column.expression)
-        if not variable or column.field == REST:
+        variable = tree.variable_of(column.expression)
+        if not variable or column.field == tree.REST:
             return None
         pairs.append((column.column, variable))
     return pairs
@@ -91,9 +67,9 @@ def parameters(rule: Rule) -> list[tuple[str, str]] | None:
 
 def part_kind(part: Proposition, predicates: Container[str]) -> PartKind:
     """Return the kind of a part of a body; `predicates` are the program's."""
-    if isinstance(part, Membership):
+    if isinstance(part, tree.Membership):
         return "element"
-    if equation_sides(part) is not None:
+    if tree.equation_sides(part) is not None:
         return "value"
     name = part.name if isinstance(part, Atom) else ""
     if name == "IsNull" and any(aggregate.is_denial for aggregate in outer_aggregates(part)):
@@ -104,13 +80,13 @@ def part_kind(part: Proposition, predicates: Container[str]) -> PartKind:
 class Scope:
     """The variables of a body and its surroundings, and those that nested aggregates use."""
 
-    def __init__(self, functions: Mapping[str, Container[str]], variables: Iterable[str]) -> None:
+    def __init__(self, functions: Mapping[str, Container[str]], names: Iterable[str]) -> None:
         self.functions = functions
-        self.variables = frozenset(variables)
+        self.variables = frozenset(names)
 
-    def variables_in(self, tree: Tree) -> frozenset[str]:
+    def variables_in(self, node: Tree) -> frozenset[str]:
         """Return the variables of this scope that a tree mentions, at any depth."""
-        return variables(tree) | (variables(tree, inside=True) & self.variables)
+        return tree.variables(node) | (tree.variables(node, inside=True) & self.variables)
 
     def bound_after(
         self, part: Proposition, bound: frozenset[str], *, binds_calls: bool = False
@@ -119,13 +95,13 @@ class Scope:
 
         The value of a call is bound by the call, by other parts only if `binds_calls`.
         """
-        if isinstance(part, Disjunction):
+        if isinstance(part, tree.Disjunction):
             return self._disjunction(part, bound)
-        if isinstance(part, Membership):
+        if isinstance(part, tree.Membership):
             if not self.variables_in(part.collection) <= bound:
                 return None
             return self._pattern(part.element, bound, binds_calls)
-        pair = equation_sides(part)
+        pair = tree.equation_sides(part)
         if pair is not None:
             return self._equation(*pair, bound, binds_calls)
         name = part.name if isinstance(part, Atom) else ""
@@ -148,7 +124,7 @@ class Scope:
     def _pattern(
         self, pattern: Expression, bound: frozenset[str], binds_calls: bool
     ) -> frozenset[str] | None:
-        if isinstance(pattern, Variable) and (
+        if isinstance(pattern, tree.Variable) and (
             binds_calls or not pattern.name.startswith(AUXILIARY)
         ):
             return bound | {str(pattern.name)}
@@ -160,8 +136,8 @@ class Scope:
         for pattern, value in ((left, right), (right, left)):
             if self.variables_in(value) <= bound:
                 patterns: tuple[Expression, ...] = (pattern,)
-                if isinstance(pattern, Record) and pattern.arguments:
-                    patterns = operands(pattern.arguments)
+                if isinstance(pattern, tree.Record) and pattern.arguments:
+                    patterns = tree.operands(pattern.arguments)
                 new_bound: frozenset[str] | None = bound
                 for element in patterns:
                     if new_bound is not None:
@@ -170,10 +146,10 @@ class Scope:
                     return new_bound
         return None
 
-    def _disjunction(self, part: Disjunction, bound: frozenset[str]) -> frozenset[str] | None:
+    def _disjunction(self, part: tree.Disjunction, bound: frozenset[str]) -> frozenset[str] | None:
         branch_bounds = []
         for branch in part.alternatives:
-            ordered, unordered = order_parts(conjuncts(branch), self, bound)
+            ordered, unordered = order_parts(tree.conjuncts(branch), self, bound)
             if unordered:
                 return None
             branch_bounds.append(ordered[-1][1] if ordered else bound)
@@ -211,20 +187,20 @@ def without_equations(node: N) -> tuple[N, list[Atom]]:
     equations: list[Atom] = []
 
     def change(inner: Node) -> Node:
-        if is_aggregate(inner):
+        if tree.is_aggregate(inner):
             return inner
-        inner = rebuild(inner, change)
-        if not isinstance(inner, Call) or inner.name != "=":
+        inner = tree.rebuild(inner, change)
+        if not isinstance(inner, tree.Call) or inner.name != "=":
             return inner
         equations.append(Atom("=", inner.arguments, span=inner.span))
-        return replace(operands(inner.arguments)[-1], span=inner.span)
+        return replace(tree.operands(inner.arguments)[-1], span=inner.span)
 
     return change(node), equations  # type: ignore[return-value]  # a kind for its kind
 
 
-def outer_aggregates(tree: Tree) -> Iterator[Aggregate]:
+def outer_aggregates(node: Tree) -> Iterator[tree.Aggregate]:
     """Yield the outermost aggregates in a tree."""
-    return (node for node in walk(tree, is_aggregate) if isinstance(node, Aggregate))
+    return (n for n in tree.walk(node, tree.is_aggregate) if isinstance(n, tree.Aggregate))
 
 
 class CallablePredicates:
@@ -248,16 +224,16 @@ class CallablePredicates:
     def __contains__(self, name: object) -> bool:
         return name in self.functions or name in self.tables
 
-    def call(self, name: str, arguments: Mapping[str, str]) -> PredicateCall:
-        return PredicateCall(*self.origins.get(name, (name, "")), arguments)
+    def call(self, name: str, columns: Mapping[str, str]) -> PredicateCall:
+        return PredicateCall(*self.origins.get(name, (name, "")), columns)
 
 
-def head_of(rule: Rule) -> tuple[dict[str, Expression], dict[str, Aggregation]]:
+def head_of(rule: Rule) -> tuple[dict[str, Expression], dict[str, tree.Aggregation]]:
     plain: dict[str, Expression] = {}
-    aggregations: dict[str, Aggregation] = {}
+    aggregations: dict[str, tree.Aggregation] = {}
     for column in rule.head.columns:
-        if isinstance(column.value, Aggregation):
+        if isinstance(column.value, tree.Aggregation):
             aggregations[column.column] = column.value
-        elif column.field != REST:
+        elif column.field != tree.REST:
             plain[column.column] = column.value
     return plain, aggregations

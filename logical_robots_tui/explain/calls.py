@@ -3,25 +3,11 @@
 from __future__ import annotations
 
 from logical_robots_tui.explain.why.probing import Called
-from logical_robots_tui.language import error_messages
+from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.adapter import parse_expression, parse_proposition
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, prepare
-from logical_robots_tui.language.tree import (
-    Argument,
-    Atom,
-    Boolean,
-    Call,
-    Expression,
-    List,
-    Null,
-    Number,
-    PredicateName,
-    Record,
-    Text,
-    Variable,
-    equation_sides,
-)
+from logical_robots_tui.language.tree import Atom, Boolean, Expression, Null, Number, PredicateName
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.values import Value
 
@@ -38,7 +24,10 @@ def read_call(text: str) -> Called:
     if source.problems:
         raise ProgramError(source.problems)
     call_node, result = _sides(source)
-    if not isinstance(call_node, Atom | Call | PredicateName) or not call_node.name[:1].isalpha():
+    if (
+        not isinstance(call_node, Atom | tree.Call | PredicateName)
+        or not call_node.name[:1].isalpha()
+    ):
         raise _refusal(source, call_node, "This is not a predicate with values")
     values = _fields(() if isinstance(call_node, PredicateName) else call_node.arguments, source)
     if result is not None:
@@ -57,18 +46,18 @@ def _sides(source: Prepared) -> tuple[Expression | Atom, Expression | None]:
             return parse_expression(source), None
         except error_messages.COMPLAINTS as error:
             raise ProgramError((error_messages.explain(error, source),)) from None
-    if (sides := equation_sides(body)) is not None:
+    if (sides := tree.equation_sides(body)) is not None:
         return sides
     if isinstance(body, Atom):
         return body, None
     raise _refusal(source, None, "These are several conditions")
 
 
-def _fields(arguments: tuple[Argument, ...], source: Prepared) -> dict[str, Value]:
+def _fields(arguments: tuple[tree.Argument, ...], source: Prepared) -> dict[str, Value]:
     return {
         argument.column: _value(argument.expression, source)
         for argument in arguments
-        if argument.expression is not None and not isinstance(argument.expression, Variable)
+        if argument.expression is not None and not isinstance(argument.expression, tree.Variable)
     }
 
 
@@ -82,11 +71,11 @@ def _value(node: Expression, source: Prepared) -> Value:
             return node.value == "true"
         case Null():
             return None
-        case Text():
+        case tree.Text():
             return node.value
-        case List():
+        case tree.List():
             return [_value(element, source) for element in node.elements]
-        case Record():
+        case tree.Record():
             return {
                 str(field.field): _value(field.expression, source)
                 for field in node.arguments

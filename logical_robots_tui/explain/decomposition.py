@@ -22,25 +22,11 @@ from logical_robots_tui.explain.bodies import (
 )
 from logical_robots_tui.explain.normal_form import Builder
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE, LOWER, ROWS, Probing, RuleParts
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import names_used
 from logical_robots_tui.language.expansion import Expanded, expand, rename
 from logical_robots_tui.language.source_text import Prepared
-from logical_robots_tui.language.tree import (
-    Atom,
-    Call,
-    Equation,
-    Expression,
-    Proposition,
-    Rule,
-    Statement,
-    Variable,
-    arguments,
-    conjuncts,
-    is_aggregate,
-    variable_of,
-    variables,
-    walk,
-)
+from logical_robots_tui.language.tree import Atom, Call, Proposition, Rule, Statement, Variable
 from logical_robots_tui.language.types import Plain, Tables, is_nested, load_kind
 from logical_robots_tui.mind.compiling.compiler import compile_statements, read_program
 from logical_robots_tui.mind.compiling.worker import is_prepared_soon
@@ -150,16 +136,16 @@ def _columns(rules: list[Rule]) -> tuple[str, ...]:
 
 def _rule(rule: Rule, parameters: tuple[str, ...], builder: Builder) -> RuleParts:
     head, collected = head_of(rule)
-    bindings: dict[str, Expression] = {}
+    bindings: dict[str, tree.Expression] = {}
     checks: list[Proposition] = []
     for number, column in enumerate(parameters):
         value = head[column]
-        if not variable_of(value) or value in bindings.values():
+        if not tree.variable_of(value) or value in bindings.values():
             bindings[f"g{number}"] = Variable(f"why_given_{number}")
-            checks.append(Equation(bindings[f"g{number}"], value))
+            checks.append(tree.Equation(bindings[f"g{number}"], value))
         else:
             bindings[f"g{number}"] = value
-    clauses = builder.clauses([*checks, *conjuncts(rule.body)], head, collected, bindings)
+    clauses = builder.clauses([*checks, *tree.conjuncts(rule.body)], head, collected, bindings)
     return RuleParts(builder.span(rule), clauses)
 
 
@@ -168,7 +154,7 @@ def _rows_rule(name: str, columns: tuple[str, ...], parameters: tuple[str, ...])
     inputs = {f"g{i}": values[column] for i, column in enumerate(parameters)}
     fields = {c: int(c[3:]) for c in columns if c.startswith("col") and c[3:].isdigit()}
     cells = {fields.get(column, column): value for column, value in values.items()}
-    body = [Atom(GIVEN, arguments(inputs)), Atom(name, arguments(cells))]
+    body = [Atom(GIVEN, tree.arguments(inputs)), Atom(name, tree.arguments(cells))]
     return make_rule(_ALL, {f"c{i}": value for i, value in enumerate(values.values())}, body)
 
 
@@ -218,14 +204,16 @@ def _unbound_columns(
     rule: Rule, parameters: Sequence[str], functions: Mapping[str, tuple[str, ...]]
 ) -> set[str]:
     """Return the columns with unknown values; all of them if the body can't be queried."""
-    head, body = head_of(rule)[0], conjuncts(rule.body)
+    head, body = head_of(rule)[0], tree.conjuncts(rule.body)
     trees = [*body, *head.values()]
-    bound = variables(head[column] for column in parameters if column in head)
-    inner = walk(trees, is_aggregate)
+    bound = tree.variables(head[column] for column in parameters if column in head)
+    inner = tree.walk(trees, tree.is_aggregate)
     calls = [Atom(node.name, node.arguments) for node in inner if isinstance(node, Call)]
-    ordered, unordered = order_parts([*body, *calls], Scope(functions, variables(trees)), bound)
+    ordered, unordered = order_parts(
+        [*body, *calls], Scope(functions, tree.variables(trees)), bound
+    )
     bound_after = ordered[-1][1] if ordered else bound
-    unbound = {column for column, value in head.items() if not variables(value) <= bound_after}
+    unbound = {column for column, value in head.items() if not tree.variables(value) <= bound_after}
     return unbound or ({*head} - {*parameters} if unordered else set())
 
 

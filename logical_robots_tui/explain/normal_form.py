@@ -33,48 +33,13 @@ from logical_robots_tui.explain.why.probing import (
     Term,
     TermKind,
 )
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.source_text import Prepared, with_whole_brackets
-from logical_robots_tui.language.tree import (
-    COMPARISONS,
-    JUNCTIONS,
-    REST,
-    Aggregate,
-    Aggregation,
-    Argument,
-    Atom,
-    Call,
-    Choice,
-    Conjunction,
-    Expression,
-    FieldAccess,
-    Literal,
-    Membership,
-    Node,
-    Number,
-    PredicateName,
-    Proposition,
-    Record,
-    Rule,
-    Span,
-    Tree,
-    Variable,
-    alternatives,
-    arguments,
-    children,
-    conjuncts,
-    equation_sides,
-    infix_of,
-    is_aggregate,
-    operands,
-    rebuild,
-    variable_of,
-    variables,
-    walk,
-)
+from logical_robots_tui.language.tree import Atom, Call, Expression, FieldAccess, Node, Proposition
 from logical_robots_tui.mind.relations import GIVEN
 from logical_robots_tui.schema import INPUTS, VALUE
 
-N = TypeVar("N", bound="Node")
+N = TypeVar("N", bound=Node)
 
 PROBE = "WhyProbe"
 """The prefix of the queries' names."""
@@ -88,7 +53,7 @@ class Builder:
     """Decomposes bodies; `probes` collects the rules to compile, by name."""
 
     def __init__(self, source: Prepared, predicates: CallablePredicates) -> None:
-        self.probes: dict[str, Rule] = {}
+        self.probes: dict[str, tree.Rule] = {}
         self.predicates = predicates
         self._source = source
 
@@ -96,20 +61,22 @@ class Builder:
         self,
         body: Sequence[Proposition],
         head: Mapping[str, Expression],
-        aggregations: Mapping[str, Aggregation],
+        aggregations: Mapping[str, tree.Aggregation],
         parameters: Mapping[str, Expression],
         depth: int = 0,
     ) -> tuple[Clause, ...]:
         """Return a body's clauses; `head` holds the columns that are not aggregated."""
         return tuple(
             _ClauseBuilder(self, parts, head, aggregations, parameters, depth).clause(choice)
-            for parts, choice in alternatives(body, _MOST_CLAUSES)
+            for parts, choice in tree.alternatives(body, _MOST_CLAUSES)
         )
 
-    def span(self, tree: Tree) -> SourceSpan:
-        return span_of(tree, self._source)
+    def span(self, node: tree.Tree) -> SourceSpan:
+        return span_of(node, self._source)
 
-    def correction(self, part: Proposition, equation: Span, value: Span) -> SourceSpan | None:
+    def correction(
+        self, part: Proposition, equation: tree.Span, value: tree.Span
+    ) -> SourceSpan | None:
         """Return the span from the value of an equation that begins a part to the part's end."""
         if part.span is None or part.span.start != equation.start:
             return None
@@ -124,14 +91,14 @@ class _ClauseBuilder:
         builder: Builder,
         parts: Sequence[Proposition],
         head: Mapping[str, Expression],
-        aggregations: Mapping[str, Aggregation],
+        aggregations: Mapping[str, tree.Aggregation],
         parameters: Mapping[str, Expression],
         depth: int,
     ) -> None:
         self._builder, self._depth = builder, depth
         self._names = builder.predicates
         self._calls: dict[str, Call] = {}  # by the variable of their value
-        self._equations: dict[Span, Span] = {}  # with the places of their values
+        self._equations: dict[tree.Span, tree.Span] = {}  # with the places of their values
         self._columns: dict[Expression, str] = {}
         self._used_columns: set[str] = set()
         self._body: list[Proposition] = []
@@ -144,13 +111,13 @@ class _ClauseBuilder:
         }
         aggregated_values = (argument for _, argument in self._aggregations.values())
         nodes: list[Node] = [*self._body, *self._head.values(), *aggregated_values]
-        names = variables(nodes)
+        names = tree.variables(nodes)
         self._start: list[Proposition] = []
         self._parameters = parameters
         bound: frozenset[str] = frozenset()
         if parameters:
-            self._start = [Atom(GIVEN, arguments(parameters))]
-            bound = variables(parameters.values())
+            self._start = [Atom(GIVEN, tree.arguments(parameters))]
+            bound = tree.variables(parameters.values())
         self._scope = Scope(self._names.functions, names | bound)
         self._bound = bound
         self._nodes = nodes
@@ -158,7 +125,7 @@ class _ClauseBuilder:
     def clause(self, choice: Sequence[Proposition]) -> Clause:
         ordered, unordered = order_parts(self._body, self._scope, self._bound)
         if unordered:
-            remainder = unordered[0] if len(unordered) == 1 else Conjunction(tuple(unordered))
+            remainder = unordered[0] if len(unordered) == 1 else tree.Conjunction(tuple(unordered))
             ordered.append((remainder, self._scope.variables))
         bounds = [self._bound, *(new_bound for _, new_bound in ordered)]
         steps = []
@@ -167,7 +134,9 @@ class _ClauseBuilder:
             self._used_columns = set()
             steps.append(self._step(part, bound, new_bound))
             selections.append(self._used_columns.union(*selections[-1:]))
-        variable_columns = {self._column(Variable(name)) for name in sorted(self._scope.variables)}
+        variable_columns = {
+            self._column(tree.Variable(name)) for name in sorted(self._scope.variables)
+        }
         head = {column: self._column(value) for column, value in self._head.items()}
         terms = {column: self._term(value) for column, value in self._head.items()}
         aggregates = tuple(
@@ -197,20 +166,20 @@ class _ClauseBuilder:
         """Return a part without its calls and equations, which become parts before it."""
 
         def change(inner: Node) -> Node:
-            if is_aggregate(inner):
+            if tree.is_aggregate(inner):
                 return inner
-            inner = rebuild(inner, change)
+            inner = tree.rebuild(inner, change)
             if not isinstance(inner, Call) or inner.name not in self._names:
                 return inner
             name = f"{AUXILIARY}{len(self._calls)}"
             self._calls[name] = inner
-            value = Argument(VALUE, Variable(name))
+            value = tree.Argument(VALUE, tree.Variable(name))
             self._body.append(Atom(inner.name, (*inner.arguments, value), span=inner.span))
-            return Variable(name, span=inner.span)
+            return tree.Variable(name, span=inner.span)
 
         node, equations = without_equations(node)
         for equation in equations:
-            _, value = operands(equation.arguments)
+            _, value = tree.operands(equation.arguments)
             if equation.span is not None and value.span is not None:
                 self._equations[equation.span] = value.span
             self._body.append(change(equation))  # type: ignore[arg-type]  # a kind for its kind
@@ -218,12 +187,12 @@ class _ClauseBuilder:
 
     def _step(self, part: Proposition, bound: frozenset[str], new_bound: frozenset[str]) -> Step:
         new_names = sorted(name for name in new_bound - bound if not name.startswith(AUXILIARY))
-        bindings = {name: self._column(Variable(name)) for name in new_names}
+        bindings = {name: self._column(tree.Variable(name)) for name in new_names}
         kind = part_kind(part, self._names)
         span = self._builder.span(part)
         if isinstance(part, Atom) and kind == "call":
             call, reads = self._call(part), self._reads(part)
-            function = self._calls.get(variable_of(next(_values_in(part, VALUE), None)))
+            function = self._calls.get(tree.variable_of(next(_values_in(part, VALUE), None)))
             if function is not None:
                 return Step("function", self._builder.span(function), "", bindings, call=call)
             return Step(kind, span, "", bindings, call=call, reads=reads)
@@ -241,8 +210,8 @@ class _ClauseBuilder:
         )
 
     def _misread(self, part: Proposition) -> Misread | None:
-        for node in walk(part, is_aggregate):
-            infix = infix_of(node)
+        for node in tree.walk(part, tree.is_aggregate):
+            infix = tree.infix_of(node)
             equation = (
                 next((s.span for s in infix.sides if s.span in self._equations), None)
                 if infix
@@ -260,17 +229,17 @@ class _ClauseBuilder:
 
     @staticmethod
     def _expressions(part: Proposition, *, is_test: bool) -> Sequence[Expression]:
-        if isinstance(part, Membership):
+        if isinstance(part, tree.Membership):
             return [part.collection, part.element] if is_test else [part.collection]
-        if (pair := equation_sides(part)) is not None:
+        if (pair := tree.equation_sides(part)) is not None:
             return pair
-        return operands(part.arguments) if isinstance(part, Atom) else ()
+        return tree.operands(part.arguments) if isinstance(part, Atom) else ()
 
     def _call(self, atom: Atom) -> PredicateCall:
         expressions = {
             argument.column: argument.expression
             for argument in atom.arguments
-            if argument.expression and argument.field != REST
+            if argument.expression and argument.field != tree.REST
         }
         columns = {name: self._column(value) for name, value in expressions.items()}
         columns = {name: column for name, column in columns.items() if column}
@@ -283,9 +252,9 @@ class _ClauseBuilder:
     def _reads(self, atom: Atom) -> tuple[Term, ...]:
         reads: dict[Expression, Expression] = {}
         columns = INPUTS.get(atom.name, ())
-        for column in (*columns, REST) if columns else ():
+        for column in (*columns, tree.REST) if columns else ():
             for value in _values_in(atom, column):
-                root = variable_of(value)
+                root = tree.variable_of(value)
                 chains = [chain for chain in _chains(self._nodes) if _chain_root(chain) == root]
                 for chain in chains:
                     reads.setdefault(chain, chain)
@@ -298,9 +267,9 @@ class _ClauseBuilder:
         span = self._builder.span(node)
         if kind == "literal":
             return Term("literal", span, self._column(node))
-        if variable_of(node) in self._calls:
-            return self._call_term(variable_of(node), self._column(node))
-        if isinstance(node, Aggregate):
+        if tree.variable_of(node) in self._calls:
+            return self._call_term(tree.variable_of(node), self._column(node))
+        if isinstance(node, tree.Aggregate):
             body = self._inner(node) if self._depth < _DEEPEST else None
             return Term("aggregate", span, self._column(node), body=body)
         parts = tuple(map(self._term, _parts_of(node)))
@@ -311,19 +280,19 @@ class _ClauseBuilder:
         atom = next(
             part
             for part in self._body
-            if isinstance(part, Atom) and name in map(variable_of, _values_in(part, VALUE))
+            if isinstance(part, Atom) and name in map(tree.variable_of, _values_in(part, VALUE))
         )
         call = self._call(atom)
         parts = tuple(term for term in call.terms.values() if term.kind != "field")
         return Term("call", self._builder.span(self._calls[name]), column, parts, call=call)
 
-    def _inner(self, aggregate: Aggregate) -> Body | None:
-        body = conjuncts(aggregate.body)
+    def _inner(self, aggregate: tree.Aggregate) -> Body | None:
+        body = tree.conjuncts(aggregate.body)
         if not body or self._depth >= _DEEPEST:
             return None
-        names = variables([aggregate.argument, *body], inside=True) & self._scope.variables
-        outer = {f"g{i}": Variable(name) for i, name in enumerate(sorted(names))}
-        aggregation = Aggregation(aggregate.operator, aggregate.argument)
+        names = tree.variables([aggregate.argument, *body], inside=True) & self._scope.variables
+        outer = {f"g{i}": tree.Variable(name) for i, name in enumerate(sorted(names))}
+        aggregation = tree.Aggregation(aggregate.operator, aggregate.argument)
         aggregations = {} if aggregate.is_denial else {VALUE: aggregation}
         clauses = self._builder.clauses(body, {}, aggregations, outer, self._depth + 1)
         outer_columns = {name: self._column(variable) for name, variable in outer.items()}
@@ -331,7 +300,7 @@ class _ClauseBuilder:
 
     def _aggregate_input(self, column: str, operator: str, argument: Expression) -> AggregateInput:
         if isinstance(argument, Call) and argument.name == "->":
-            left, right = operands(argument.arguments)
+            left, right = tree.operands(argument.arguments)
             value, key = self._column(left), self._column(right)
             return AggregateInput(column, operator, value, key, self._term(left))
         return AggregateInput(column, operator, self._column(argument), "", self._term(argument))
@@ -346,7 +315,7 @@ class _ClauseBuilder:
     def _query(
         self, body: Sequence[Proposition], bound: frozenset[str], selection: set[str]
     ) -> str:
-        columns: dict[str, Expression] = {"one": Number("1")}
+        columns: dict[str, Expression] = {"one": tree.Number("1")}
         pairs = ((column, node) for node, column in self._columns.items() if column in selection)
         columns |= {c: node for c, node in pairs if self._scope.variables_in(node) <= bound}
         probes = self._builder.probes
@@ -364,44 +333,44 @@ def _values_in(node: Node, column: str) -> Iterator[Expression]:
 
 def _kind_of(node: Node) -> TermKind:
     match node:
-        case Literal() | PredicateName():
+        case tree.Literal() | tree.PredicateName():
             return "literal"
-        case Variable():
+        case tree.Variable():
             return "variable"
-        case Aggregate():
+        case tree.Aggregate():
             return "aggregate"
-        case Choice():
+        case tree.Choice():
             return "if"
         case FieldAccess():
             return "field"
-        case Record() if all(isinstance(argument.field, str) for argument in node.arguments):
+        case tree.Record() if all(isinstance(argument.field, str) for argument in node.arguments):
             return "record"
         case Call(name="Coalesce"):
             return "coalesce"
         case Call(name="TryCast"):
             return "cast"
-        case Call(name=name) if name in COMPARISONS | JUNCTIONS | {"!"}:
+        case Call(name=name) if name in tree.COMPARISONS | tree.JUNCTIONS | {"!"}:
             return "truth"
     return "value"
 
 
 def _parts_of(node: Expression) -> list[Expression]:
     match _kind_of(node), node:
-        case "if", Choice():
+        case "if", tree.Choice():
             pairs = [part for branch in node.branches for part in (branch.condition, branch.value)]
             return [*pairs, node.otherwise]
         case (("coalesce" | "truth"), Call()):
-            return [*operands(node.arguments)]
+            return [*tree.operands(node.arguments)]
         case "cast", Call():
-            return [*operands(node.arguments)[:1]]
+            return [*tree.operands(node.arguments)[:1]]
         case "field", _:
             while isinstance(node, FieldAccess):
                 node = node.record
             return [node]
-        case "record", Record():
-            return [*operands(node.arguments)]
+        case "record", tree.Record():
+            return [*tree.operands(node.arguments)]
         case "value", _:
-            inner = filter(_needs_explanation, walk(children(node), _needs_explanation))
+            inner = filter(_needs_explanation, tree.walk(tree.children(node), _needs_explanation))
             last = {part: part for part in inner if isinstance(part, Expression)}
             return [*last.values()]
     return []
@@ -409,7 +378,7 @@ def _parts_of(node: Expression) -> list[Expression]:
 
 def _names_of(node: Expression) -> tuple[str, ...]:
     """Return the field names of a record, or the path that is read from one."""
-    if isinstance(node, Record) and _kind_of(node) == "record":
+    if isinstance(node, tree.Record) and _kind_of(node) == "record":
         return tuple(str(argument.field) for argument in node.arguments)
     names: list[str] = []
     while isinstance(node, FieldAccess):
@@ -418,9 +387,9 @@ def _names_of(node: Expression) -> tuple[str, ...]:
     return tuple(reversed(names))
 
 
-def _chains(tree: Tree) -> Iterator[FieldAccess]:
+def _chains(node: tree.Tree) -> Iterator[FieldAccess]:
     """Yield the field accesses in a tree: ``sensor.radar``, ``memory.plan.at``."""
-    nodes = walk(tree, _chain_root)
+    nodes = tree.walk(node, _chain_root)
     return (node for node in nodes if isinstance(node, FieldAccess) and _chain_root(node))
 
 
@@ -429,11 +398,11 @@ def _chain_root(node: Node) -> str:
         return ""
     while isinstance(node, FieldAccess):
         node = node.record
-    return variable_of(node)
+    return tree.variable_of(node)
 
 
 def _needs_explanation(node: Node) -> bool:
     """Return whether a part of a calculation or list needs its own explanation."""
-    if isinstance(node, Choice | Aggregate | Variable | FieldAccess):
+    if isinstance(node, tree.Choice | tree.Aggregate | tree.Variable | FieldAccess):
         return True
     return isinstance(node, Call) and _kind_of(node) in ("coalesce", "cast", "truth")

@@ -10,34 +10,11 @@ from logical_robots_tui.explain.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, NamedPlace, RuleSite
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.diagnosis.watching import Sources, decisive_columns
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import definitions, is_constant, names_used, rules_of
 from logical_robots_tui.language.expansion import expand
 from logical_robots_tui.language.source_text import Prepared
-from logical_robots_tui.language.tree import (
-    COMPARISONS,
-    Argument,
-    Atom,
-    Call,
-    Choice,
-    Equation,
-    Expression,
-    Functor,
-    Head,
-    List,
-    Literal,
-    Membership,
-    Node,
-    PredicateName,
-    Record,
-    Rule,
-    Statement,
-    Text,
-    Variable,
-    conjuncts,
-    operands,
-    text_of,
-    walk,
-)
+from logical_robots_tui.language.tree import Call, Equation, Expression, Head, Node, Rule, Statement
 from logical_robots_tui.mind.compiling.compiler import compile_statements, read_program
 from logical_robots_tui.mind.program import Program
 from logical_robots_tui.schema import INPUTS, MAIN
@@ -119,9 +96,9 @@ def duplicate_copies(
     program: Iterable[Statement], source: Prepared
 ) -> Iterator[tuple[NamedPlace, NamedPlace]]:
     """Yield the pairs of predicates that ``:=`` makes of the same."""
-    firsts: dict[tuple[str, frozenset[Argument]], NamedPlace] = {}
+    firsts: dict[tuple[str, frozenset[tree.Argument]], NamedPlace] = {}
     for functor in program:
-        if isinstance(functor, Functor):
+        if isinstance(functor, tree.Functor):
             field = NamedPlace(functor.name, span_of(functor, source))
             first = firsts.setdefault((functor.base, frozenset(functor.arguments)), field)
             if first != field:
@@ -135,7 +112,7 @@ def _site(
     memory = span_of(column, source) if column and column.expression else None
     body = span_of(rule.body, source) if rule.body else None
     span = span_of(rule, source)
-    text = None if rule.body else text_of(rule.head.columns[0].expression)
+    text = None if rule.body else tree.text_of(rule.head.columns[0].expression)
     key = span.text if text is None else text
     return RuleSite(str(name), span, is_function, is_needed, not rule.body, key, memory, body)
 
@@ -154,18 +131,18 @@ def memory_fields(
     def visit(value: Expression, rule: Rule, depth: int) -> None:
         nonlocal is_open
         match value:
-            case Record():
+            case tree.Record():
                 for argument in value.arguments:
                     places = sources.of(argument.value, rule)
                     field = NamedPlace(str(argument.field), span_of(argument, source), places)
                     fields.setdefault(field.name, field)
-            case Choice():
+            case tree.Choice():
                 for branch in value.branches:
                     visit(branch.value, rule, depth)
                 visit(value.otherwise, rule, depth)
-            case Variable() if bound := [
+            case tree.Variable() if bound := [
                 part.right
-                for part in conjuncts(rule.body)
+                for part in tree.conjuncts(rule.body)
                 if isinstance(part, Equation) and part.left == value
             ]:
                 visit(bound[0], rule, depth)
@@ -173,7 +150,7 @@ def memory_fields(
                 for inner in predicates[name]:
                     if inner.value is not None:
                         visit(inner.value, inner, depth + 1)
-            case Literal() | PredicateName():
+            case tree.Literal() | tree.PredicateName():
                 pass
             case _:
                 is_open = True
@@ -192,11 +169,13 @@ def texts_of(
 ) -> Iterator[NamedPlace]:
     """Yield the texts in rules that are only compared or passed to a predicate."""
     rules = list(rules)
-    times = Counter(node.value for rule in rules for node in walk(rule) if isinstance(node, Text))
+    times = Counter(
+        node.value for rule in rules for node in tree.walk(rule) if isinstance(node, tree.Text)
+    )
     for rule in rules:
-        for node in walk(rule):
+        for node in tree.walk(rule):
             for value in _constants_in(node, predicates, is_fact=not rule.body):
-                name = text_of(value)
+                name = tree.text_of(value)
                 if name and times[name] == 1:
                     yield NamedPlace(name, span_of(value, source))
 
@@ -204,14 +183,14 @@ def texts_of(
 def _constants_in(node: Node, predicates: Container[str], *, is_fact: bool) -> Sequence[Expression]:
     """Return the values in a node that are compared with something, or are in a fact."""
     match node:
-        case Call() | Atom() if (
-            node.name in COMPARISONS or node.name in predicates or node.name in INPUTS
+        case Call() | tree.Atom() if (
+            node.name in tree.COMPARISONS or node.name in predicates or node.name in INPUTS
         ):
-            return operands(node.arguments)
+            return tree.operands(node.arguments)
         case Equation():
             return node.left, node.right
-        case Membership(collection=List(elements=elements)):
+        case tree.Membership(collection=tree.List(elements=elements)):
             return elements
         case Head() if is_fact:
-            return operands(node.columns)
+            return tree.operands(node.columns)
     return ()

@@ -17,40 +17,8 @@ from logical_robots_tui.explain.bodies import (
 from logical_robots_tui.explain.diagnosis.sites import NamedPlace, SitePosition
 from logical_robots_tui.explain.diagnosis.watching import Environment, Segment, Trail, Watching
 from logical_robots_tui.explain.why.probing import ORDERING
-from logical_robots_tui.language.tree import (
-    COMPARISONS,
-    CONDITIONS,
-    JUNCTIONS,
-    REST,
-    Aggregate,
-    Aggregation,
-    Atom,
-    Call,
-    Choice,
-    Disjunction,
-    Equation,
-    Expression,
-    FieldAccess,
-    List,
-    Literal,
-    Membership,
-    PredicateName,
-    Proposition,
-    Record,
-    Rule,
-    Tree,
-    Variable,
-    call,
-    conjuncts,
-    equation_sides,
-    is_aggregate,
-    operands,
-    substitute,
-    text_of,
-    variable_of,
-    variables,
-    walk,
-)
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.tree import Atom, Call, Expression, Proposition, Rule, Variable
 
 _DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
@@ -69,7 +37,7 @@ _EVERY_COLUMN = _EveryColumn()
 
 class Tracer(Watching):
     def _value(self, node: Expression, env: Environment, *, is_leaf: bool = False) -> None:
-        if isinstance(node, Choice):
+        if isinstance(node, tree.Choice):
             for branch in node.branches:
                 column = self._truth(branch.condition, env, "branch")
                 if column < 0:
@@ -83,32 +51,32 @@ class Tracer(Watching):
             self._value(node.otherwise, env, is_leaf=is_leaf)
             return
         name = node.name if isinstance(node, Call) else ""
-        if is_leaf and not isinstance(node, Literal | List | PredicateName):
+        if is_leaf and not isinstance(node, tree.Literal | tree.List | tree.PredicateName):
             self._nulls(node, env)
             # A predicate with rows is watched in its own rules.
             has_rows = name in self._predicates and name not in self._functions
             details = {"places": ()} if has_rows else {}
             self._add(env, self._site("leaf", node, env, **details), (), "always")
-        if name in CONDITIONS:
+        if name in tree.CONDITIONS:
             self._truth(node, env, "operand")
             return
         match node:
             case Call():
-                arguments = operands(node.arguments)
+                arguments = tree.operands(node.arguments)
                 for value in arguments[:1] if name in _NOT_VALUES else arguments:
                     self._value(value, env)
                 for value, default in pairwise(arguments) if name == "Coalesce" else ():
                     self._fallback(value, default, env)
                 if name in self._functions:
                     self._function(node, env, is_leaf=is_leaf)
-            case Aggregate():
+            case tree.Aggregate():
                 self._aggregate(node, env)
-            case FieldAccess():
+            case tree.FieldAccess():
                 self._field_access(node, env)
-            case Record():
-                for value in operands(node.arguments):
+            case tree.Record():
+                for value in tree.operands(node.arguments):
                     self._value(value, env)
-            case List():
+            case tree.List():
                 for value in node.elements:
                     self._value(value, env)
             case Variable() if self._query_variable(node.name, env) in self._memories:
@@ -119,48 +87,50 @@ class Tracer(Watching):
         while queue:
             node = queue.pop(0)
             is_function = isinstance(node, Call) and node.name in self._functions
-            if isinstance(node, Aggregate) or is_function:
-                null_test = call("IsNull", substitute(node, env.bindings))
+            if isinstance(node, tree.Aggregate) or is_function:
+                null_test = tree.call("IsNull", tree.substitute(node, env.bindings))
                 self._add(env, self._site("value", node, env), (null_test,), "truth", null_test)
-            if isinstance(node, Record) or (
+            if isinstance(node, tree.Record) or (
                 isinstance(node, Call) and node.name not in _NOT_VALUES
             ):
-                queue += operands(node.arguments)
+                queue += tree.operands(node.arguments)
 
     def _fallback(self, value: Expression, default: Expression, env: Environment) -> None:
         """Watch whether a value is ever null, so that a computed default is used."""
-        if not isinstance(default, Literal) and not self._relations(value):
-            null_test = call("IsNull", substitute(value, env.bindings))
+        if not isinstance(default, tree.Literal) and not self._relations(value):
+            null_test = tree.call("IsNull", tree.substitute(value, env.bindings))
             site = self._site("fallback", value, env, counterpart=self._span(default).text)
             self._add(env, site, (null_test,), "truth", null_test)
 
     def _truth(self, condition: Expression, env: Environment, kind: Any) -> int:
         """Watch a condition; return its column, or -1 if there are too many."""
         name = condition.name if isinstance(condition, Call) else ""
-        arguments = operands(condition.arguments) if isinstance(condition, Call) else ()
-        comparison = (name, *arguments) if name in COMPARISONS and len(arguments) == 2 else None
-        whole = substitute(condition, env.bindings)
+        arguments = tree.operands(condition.arguments) if isinstance(condition, Call) else ()
+        comparison = (
+            (name, *arguments) if name in tree.COMPARISONS and len(arguments) == 2 else None
+        )
+        whole = tree.substitute(condition, env.bindings)
         expressions: list[Expression] = [whole]
         mode, literal, counterpart, difference = "truth", None, "", None
         if comparison is not None:
             sign, *both = comparison
-            sides = [substitute(side, env.bindings) for side in both]
-            texts = [text_of(side) for side in sides]
+            sides = [tree.substitute(side, env.bindings) for side in both]
+            texts = [tree.text_of(side) for side in sides]
             counterpart = self._span(both[0]).text
             if sign in ORDERING:
-                difference = call("-", left=sides[0], right=sides[1])
+                difference = tree.call("-", left=sides[0], right=sides[1])
             elif sign == "==" and texts.count(None) == 1:
                 index = 0 if texts[0] is not None else 1
                 mode, literal, expressions = "text", texts[index], [sides[1 - index]]
                 counterpart = self._span(both[1 - index]).text
-                if text_of(both[index]) is None:
+                if tree.text_of(both[index]) is None:
                     details = {"literal": literal, "counterpart": counterpart}
                     site = self._site("text", sides[index], env, **details)
                     self._add(env, site, expressions, "text")
                     mode, literal, expressions = "truth", None, [whole]
             elif sign == "==" and kind == "condition":
                 mode, expressions = "pair", sides
-        operator = comparison[0] if comparison else name if name in (*JUNCTIONS, "!") else ""
+        operator = comparison[0] if comparison else name if name in (*tree.JUNCTIONS, "!") else ""
         details = {"literal": literal, "counterpart": counterpart, "operator": operator}
         site = self._site(kind, condition, env, **details)
         column = self._add(env, site, expressions, mode, whole)
@@ -169,7 +139,7 @@ class Tracer(Watching):
             return column
         if difference is not None:
             env.trail.segment.differences[column] = difference
-        if name in JUNCTIONS:
+        if name in tree.JUNCTIONS:
             first = self._truth(arguments[0], env, "operand")
             if first >= 0:
                 self._truth(arguments[1], env.when(first, holds=name == "&&"), "operand")
@@ -185,15 +155,15 @@ class Tracer(Watching):
             self._value(condition, env)
         return column
 
-    def _aggregate(self, node: Aggregate, env: Environment) -> None:
-        inner = conjuncts(node.body)
+    def _aggregate(self, node: tree.Aggregate, env: Environment) -> None:
+        inner = tree.conjuncts(node.body)
         if not inner:
             self._value(node.argument, env)
             return
-        local = variables([node.argument, *inner], inside=True) - env.scope.variables
+        local = tree.variables([node.argument, *inner], inside=True) - env.scope.variables
         bindings = {**env.bindings, **{name: Variable(self._fresh_name(name)) for name in local}}
         position: SitePosition = "denied" if env.position == "denied" else "aggregate"
-        scope = Scope(env.scope.functions, env.scope.variables | variables(inner))
+        scope = Scope(env.scope.functions, env.scope.variables | tree.variables(inner))
         self._trace_body(inner, env, scope, bindings, [(node.argument, False)], position=position)
 
     def _function(self, node: Call, env: Environment, *, is_leaf: bool) -> None:
@@ -205,7 +175,7 @@ class Tracer(Watching):
             if inner_env is None or rule.value is None:
                 self._miss(node, env)
                 continue
-            body = conjuncts(rule.body)
+            body = tree.conjuncts(rule.body)
             if body:
                 self._trace_body(
                     body, inner_env, inner_env.scope, inner_env.bindings, [(rule.value, is_leaf)]
@@ -213,7 +183,7 @@ class Tracer(Watching):
             else:
                 self._value(rule.value, inner_env, is_leaf=is_leaf)
 
-    def _field_access(self, node: FieldAccess, env: Environment) -> None:
+    def _field_access(self, node: tree.FieldAccess, env: Environment) -> None:
         if self._is_memory(node.record, env):
             name, span = str(node.field), self._span(node)
             self.reads.setdefault((name, span.start), NamedPlace(name, span))
@@ -222,10 +192,10 @@ class Tracer(Watching):
 
     def _is_memory(self, value: Expression, env: Environment) -> bool:
         """Return whether an expression is a memory, perhaps cast or with a default."""
-        value = substitute(value, env.bindings)
+        value = tree.substitute(value, env.bindings)
         while isinstance(value, Call) and value.name in ("TryCast", "Coalesce"):
-            value = operands(value.arguments)[0]
-        return variable_of(value) in self._memories
+            value = tree.operands(value.arguments)[0]
+        return tree.variable_of(value) in self._memories
 
     def _function_env(
         self, rule: Rule, caller: Call | Atom, env: Environment
@@ -239,11 +209,11 @@ class Tracer(Watching):
             value = values.get(column)
             if value is None:
                 return None
-            bindings[variable] = substitute(value, env.bindings)
-        inner = [*conjuncts(rule.body), *rule.head.columns]
-        scope = Scope(dict.fromkeys(self._functions, _EVERY_COLUMN), variables(inner))
+            bindings[variable] = tree.substitute(value, env.bindings)
+        inner = [*tree.conjuncts(rule.body), *rule.head.columns]
+        scope = Scope(dict.fromkeys(self._functions, _EVERY_COLUMN), tree.variables(inner))
         bound = frozenset(bindings)
-        for local in variables(inner, inside=True) - bound:
+        for local in tree.variables(inner, inside=True) - bound:
             bindings[local] = Variable(self._fresh_name(local))
         return replace(
             env,
@@ -285,13 +255,15 @@ class Tracer(Watching):
 
     def rule(self, rule: Rule, *, tells_robot: bool) -> None:
         columns = rule.head.columns
-        parts = conjuncts(rule.body)
+        parts = tree.conjuncts(rule.body)
         number = self._numbers[id(rule)]
         self._memories = set()
         self._owner = rule.name
         leaves = [column for column in columns if (rule.name, column.column) in self._decisive]
-        self._leaves = {variable_of(column.expression) for column in leaves} - {""}
-        scope = Scope(dict.fromkeys(self._functions, _EVERY_COLUMN), variables([*parts, rule.head]))
+        self._leaves = {tree.variable_of(column.expression) for column in leaves} - {""}
+        scope = Scope(
+            dict.fromkeys(self._functions, _EVERY_COLUMN), tree.variables([*parts, rule.head])
+        )
         start = Environment(Trail(Segment([])), number, scope, frozenset(), {})
         end_env = self._trace_parts(parts, start)
         if end_env is None:
@@ -300,19 +272,19 @@ class Tracer(Watching):
         env = end_env
         for column in columns:
             value = column.value
-            if isinstance(value, Aggregation):
+            if isinstance(value, tree.Aggregation):
                 self._value(value.argument, env)
                 continue
             if self._relations(value):
                 local = Variable(self._fresh_name("head"))
                 site = self._site("part", value, env)
                 env = self._next_segment(
-                    env, site, Equation(local, substitute(value, env.bindings))
+                    env, site, tree.Equation(local, tree.substitute(value, env.bindings))
                 )
             is_leaf = column in leaves and not isinstance(value, Variable)
             self._value(value, env, is_leaf=is_leaf)
         name = rule.head.column("robot_name") if tells_robot or leaves else None
-        robot = substitute(name.expression, env.bindings) if name and name.expression else None
+        robot = tree.substitute(name.expression, env.bindings) if name and name.expression else None
         self._emit(env.trail, rule=number, robot=robot, is_robot=tells_robot)
 
     def _trace_parts(self, parts: Sequence[Proposition], env: Environment) -> Environment | None:
@@ -325,13 +297,13 @@ class Tracer(Watching):
     def _part(self, part: Proposition, env: Environment, bound: frozenset[str]) -> Environment:
         kind, binding = part_kind(part, self._predicates), _binding(part, env.bound)
         is_test = kind in ("condition", "denial") or (kind == "value" and binding is None)
-        is_test = is_test and not isinstance(part, Disjunction)
-        if is_test and not self._relations(part) and variables(part) <= env.bound:
+        is_test = is_test and not isinstance(part, tree.Disjunction)
+        if is_test and not self._relations(part) and tree.variables(part) <= env.bound:
             column = self._truth(
                 _as_expression(part), env, "denial" if kind == "denial" else "condition"
             )
             if column < 0:
-                return self._next_segment(env, -1, substitute(part, env.bindings))
+                return self._next_segment(env, -1, tree.substitute(part, env.bindings))
             env.trail.filters = (*env.trail.filters, column)
             return replace(env.when(column, holds=True), bound=bound)
         if binding is not None and not self._relations(binding[1]):
@@ -339,12 +311,12 @@ class Tracer(Watching):
             self._value(value, env, is_leaf=name in self._leaves)
             if self._is_memory(value, env):
                 self._memories.add(self._query_variable(name, env))
-            env.trail.segment.body.append(substitute(part, env.bindings))
+            env.trail.segment.body.append(tree.substitute(part, env.bindings))
             return replace(env, bound=bound)
         name = part.name if isinstance(part, Atom) else ""
         if isinstance(part, Atom) and (inner := self._condition_of(part, env)) is not None:
             rule, inner_env = inner
-            end_env = self._trace_parts(conjuncts(rule.body), inner_env)
+            end_env = self._trace_parts(tree.conjuncts(rule.body), inner_env)
             if end_env is not None:
                 return replace(env, guard=end_env.guard, bound=bound)
             self._miss(part, env)
@@ -353,22 +325,28 @@ class Tracer(Watching):
         self._in_part(part, env)
         if isinstance(part, Atom) and name == "Memory":
             for argument in part.arguments:
-                variable = variable_of(argument.expression)
-                if argument.field in ("memory", 1, REST) and variable:
+                variable = tree.variable_of(argument.expression)
+                if argument.field in ("memory", 1, tree.REST) and variable:
                     self._memories.add(self._query_variable(variable, env))
-                elif argument.field in ("memory", 1, REST):
+                elif argument.field in ("memory", 1, tree.REST):
                     self.reads_all = True
-        return replace(self._next_segment(env, site, substitute(part, env.bindings)), bound=bound)
+        return replace(
+            self._next_segment(env, site, tree.substitute(part, env.bindings)), bound=bound
+        )
 
     def _in_part(self, part: Proposition, env: Environment) -> None:
-        if isinstance(part, Disjunction):
+        if isinstance(part, tree.Disjunction):
             for branch in part.alternatives:
-                self._trace_body(conjuncts(branch), env, env.scope, env.bindings, ())
+                self._trace_body(tree.conjuncts(branch), env, env.scope, env.bindings, ())
             return
-        if isinstance(part, Membership):
+        if isinstance(part, tree.Membership):
             self._value(part.collection, env)
             return
-        values = operands(part.arguments) if isinstance(part, Atom) else equation_sides(part) or ()
+        values = (
+            tree.operands(part.arguments)
+            if isinstance(part, Atom)
+            else tree.equation_sides(part) or ()
+        )
         for value in values:
             if env.scope.variables_in(value) <= env.bound:
                 self._value(value, env)
@@ -389,25 +367,27 @@ class Tracer(Watching):
         inner_env = self._function_env(rules[0], atom, env)
         return None if inner_env is None else (rules[0], inner_env)
 
-    def _relations(self, node: Tree) -> list[Call | Atom]:
+    def _relations(self, node: tree.Tree) -> list[Call | Atom]:
         """Return the calls in a tree of predicates that may have no row, outside aggregates."""
-        calls = (inner for inner in walk(node, is_aggregate) if isinstance(inner, Call | Atom))
+        calls = (
+            inner for inner in tree.walk(node, tree.is_aggregate) if isinstance(inner, Call | Atom)
+        )
         return [inner for inner in calls if inner.name in self._predicates.keys() - self._functions]
 
 
 def _as_expression(part: Proposition) -> Expression:
-    pair = equation_sides(part)
+    pair = tree.equation_sides(part)
     if pair is not None:
-        return call("==", left=pair[0], right=pair[1])
+        return tree.call("==", left=pair[0], right=pair[1])
     assert isinstance(part, Atom)
     return Call(part.name, part.arguments, span=part.span)
 
 
 def _binding(part: Proposition, bound: Container[str]) -> tuple[str, Expression] | None:
     """Return the variable that an equation binds, with its value, or None."""
-    sides = equation_sides(part)
+    sides = tree.equation_sides(part)
     for pattern, value in (sides, sides[::-1]) if sides else ():
-        name = variable_of(pattern)
-        if name and name not in bound and all(inner in bound for inner in variables(value)):
+        name = tree.variable_of(pattern)
+        if name and name not in bound and all(inner in bound for inner in tree.variables(value)):
             return name, value
     return None

@@ -18,37 +18,10 @@ from logical_robots_tui.explain.diagnosis.sites import (
     SitePosition,
 )
 from logical_robots_tui.explain.why.probing import SourceSpan
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import names_used, reach
 from logical_robots_tui.language.source_text import Prepared
-from logical_robots_tui.language.tree import (
-    CONDITIONS,
-    Aggregate,
-    Aggregation,
-    Argument,
-    Atom,
-    Boolean,
-    Call,
-    Choice,
-    Conjunction,
-    Equation,
-    Expression,
-    Head,
-    Literal,
-    Node,
-    Number,
-    Proposition,
-    Rule,
-    Tree,
-    Variable,
-    arguments,
-    call,
-    conjuncts,
-    equation_sides,
-    operands,
-    variable_of,
-    variables,
-    walk,
-)
+from logical_robots_tui.language.tree import Atom, Choice, Expression, Node, Proposition, Rule, Tree
 from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 if TYPE_CHECKING:
@@ -114,7 +87,7 @@ class Environment:
         return replace(self, guard=(*self.guard, (column, holds)))
 
 
-_FALSE = Boolean("false")
+_FALSE = tree.Boolean("false")
 
 
 class Watching:
@@ -171,10 +144,10 @@ class Watching:
         if probe.rule >= 0:
             self.missed_rules.add(probe.rule)
 
-    def _miss(self, tree: Tree, env: Environment) -> None:
+    def _miss(self, node: Tree, env: Environment) -> None:
         """Note that a tree, and the rules that it uses, are not watched in an environment."""
         self.missed_rules.add(env.rule)
-        for name in reach(tree, self._predicates):
+        for name in reach(node, self._predicates):
             for rule in self._predicates.get(name, ()):
                 self.missed_rules |= {self._numbers.get(id(rule), env.rule)}
 
@@ -191,14 +164,14 @@ class Watching:
 
     def _query_variable(self, name: str, env: Environment) -> str:
         value = env.bindings.get(name)
-        return name if value is None else variable_of(value)
+        return name if value is None else tree.variable_of(value)
 
     def _fresh_name(self, name: str) -> str:
         self._fresh_count += 1
         return f"d{self._fresh_count}_{name}"
 
-    def _span(self, tree: Tree) -> SourceSpan:
-        return span_of(tree, self._source)
+    def _span(self, node: Tree) -> SourceSpan:
+        return span_of(node, self._source)
 
     def _site(self, kind: Any, node: Tree, env: Environment, **details: Any) -> int:
         """Return the index of a site; equal places share one."""
@@ -260,9 +233,9 @@ class Watching:
             self._fresh_count += 1
             omitted = frozenset[int]() if closer else values
             columns = {
-                f"{'cd'[place]}{number}": tree
+                f"{'cd'[place]}{number}": expression
                 for number, expressions in segment.expressions.items()
-                for place, tree in enumerate(expressions)
+                for place, expression in enumerate(expressions)
                 if number not in omitted
             }
             if robot is not None:
@@ -331,7 +304,7 @@ class Sources:
     ) -> Iterator[tuple[Node, Tree, Rule]]:
         for name in dict.fromkeys(names_used(node)):
             yield from self._rules(name, visited)
-        for variable in sorted(variables(node, inside=True)):
+        for variable in sorted(tree.variables(node, inside=True)):
             if (id(rule), variable) in visited:
                 continue
             visited.add((id(rule), variable))
@@ -350,21 +323,23 @@ class Sources:
         for rule in self._predicates.get(name, ()):
             is_function = rule.value is not None and parameters(rule) is not None
             if rule.body or is_function:
-                copies = all(isinstance(column.value, Variable) for column in rule.head.columns)
+                copies = all(
+                    isinstance(column.value, tree.Variable) for column in rule.head.columns
+                )
                 yield (copies and rule.body) or rule, rule.value or rule, rule
-            for part in conjuncts(rule.body):
-                if isinstance(part, Atom) and part.name in CONDITIONS:
+            for part in tree.conjuncts(rule.body):
+                if isinstance(part, Atom) and part.name in tree.CONDITIONS:
                     yield part, part, rule
 
 
 def _bindings(variable: str, rule: Rule) -> Iterator[tuple[Node, Expression | None]]:
     """Yield equations of a variable with its value, and calls that mention it with None."""
-    for part in walk(rule):
-        if (pair := equation_sides(part)) is not None:
+    for part in tree.walk(rule):
+        if (pair := tree.equation_sides(part)) is not None:
             for side, value in (pair, pair[::-1]):
-                if variable_of(side) == variable:
+                if tree.variable_of(side) == variable:
                     yield part, value
-        elif isinstance(part, Atom) and variable in variables(part):
+        elif isinstance(part, Atom) and variable in tree.variables(part):
             yield part, None
 
 
@@ -373,7 +348,7 @@ def _places(part: Node, value: Tree) -> Sequence[Node]:
     if not isinstance(value, Choice):
         return (part,)
     values = (*(branch.value for branch in value.branches), value.otherwise)
-    return [place for place in values if not isinstance(place, Literal)] or (part,)
+    return [place for place in values if not isinstance(place, tree.Literal)] or (part,)
 
 
 def _alternate(
@@ -412,13 +387,13 @@ def decisive_columns(rule: Rule, predicates: Mapping[str, Sequence[Rule]]) -> se
             case Choice():
                 queue += [(rule, branch.value) for branch in value.branches]
                 queue.append((rule, value.otherwise))
-            case Aggregate():
+            case tree.Aggregate():
                 queue.append((rule, value.argument))
-            case Call(name="Coalesce"):
-                queue += [(rule, operand) for operand in operands(value.arguments)]
-            case Call():
+            case tree.Call(name="Coalesce"):
+                queue += [(rule, operand) for operand in tree.operands(value.arguments)]
+            case tree.Call():
                 add(value.name, VALUE)
-            case Variable():
+            case tree.Variable():
                 for part, bound_value in _bindings(value.name, rule):
                     if bound_value is not None:
                         queue.append((rule, bound_value))
@@ -434,15 +409,15 @@ def _values(rule: Rule, column: str) -> Iterator[Expression]:
     for argument in rule.head.columns:
         if argument.column == column:
             value = argument.value
-            yield value.argument if isinstance(value, Aggregation) else value
+            yield value.argument if isinstance(value, tree.Aggregation) else value
 
 
 def _as_part(condition: Expression, *, holds: bool) -> Proposition:
     """Return a part that holds where an expression is true, or where it is false or null."""
-    truth = call("Coalesce", condition, _FALSE)
+    truth = tree.call("Coalesce", condition, _FALSE)
     if holds:
-        return Atom("!=", arguments({"left": truth, "right": _FALSE}))
-    return Equation(truth, _FALSE)
+        return Atom("!=", tree.arguments({"left": truth, "right": _FALSE}))
+    return tree.Equation(truth, _FALSE)
 
 
 def _count_rule(
@@ -456,10 +431,10 @@ def _count_rule(
     Of the differences, which are numbers, it has the minimum and the maximum.
     """
     aggregated = [
-        Argument(f"{letter}{place}", Aggregation(operator, value))
+        tree.Argument(f"{letter}{place}", tree.Aggregation(operator, value))
         for place, value in differences.items()
         for letter, operator in (("l", "Min"), ("h", "Max"))
     ]
-    number = Argument("n", Aggregation("+", Number("1")))
-    head = Head(name, (*arguments(columns), *aggregated, number))
-    return Rule(head, Conjunction(tuple(body)) if body else None, is_distinct=True)
+    number = tree.Argument("n", tree.Aggregation("+", tree.Number("1")))
+    head = tree.Head(name, (*tree.arguments(columns), *aggregated, number))
+    return Rule(head, tree.Conjunction(tuple(body)) if body else None, is_distinct=True)
