@@ -1,4 +1,4 @@
-"""``logical-robots check``: errors and warnings in programs, printed like a compiler's."""
+"""``logical-robots check``, ``programs``, ``help``: programs, their mistakes, their functions."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import asdict
 
 from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
-from logical_robots_tui.cli.command import harmless, own_programs, print_json
+from logical_robots_tui.cli.command import columns, harmless, own_programs, print_json
+from logical_robots_tui.errors import InputError
 
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
@@ -81,3 +82,60 @@ def _lines(file: str, text: str, diagnostic: mind.Diagnostic) -> Iterator[str]:
         yield f"  {' ' * len(prefix)}{'^' * length}"
     if diagnostic.hint:
         yield f"  {diagnostic.hint}"
+
+
+@command.declare("programs", command.JSON, command.DATA_DIR, command.NO_SOLUTIONS)
+def list_all_programs(options: argparse.Namespace) -> int:
+    """list the shipped programs and your own
+
+    List the programs that come with the game and those you saved in it.
+    """
+    folder = own_programs(options)
+    sources = [game.load_program(name, folder) for name in game.list_programs(folder)]
+    if options.json:
+        entries = [
+            {"name": source.name, "file": str(source.path), "shipped": source.shipped}
+            for source in sources
+        ]
+        print_json(entries)
+        return 0
+    rows = [
+        (source.name, "comes with the game" if source.shipped else str(source.path))
+        for source in sources
+    ]
+    print(*columns([("NAME", "FROM"), *rows]), sep="\n")
+    return 0
+
+
+@command.declare("help", command.option("name", "FUNCTION", "what to explain", nargs="?"))
+def print_help(options: argparse.Namespace) -> int:
+    """explain the functions that a program can use
+
+    Explain the functions, aggregates and operators that a program can use.
+
+    examples:
+      logical-robots help               list everything
+      logical-robots help ArgMin        explain one of them
+      logical-robots help '%'           operators need quotes
+
+    exit status: 0, or 2 if there is no such function
+    """
+    from logical_robots_tui.language.reference import REFERENCE, find_help, similar
+
+    if options.name is None:
+        for kind in ("operator", "aggregate", "function"):
+            rows: list[tuple[str, ...]] = [
+                (entry.name, entry.summary) for entry in REFERENCE if entry.kind == kind
+            ]
+            print(f"{kind.capitalize()}s", *(f"  {row}" for row in columns(rows)), "", sep="\n")
+        print("logical-robots help NAME explains one, with an example.")
+        return 0
+    entry = find_help(options.name)
+    if entry is None:
+        guess = similar(options.name)
+        hint = f"Did you mean {guess}?" if guess else "`logical-robots help` lists all functions."
+        raise InputError(f"There is no function {options.name}.", hint=hint)
+    article = "an" if entry.kind[0] in "ao" else "a"
+    print(entry.signature, f"  {entry.summary} ({article} {entry.kind})", "", sep="\n")
+    print(f"  {entry.example}", f"  gives {entry.result}", sep="\n")
+    return 0

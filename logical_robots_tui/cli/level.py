@@ -1,4 +1,4 @@
-"""``logical-robots level``: create, check, convert and show levels."""
+"""``logical-robots level`` and ``levels``: create, check, convert, show and list levels."""
 
 from __future__ import annotations
 
@@ -12,14 +12,44 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui import world
 from logical_robots_tui.cli import command
-from logical_robots_tui.cli.command import harmless, print_json
+from logical_robots_tui.cli.command import columns, harmless, print_json
 from logical_robots_tui.errors import InputError, joined
 from logical_robots_tui.paths import is_file, is_folder
+from logical_robots_tui.wording import join_names
 
 if TYPE_CHECKING:
     from logical_robots_tui.editing.checks import LevelFinding
 
 FINE, WRONG = 0, 2
+
+
+@command.declare("levels", command.JSON)
+def list_all_levels(options: argparse.Namespace) -> int:
+    """list the levels that come with the game
+
+    List the levels that come with the game.
+    """
+    levels = [world.load_level(name) for name in world.list_shipped()]
+    if options.json:
+        entries = [
+            {
+                "name": level.name,
+                "title": level.title,
+                "robots": [robot.name for robot in level.robots],
+                "starter": level.starter,
+                "teams": [team.name for team in level.teams],
+            }
+            for level in levels
+        ]
+        print_json(entries)
+        return 0
+    rows = []
+    for level in levels:
+        names = join_names(entry.name for entry in level.teams or level.robots)
+        rows.append((level.name, level.title, "teams: " * bool(level.teams) + names))
+    print(*columns([("NAME", "TITLE", "ROBOTS"), *rows]), sep="\n")
+    return 0
+
 
 command.group(
     "level",

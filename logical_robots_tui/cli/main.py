@@ -1,4 +1,4 @@
-"""The command ``logical-robots``: parse the arguments, run a command, report errors."""
+"""The command ``logical-robots``: parse and complete arguments, run a command, report errors."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ import errno
 import logging
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 
 from logical_robots_tui import __version__
+from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import (
     CrashLog,
     add_command,
+    folder_of,
     report,
     report_bug,
     report_output,
@@ -32,12 +34,16 @@ _MODULES = (
     ("query", "diagnose"),
     ("learn", "learn"),
     ("check", "check"),
-    ("listing", "help levels programs config"),
+    ("check", "help"),
+    ("level", "levels"),
+    ("check", "programs"),
+    ("doctor", "config"),
     ("replay", "replay"),
     ("progress", "progress"),
     ("level", "level"),
     ("lab", "sweep grade tournament lab"),
-    ("listing", "doctor completion"),
+    ("doctor", "doctor"),
+    ("main", "completion"),
 )
 """The modules of the commands, in the order of the help."""
 
@@ -118,10 +124,10 @@ def _start(options: argparse.Namespace) -> int:
         return report_bug(error, as_json=options.wants_json(options))
 
 
-def parser(command: str = "") -> argparse.ArgumentParser:
+def parser(name: str = "") -> argparse.ArgumentParser:
     """Return the argument parser; parsed options hold the command's ``start`` function.
 
-    If a command is given, only its module is loaded, which is faster.
+    If a command is named, only its module is loaded, which is faster.
     """
     top = argparse.ArgumentParser(
         prog=PROGRAM,
@@ -131,9 +137,9 @@ def parser(command: str = "") -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for name in [command] if command in _HOMES else _HOMES:
-        import_module(f"logical_robots_tui.cli.{_HOMES[name]}")
-        add_command(commands, name)
+    for member in [name] if name in _HOMES else _HOMES:
+        import_module(f"logical_robots_tui.cli.{_HOMES[member]}")
+        add_command(commands, member)
     return top
 
 
@@ -152,3 +158,100 @@ def _with_command(arguments: Sequence[str]) -> list[str]:
     if not first or (first.startswith("-") and not is_global):
         return ["play", *arguments]
     return list(arguments)
+
+
+SHELLS = ("bash", "zsh", "fish")
+NAMES = ("levels", "programs")
+FILES, FOLDERS = "file", "directory"  # shtab's names
+
+
+@command.declare(
+    "completion",
+    command.option("what", None, "the shell, or names to print", choices=(*SHELLS, *NAMES)),
+)
+def complete(options: argparse.Namespace) -> int:
+    """print a completion script for your shell
+
+    Print a script that completes commands, options, levels and programs.
+
+    examples:
+      logical-robots completion bash \\
+        > ~/.local/share/bash-completion/completions/logical-robots
+      logical-robots completion zsh > ~/.zfunc/_logical-robots
+      logical-robots completion fish \\
+        > ~/.config/fish/completions/logical-robots.fish
+
+    Create the folder first if it does not exist; zsh also needs fpath+=~/.zfunc in
+    ~/.zshrc. For the current shell only:
+      eval "$(logical-robots completion bash)"
+
+    The scripts call `completion levels` and `completion programs`, which print one
+    name per line.
+    """
+    if options.what == "levels":
+        from logical_robots_tui.paths import ARENAS, shipped_names
+
+        for subfolder in ("", ARENAS):
+            print(*shipped_names("levels", ".toml", subfolder), sep="\n")
+    elif options.what == "programs":
+        from logical_robots_tui.game import list_programs
+
+        print(*list_programs(folder_of(None) / "programs"), sep="\n")
+    else:
+        import shtab
+
+        top = parser()
+        for action in _arguments(top):
+            completion = _completion(str(action.metavar))
+            if completion:
+                action.complete = completion  # type: ignore[attr-defined] # read by shtab
+        print(shtab.complete(top, options.what))
+    return 0
+
+
+def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    for action in parser._actions:
+        yield action
+        if isinstance(action, argparse._SubParsersAction):
+            for inner in dict.fromkeys(action.choices.values()):
+                yield from _arguments(inner)
+
+
+def _completion(metavar: str) -> dict[str, object] | str | None:
+    if metavar == "LEVEL":
+        return _names_or_files("levels", ("toml", "json"))
+    if metavar == "PROGRAM":
+        return _names_or_files("programs", ("l",))
+    return {"FILE": FILES, "FOLDER": FOLDERS}.get(metavar)
+
+
+def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
+    name = f"_logical_robots_{kind}"
+    shell_command = f"logical-robots completion {kind} 2>/dev/null"
+    globs = " ".join(f"'!*.{ending}'" for ending in endings)
+    return {
+        "bash": name,
+        "zsh": name,
+        "fish": f"({name})",
+        "preamble": {
+            "bash": f"""
+{name}() {{
+  compgen -W "$({shell_command})" -- "$1"
+  local glob
+  for glob in {globs}; do compgen -f -X "$glob" -- "$1"; done
+  compgen -d -- "$1"
+}}""",
+            "zsh": f"""
+{name}() {{
+  local -a names
+  names=(${{(f)"$({shell_command})"}})
+  compadd -a names
+  _files -g '*.({"|".join(endings)})'
+}}""",
+            "fish": f"""
+function {name}
+  {shell_command}
+  __fish_complete_suffix {" ".join(f".{ending}" for ending in endings)}
+end""",
+        },
+    }

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 import logical_robots_tui
 from logical_robots_tui.cli import command as commands
-from logical_robots_tui.cli import listing
 from logical_robots_tui.cli.command import columns, harmless, line_of_json
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.language.reference import REFERENCE
@@ -64,9 +63,7 @@ def test_a_command_that_is_loaded_alone_takes_what_it_takes_among_the_others() -
     for name, usage in together.items():
         alone = usages(command_parser(name))
         assert alone[name] == usage
-        listing = {"help", "levels", "programs", "config"}
-        shared = (listing, {"sweep", "grade", "tournament", "lab"}, {"query", "when"})
-        assert any(set(alone) <= {name, *module} for module in shared)  # these share a module
+        assert set(alone) == {name}
 
 
 @pytest.mark.parametrize("arguments", [(), ("play",), ("play", "x", "y"), ("--data-dir", "x")])
@@ -134,7 +131,7 @@ def test_shipped_and_own_programs_are_listed(command: Command, tmp_path: Path) -
 def test_a_mistake_of_ours_is_told_and_kept_in_a_log_file_if_one_can_be_written(
     command: Command, home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(listing, "columns", None)
+    monkeypatch.setattr("logical_robots_tui.cli.level.columns", None)
     told = command("levels")
     assert told.status == 70
     assert "a bug in the game" in told.err

@@ -1,4 +1,4 @@
-"""List commands: levels, programs, functions, settings, the machine."""
+"""``logical-robots doctor`` and ``config``: this computer, this terminal, and the settings."""
 
 from __future__ import annotations
 
@@ -11,102 +11,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeAlias
 
-from logical_robots_tui import __version__, game, world
+from logical_robots_tui import __version__
 from logical_robots_tui.cli import command
-from logical_robots_tui.cli.command import columns, folder_of, harmless, own_programs, print_json
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.cli.command import folder_of, harmless, print_json
 from logical_robots_tui.paths import is_folder, is_there
-from logical_robots_tui.wording import join_names
 
 FINE, PROBLEM, WRONG = 0, 1, 2
-
-
-@command.declare("levels", command.JSON)
-def list_all_levels(options: argparse.Namespace) -> int:
-    """list the levels that come with the game
-
-    List the levels that come with the game.
-    """
-    levels = [world.load_level(name) for name in world.list_shipped()]
-    if options.json:
-        entries = [
-            {
-                "name": level.name,
-                "title": level.title,
-                "robots": [robot.name for robot in level.robots],
-                "starter": level.starter,
-                "teams": [team.name for team in level.teams],
-            }
-            for level in levels
-        ]
-        print_json(entries)
-        return 0
-    rows = [(lv.name, lv.title, _robot_names(lv)) for lv in levels]
-    print(*columns([("NAME", "TITLE", "ROBOTS"), *rows]), sep="\n")
-    return 0
-
-
-def _robot_names(level: world.Level) -> str:
-    if level.teams:
-        return f"teams: {join_names(team.name for team in level.teams)}"
-    return join_names(robot.name for robot in level.robots)
-
-
-@command.declare("programs", command.JSON, command.DATA_DIR, command.NO_SOLUTIONS)
-def list_all_programs(options: argparse.Namespace) -> int:
-    """list the shipped programs and your own
-
-    List the programs that come with the game and those you saved in it.
-    """
-    folder = own_programs(options)
-    sources = [game.load_program(name, folder) for name in game.list_programs(folder)]
-    if options.json:
-        entries = [
-            {"name": source.name, "file": str(source.path), "shipped": source.shipped}
-            for source in sources
-        ]
-        print_json(entries)
-        return 0
-    rows = [
-        (source.name, "comes with the game" if source.shipped else str(source.path))
-        for source in sources
-    ]
-    print(*columns([("NAME", "FROM"), *rows]), sep="\n")
-    return 0
-
-
-@command.declare("help", command.option("name", "FUNCTION", "what to explain", nargs="?"))
-def print_help(options: argparse.Namespace) -> int:
-    """explain the functions that a program can use
-
-    Explain the functions, aggregates and operators that a program can use.
-
-    examples:
-      logical-robots help               list everything
-      logical-robots help ArgMin        explain one of them
-      logical-robots help '%'           operators need quotes
-
-    exit status: 0, or 2 if there is no such function
-    """
-    from logical_robots_tui.language.reference import REFERENCE, find_help, similar
-
-    if options.name is None:
-        for kind in ("operator", "aggregate", "function"):
-            rows: list[tuple[str, ...]] = [
-                (entry.name, entry.summary) for entry in REFERENCE if entry.kind == kind
-            ]
-            print(f"{kind.capitalize()}s", *(f"  {row}" for row in columns(rows)), "", sep="\n")
-        print("logical-robots help NAME explains one, with an example.")
-        return 0
-    entry = find_help(options.name)
-    if entry is None:
-        guess = similar(options.name)
-        hint = f"Did you mean {guess}?" if guess else "`logical-robots help` lists all functions."
-        raise InputError(f"There is no function {options.name}.", hint=hint)
-    article = "an" if entry.kind[0] in "ao" else "a"
-    print(entry.signature, f"  {entry.summary} ({article} {entry.kind})", "", sep="\n")
-    print(f"  {entry.example}", f"  gives {entry.result}", sep="\n")
-    return 0
 
 
 @command.declare(
@@ -271,100 +181,3 @@ def _place(name: str, folder: Path, consequence: str) -> Fact:
         ancestor = ancestor.parent
     is_writable = is_folder(ancestor) and os.access(ancestor, os.W_OK | os.X_OK)
     return name, str(folder), "" if is_writable else f"not writable: {consequence}"
-
-
-SHELLS = ("bash", "zsh", "fish")
-NAMES = ("levels", "programs")
-FILES, FOLDERS = "file", "directory"  # shtab's names
-
-
-@command.declare(
-    "completion",
-    command.option("what", None, "the shell, or names to print", choices=(*SHELLS, *NAMES)),
-)
-def complete(options: argparse.Namespace) -> int:
-    """print a completion script for your shell
-
-    Print a script that completes commands, options, levels and programs.
-
-    examples:
-      logical-robots completion bash \\
-        > ~/.local/share/bash-completion/completions/logical-robots
-      logical-robots completion zsh > ~/.zfunc/_logical-robots
-      logical-robots completion fish \\
-        > ~/.config/fish/completions/logical-robots.fish
-
-    Create the folder first if it does not exist; zsh also needs fpath+=~/.zfunc in
-    ~/.zshrc. For the current shell only:
-      eval "$(logical-robots completion bash)"
-
-    The scripts call `completion levels` and `completion programs`, which print one
-    name per line.
-    """
-    if options.what == "levels":
-        from logical_robots_tui.paths import ARENAS, shipped_names
-
-        for subfolder in ("", ARENAS):
-            print(*shipped_names("levels", ".toml", subfolder), sep="\n")
-    elif options.what == "programs":
-        print(*game.list_programs(folder_of(None) / "programs"), sep="\n")
-    else:
-        import shtab
-
-        from logical_robots_tui.cli.main import parser
-
-        top = parser()
-        for action in _arguments(top):
-            completion = _completion(str(action.metavar))
-            if completion:
-                action.complete = completion  # type: ignore[attr-defined] # read by shtab
-        print(shtab.complete(top, options.what))
-    return 0
-
-
-def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    for action in parser._actions:
-        yield action
-        if isinstance(action, argparse._SubParsersAction):
-            for command in dict.fromkeys(action.choices.values()):
-                yield from _arguments(command)
-
-
-def _completion(metavar: str) -> dict[str, object] | str | None:
-    if metavar == "LEVEL":
-        return _names_or_files("levels", ("toml", "json"))
-    if metavar == "PROGRAM":
-        return _names_or_files("programs", ("l",))
-    return {"FILE": FILES, "FOLDER": FOLDERS}.get(metavar)
-
-
-def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
-    name = f"_logical_robots_{kind}"
-    shell_command = f"logical-robots completion {kind} 2>/dev/null"
-    globs = " ".join(f"'!*.{ending}'" for ending in endings)
-    return {
-        "bash": name,
-        "zsh": name,
-        "fish": f"({name})",
-        "preamble": {
-            "bash": f"""
-{name}() {{
-  compgen -W "$({shell_command})" -- "$1"
-  local glob
-  for glob in {globs}; do compgen -f -X "$glob" -- "$1"; done
-  compgen -d -- "$1"
-}}""",
-            "zsh": f"""
-{name}() {{
-  local -a names
-  names=(${{(f)"$({shell_command})"}})
-  compadd -a names
-  _files -g '*.({"|".join(endings)})'
-}}""",
-            "fish": f"""
-function {name}
-  {shell_command}
-  __fish_complete_suffix {" ".join(f".{ending}" for ending in endings)}
-end""",
-        },
-    }
