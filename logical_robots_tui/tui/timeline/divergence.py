@@ -88,8 +88,8 @@ def describe_divergence(divergence: Divergence) -> Content:
         for difference in divergence.differences:
             if difference.robot_name == robot:
                 lines.append(Content.styled(f"  {difference.matter}", INK.key))
-                for where, text in zip(("here ", "there"), _sides(difference), strict=True):
-                    lines.append(Content.assemble((f"    {where}  ", INK.dim), (text, INK.text)))
+                for branch, text in zip(("here ", "there"), _sides(difference), strict=True):
+                    lines.append(Content.assemble((f"    {branch}  ", INK.dim), (text, INK.text)))
         lines.append(Content(""))
     return Content("\n").join(lines)
 
