@@ -156,6 +156,10 @@ class Page(Vertical):
 
     # -- what a page shows ---------------------------------------------------------------------
 
+    def begin(self, subject: Any) -> None:
+        """Begin with what a command asks for: a predicate, a query, a pin, a value to trace."""
+        raise NotImplementedError
+
     async def show(self, frame: Frame) -> None:
         """Show a tick; cancelled when another tick or page is wanted."""
         raise NotImplementedError

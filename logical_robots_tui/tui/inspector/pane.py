@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.containers import Horizontal
@@ -29,12 +29,8 @@ from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin
-    from logical_robots_tui.mind import Predicate, Program
+    from logical_robots_tui.mind import Predicate
     from logical_robots_tui.player.session import Session
-    from logical_robots_tui.tui.inspector.pages.ask import AskPage
-    from logical_robots_tui.tui.inspector.pages.origin import OriginPage
-    from logical_robots_tui.tui.inspector.pages.watch import WatchPage
-    from logical_robots_tui.tui.inspector.pages.why import WhyPage
 
 _INTERVAL = 0.25  # seconds between two updates while the game runs
 _LOADING_DELAY = 0.2  # seconds after the start until the other pages are loaded
@@ -55,7 +51,7 @@ _NOT_TRACED = (
 MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 """The sign and colour of each kind of predicate."""
 
-_INPUTS = 2  # Sensor and Memory
+_ALWAYS_LISTED = 8  # entries to make room for; a number, so that a new page rescales no map
 _LISTED = 14  # entries, at most, that the list makes room for
 _AROUND_ROBOTS = 4  # lines of their page that are about no robot or about one
 _CHANGED = "•"
@@ -88,7 +84,7 @@ class InspectorPane(Pane):
         self._selected = first.id
         self._survey: Survey | None = None
         self._following: Frame | None = None
-        self._stale = False
+        self._stale = self._has_traced = False
         self._follower: Worker[None] | None = None
 
     @property
@@ -200,27 +196,19 @@ class InspectorPane(Pane):
 
     def why(self) -> None:
         program_names = {p.name for p in self._session.predicates if p.kind == "program"}
-        page = cast("WhyPage", self._page("why"))
-        page.begin(self._selected if self._selected in program_names else "Robot")
+        self._page("why").begin(self._selected if self._selected in program_names else "Robot")
         self.go_to("why")
 
     def ask(self, query: str = "") -> None:
         self.go_to("ask")
-        cast("AskPage", self._page("ask")).put(query)
+        self.page.begin(query)
 
     def pin(self) -> None:
         pin = self.active.pin_here()
         if pin is None:
             self.notify(_NO_PIN, markup=False)
         else:
-            self._toggle_pin(pin)
-
-    def _toggle_pin(self, pin: Pin) -> None:
-        if cast("WatchPage", self._page("watch")).view.toggle(pin):
-            where = with_keys("{watch} shows what is pinned.")
-            self.notify(f"Pinned: {one_line(pin.words)}. {where}", markup=False)
-        else:
-            self.notify(f"No longer pinned: {one_line(pin.words)}.", markup=False)
+            self._page("watch").begin(pin)
 
     def open_value(self) -> None:
         from logical_robots_tui.tui.inspector.value_tree import ValueTree
@@ -228,8 +216,8 @@ class InspectorPane(Pane):
         title, branches = self.active.values_here()
         if branches:
             title = f"{title} · tick {self._session.frame.tick}"
-            tree = ValueTree(title, branches, self._toggle_pin, self._trace_pin)
-            self.app.push_screen(tree)
+            toggle_pin = self._page("watch").begin
+            self.app.push_screen(ValueTree(title, branches, toggle_pin, self._trace_pin))
         else:
             self.notify("Put the cursor on a value, or choose Decision.", markup=False)
 
@@ -246,18 +234,15 @@ class InspectorPane(Pane):
             self.notify(NO_PROGRAM, markup=False)
         elif target is not None:
             self.trace(target)
-        elif self._origin.target is not None:
+        elif self._has_traced:
             self.go_to("origin")
         else:
             self.notify(with_keys(_NOT_TRACED), markup=False)
 
     def trace(self, target: Traced) -> None:
-        self._origin.trace(target, self._selected)
+        self._has_traced = True
+        self._page("origin").begin((target, self._selected))
         self.go_to("origin")
-
-    @property
-    def _origin(self) -> OriginPage:
-        return cast("OriginPage", self._page("origin"))
 
     # -- following the tick --------------------------------------------------------------------
 
@@ -307,8 +292,8 @@ class InspectorPane(Pane):
     @staticmethod
     def rows_of(level: Level, text: str) -> int:
         """Return how many rows a level and a program will fill at first."""
-        listed = sum(page.is_listed for page in PAGES) + _INPUTS + len(definitions(text))
-        return max(min(listed, _LISTED), len(level.robots) + _AROUND_ROBOTS)
+        listed = min(_ALWAYS_LISTED + len(definitions(text)), _LISTED)
+        return max(listed, len(level.robots) + _AROUND_ROBOTS)
 
     def _measure(self) -> None:
         rows = [min(self._list.virtual_size.height, _LISTED)]
@@ -355,8 +340,12 @@ class InspectorPane(Pane):
         event.stop()
         if event.option_id is not None and event.option_id != self._selected:
             self.inspect(event.option_id)
-            if place := _definition(self._session.program, event.option_id):
-                self.post_message(place)
+            program = self._session.program
+            predicate = program.predicate(event.option_id) if program is not None else None
+            if program is not None and predicate is not None and predicate.line is not None:
+                lines = program.text.split("\n")[: predicate.line - 1]
+                start = sum(len(line) + 1 for line in lines)
+                self.post_message(Placed(program.text, (start, start + len(predicate.name))))
 
     @on(OptionList.OptionSelected)
     def _choice_made(self, event: OptionList.OptionSelected) -> None:
@@ -383,15 +372,6 @@ class InspectorPane(Pane):
     def _page_left(self, event: Page.Left) -> None:
         self._select(event.name if event.name in self._list.names else PAGES[0].id)
         self.enter()
-
-
-def _definition(program: Program | None, name: str) -> Placed | None:
-    predicate = None if program is None else program.predicate(name)
-    if program is None or predicate is None or predicate.line is None:
-        return None
-    lines = program.text.split("\n")[: predicate.line - 1]
-    start = sum(len(line) + 1 for line in lines)
-    return Placed(program.text, (start, start + len(name)))
 
 
 class PredicateList(Listing):
@@ -439,10 +419,16 @@ class PredicateList(Listing):
         width = max(self.scrollable_content_region.width, _NARROWEST)
         for predicate in self.predicates or ():
             name = predicate.name
-            counts = (self._survey.count(name), self._survey.differs(name), width)
-            if predicate.has_rows and self._counted.get(name) != counts:
-                self._counted[name] = counts
-                self.replace_option_prompt(name, _with_count(_entry(predicate), *counts))
+            rows, differs = self._survey.count(name), self._survey.differs(name)
+            if not predicate.has_rows or self._counted.get(name) == (rows, differs, width):
+                continue
+            self._counted[name] = rows, differs, width
+            entry, count = _entry(predicate), f"{rows}{_CHANGED if differs else ' '}"
+            room = width - len(count)
+            text = " " * max(1, room - entry.cell_length) + count
+            entry = entry.truncate(room - 1, ellipsis=True)
+            ink = INK.key if differs else INK.dim
+            self.replace_option_prompt(name, entry.append(Content.styled(text, ink)))
 
 
 def _entry(predicate: Predicate) -> Content:
@@ -454,12 +440,3 @@ def _entry(predicate: Predicate) -> Content:
     if predicate.line is not None:
         entry = entry.append(Content.styled(f" :{predicate.line}", INK.faint))
     return entry
-
-
-def _with_count(entry: Content, rows: str, differs: bool, width: int) -> Content:
-    count = f"{rows}{_CHANGED if differs else ' '}"
-    room = width - len(count) - 1
-    gap = " " * max(1, width - entry.cell_length - len(count))
-    return entry.truncate(room, ellipsis=True).append(
-        Content.styled(gap + count, INK.key if differs else INK.dim)
-    )

@@ -33,7 +33,13 @@ def cell(value: Value, limit: int = 120) -> tuple[str, str]:
 
 def ink_value(value: Value, limit: int = 120) -> tuple[str, str]:
     """Return a value in program syntax, in at most `limit` characters, and its colour."""
-    return format_value(value, limit), _colour(value)
+    if value is None:
+        ink = INK.dim
+    elif isinstance(value, str):
+        ink = INK.string
+    else:
+        ink = INK.number if isinstance(value, (bool, int, float)) else INK.record
+    return format_value(value, limit), ink
 
 
 def format_value(value: Value, limit: int = FULL) -> str:
@@ -49,13 +55,6 @@ def _could_be_taken_for_another(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _colour(value: Value) -> str:
-    if value is None:
-        return INK.dim
-    is_scalar = isinstance(value, (bool, int, float))
-    return INK.string if isinstance(value, str) else INK.number if is_scalar else INK.record
 
 
 _BRAILLE = 0x2800

@@ -52,7 +52,10 @@ class QueryLine(Input):
         if event.key == "escape":
             self._leave()
         elif event.key in _HISTORY_KEYS:
-            self._recall(_HISTORY_KEYS[event.key])
+            place = self._place + _HISTORY_KEYS[event.key]
+            self._place = max(0, min(place, len(self._history)))
+            self.value = next(iter(self._history[self._place :]), "")
+            self.cursor_position = len(self.value)
         else:
             return
         event.stop()
@@ -63,11 +66,6 @@ class QueryLine(Input):
             self._history = [line for line in self._history if line != query][-_HISTORY_SIZE:]
             self._history.append(query)
         self._place = len(self._history)
-
-    def _recall(self, later: int) -> None:
-        self._place = max(0, min(self._place + later, len(self._history)))
-        self.value = next(iter(self._history[self._place :]), "")
-        self.cursor_position = len(self.value)
 
 
 class AskPage(Page):
@@ -84,10 +82,10 @@ class AskPage(Page):
         self.table = ValueTable(id="answer")
         super().__init__(entry, questions, self.line, above=(self.line,), below=(self.table,))
 
-    def put(self, query: str) -> None:
-        if query:
-            self._query = self.line.value = query
-            self.line.remember(query)
+    def begin(self, subject: str) -> None:
+        if subject:
+            self._query = self.line.value = subject
+            self.line.remember(subject)
             self.post_message(self.Changed())
 
     async def show(self, frame: Frame) -> None:

@@ -84,16 +84,16 @@ class OriginPage(Page):
 
     def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         super().__init__(entry, questions, LinksView(self))
-        self.target: Traced | None = None
         self._branch: tuple[Game, int] | None = None
         self._at = 0
         self._came_from = "", 0
 
-    def trace(self, target: Traced, came_from: str) -> None:
+    def begin(self, subject: tuple[Traced, str]) -> None:
         """Trace a value; escape returns to the page or predicate that the player came from."""
+        target, came_from = subject
         if came_from != self.entry.id:
             self._came_from = came_from, self._session.frame.tick
-        self.target, self._branch = target, self._questions.branch
+        self._branch = self._questions.branch
         name = one_line(subject_name(target.robot, target.subject))
         when = "after" if is_memory(target.subject) else "in"
         self.caption(Content.assemble((name, INK.title), f" {when} tick {target.tick} comes from"))
@@ -112,10 +112,12 @@ class OriginPage(Page):
         if branch is None:
             return
         self._at = target.tick
+
+        def report(tick: int) -> None:
+            self._at = tick
+
         origin = await self.answer(
-            lambda *_: origin_in_game(
-                branch[0], target.robot, target.subject, target.tick, self._report_tick
-            ),
+            lambda *_: origin_in_game(branch[0], target.robot, target.subject, target.tick, report),
             lambda: f"at tick {self._at}, {count_of(target.tick - self._at, 'tick')} back",
             self._say_instead,
         )
@@ -124,9 +126,6 @@ class OriginPage(Page):
             self.view.show(origin)
         elif branch != self._questions.branch:
             await self.show(self._session.frame)
-
-    def _report_tick(self, tick: int) -> None:
-        self._at = tick
 
     def stopped(self) -> str:
         return f"Stopped at tick {self._at}, after {self.pending.seconds:.1f} s."

@@ -187,16 +187,13 @@ class _PinHistory:
         readings = await inquiry.readings(program, frame, list(pins))
         if run_key == self._run_key:
             stored_samples = self._ticks.setdefault(frame.tick, {})
-            stored_samples.update({pin: _sample(reading) for pin, reading in readings.items()})
+            for pin, reading in readings.items():
+                likeness = None if reading.problem else hash(repr(reading.value))
+                number = None if reading.problem else reading.number
+                stored_samples[pin] = PlotSample(number, likeness)
             if len(self._ticks) > _MOST_TICKS:
                 del self._ticks[next(iter(self._ticks))]
         return readings
-
-
-def _sample(reading: PinReading) -> PlotSample:
-    if reading.problem:
-        return PlotSample(None, None)
-    return PlotSample(reading.number, hash(repr(reading.value)))
 
 
 class WatchPage(Page):
@@ -223,6 +220,14 @@ class WatchPage(Page):
         self._show()
         if self._filler is None or self._filler.is_finished:
             self._filler = in_background(self, self._read_around, "watch")
+
+    def begin(self, subject: Pin) -> None:
+        """Pin a value, or no longer."""
+        if self.view.toggle(subject):
+            hint = with_keys("{watch} shows what is pinned.")
+            self.notify(f"Pinned: {one_line(subject.words)}. {hint}", markup=False)
+        else:
+            self.notify(f"No longer pinned: {one_line(subject.words)}.", markup=False)
 
     def pin_here(self) -> Pin | None:
         return self.view.pointed if self.view.has_focus else None

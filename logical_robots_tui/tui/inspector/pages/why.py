@@ -13,7 +13,6 @@ from textual.widgets.input import Selection
 
 from logical_robots_tui.explain import Ask, Explanation, Proof, ProofNode
 from logical_robots_tui.explain.why.explanation import Subject, spell_call
-from logical_robots_tui.explain.why.nearest import Suggestion
 from logical_robots_tui.game import Breakpoint, Frame, Inquiry, Superseded, read_part
 from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE
@@ -70,8 +69,8 @@ class WhyPage(Page):
         self._is_proving = False
         self._depth = _FIRST_DEPTH
 
-    def begin(self, predicate: str) -> None:
-        self._steps = [Ask(predicate, {})]
+    def begin(self, subject: str) -> None:
+        self._steps = [Ask(subject, {})]
         self.post_message(self.Changed())
 
     def ask(self, call: Ask) -> None:
@@ -109,8 +108,29 @@ class WhyPage(Page):
         return title, [ValueBranch(f"{n}", value) for n, value in enumerate(node.values, 1)]
 
     def traced_here(self) -> Traced | None:
-        tick = self._session.frame.tick
-        return _traced_in_proof(self.view, self._steps[-1], self.robot, tick)
+        """The value of a column, a call, an expression or a variable."""
+        robot, tick = self.robot, self._session.frame.tick
+        node, *above = self.view.path or (None,)
+        rule = next((n for n, step in enumerate(above) if step.kind == "rule"), None)
+        if node is None or rule is None:
+            return None
+        calls = (step.query for step in above[rule:] if step.query is not None)
+        call = next(calls, self._steps[-1])
+        if node.kind == "read" and above[0].text.startswith("Memory("):
+            try:
+                path = read_part(node.text)[1]
+            except ValueError:
+                return None
+            return Traced(above[0].robot or robot, Subject(path=path), max(0, tick - 1))
+        if node.kind in ("column", "aggregate") and node.query is None and not rule:
+            column = node.text.split(":")[0]
+            is_memory = call.predicate == "Robot" and column == "memory"
+            return Traced(robot, Subject() if is_memory else Subject(call, column), tick)
+        if len(node.values) != 1 or (node.span is None and node.kind != "value"):
+            return None
+        variable, (value,) = "" if node.span is not None else node.text, node.values
+        subject = Subject(call, "", span=node.span, variable=variable, value=value)
+        return Traced(robot, subject, tick)
 
     def breakpoint_here(self) -> Breakpoint | None:
         return self.breakpoint_at(self._steps[-1].predicate, self.robot)
@@ -136,7 +156,13 @@ class WhyPage(Page):
         if line.kind == "column" and line.query is None:
             nodes = (line,)
         elif line.kind == "rule" and line.holds:
-            nodes = tuple(n for n in line.children if n.kind == "column" and _is_short(n))
+            limit = _LONGEST_VALUE
+            columns_below = (node for node in line.children if node.kind == "column")
+            nodes = tuple(
+                node
+                for node in columns_below
+                if all(len(spell(value, limit)) <= limit for value in node.values)
+            )
         program = self._questions.program
         columns = {program.label(call.predicate, column): column for column in call.given}
         values = {n.text.split(":")[0]: n.values[0] for n in nodes if len(n.values) == 1}
@@ -186,7 +212,13 @@ class WhyPage(Page):
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:
-            notes = [_suggestion_node(line, miss) for line, miss in misses]
+            notes = []
+            for line, miss in misses:  # the reason is below, because one line would cut it off
+                reason = ProofNode("note", f"{miss.reason}.", span=miss.span)
+                place = f"rule in line {line}"
+                notes.append(
+                    ProofNode("note", miss.advice, place, span=miss.span, children=(reason,))
+                )
             subject = "This change" if len(misses) == 1 else "Each of these changes"
             head = ProofNode("note", f"{subject} would give a row", children=tuple(notes))
             self._show_nodes(question, (*self._roots, head), ())
@@ -196,8 +228,9 @@ class WhyPage(Page):
     ) -> None:
         self._answered, self._roots = question, roots
         self.say("")
-        alternatives = () if explanation.row is None else _alternatives(explanation)
-        self._show_nodes(question, roots, alternatives)
+        nodes = () if explanation.row is None else explanation.nodes
+        proving = _proving(explanation)
+        self._show_nodes(question, roots, [node for node in nodes if node is not proving[0]])
 
     def _say_instead(self, question: _WhyQuestion, words: Content | str) -> None:
         """Show a message instead of a proof; the view keeps the focus, and can go back."""
@@ -217,10 +250,11 @@ class WhyPage(Page):
         self.view.show(roots, alternatives, anew=anew, has_way_back=len(question.steps) > 1)
 
     def _show_caption(self, question: _WhyQuestion, note: Content | str = "") -> None:
-        names = [
-            f"{step.predicate}({_arguments(step)})" if step.given else step.predicate
-            for step in question.steps
-        ]
+        names = []
+        for step in question.steps:
+            values = map(format_value, step.given.values())
+            arguments = ", ".join(clip(value, _LONGEST_ARGUMENT) for value in values)
+            names.append(f"{step.predicate}({arguments})" if arguments else step.predicate)
         line = Content.assemble(
             (f"{one_line(question.robot)}: ", INK.robot), (one_line(names[-1]), INK.title)
         )
@@ -281,66 +315,12 @@ class WhyPage(Page):
             self.post_message(Placed(self._questions.program.text, place))
 
 
-def _suggestion_node(rule: int, miss: Suggestion) -> ProofNode:
-    """Return a suggested change with its reason below, because one line would cut it off."""
-    reason = ProofNode("note", f"{miss.reason}.", span=miss.span)
-    place = f"rule in line {rule}"
-    return ProofNode("note", miss.advice, place, span=miss.span, children=(reason,))
-
-
-def _is_short(node: ProofNode) -> bool:
-    return all(len(spell(value, _LONGEST_VALUE)) <= _LONGEST_VALUE for value in node.values)
-
-
 def _proving(explanation: Explanation) -> Sequence[ProofNode]:
     """Return the rule that derives the row, or all rules if none does."""
     if explanation.row is None:
         return explanation.nodes
     giving = [rule.node for rule in explanation.rules if rule.row is not None]
     return giving[:1] or explanation.nodes[-1:]
-
-
-def _alternatives(explanation: Explanation) -> Sequence[ProofNode]:
-    proving = _proving(explanation)
-    return [node for node in explanation.nodes if node is not proving[0]]
-
-
-def _arguments(call: Ask) -> str:
-    return ", ".join(clip(format_value(value), _LONGEST_ARGUMENT) for value in call.given.values())
-
-
-def _traced_in_proof(view: WhyView, question: Ask, robot: str, tick: int) -> Traced | None:
-    """The value under the cursor of a proof: of a column, a call, an expression or a variable."""
-    if not view.path:
-        return None
-    node, *above = view.path
-    rule = next((n for n, step in enumerate(above) if step.kind == "rule"), None)
-    if rule is None:
-        return None
-    call = next((step.query for step in above[rule:] if step.query is not None), question)
-    if node.kind == "read" and above[0].text.startswith("Memory("):
-        return _memory_read(node.text, above[0].robot or robot, tick)
-    if node.kind in ("column", "aggregate") and node.query is None and above[0].kind == "rule":
-        column = node.text.split(":")[0]
-        if call.predicate == "Robot" and column == "memory":
-            return Traced(robot, Subject(), tick)
-        return Traced(robot, Subject(call, column), tick)
-    if len(node.values) != 1:
-        return None
-    (value,) = node.values
-    if node.span is not None:
-        return Traced(robot, Subject(call, "", span=node.span, value=value), tick)
-    if node.kind == "value":
-        return Traced(robot, Subject(call, "", variable=node.text, value=value), tick)
-    return None
-
-
-def _memory_read(text: str, robot: str, tick: int) -> Traced | None:
-    try:
-        path = read_part(text)[1]
-    except ValueError:
-        return None
-    return Traced(robot, Subject(path=path), max(0, tick - 1))
 
 
 def sight(node: ProofNode, robot: str, frame: Frame) -> Highlight | None:
