@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual.binding import Binding
-from textual.errors import NoWidget
-from textual.geometry import Region, Size
+from textual.geometry import Region
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
@@ -27,6 +26,7 @@ from logical_robots_tui.player.settings import (
 from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
+from logical_robots_tui.tui.app.ui import widget_at
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -184,13 +184,18 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; keys and mouse buttons take priority over all other work."""
         typed = None
-        if isinstance(event, events.Resize) and self._is_cut(event.size):
-            columns, lines = LARGEST
-            self.main.warn(f"Only {columns} columns and {lines} lines of this terminal are drawn.")
+        if isinstance(event, events.Resize):
+            (columns, lines), size, was_cut = LARGEST, event.size, self._was_cut
+            self._was_cut = size.width >= columns or size.height >= lines
+            if self._was_cut and not was_cut:
+                text = f"Only {columns} columns and {lines} lines of this terminal are drawn."
+                self.main.warn(text)
         if isinstance(event, _INPUT) and not self.screen_stack:
             return  # the game is about to end
-        if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
-            return
+        if isinstance(event, events.MouseDown | events.MouseMove) and self.mouse_captured is None:
+            widget = widget_at(self.screen, event.x, event.y)
+            if widget is not None and widget.parent is None:
+                return  # what is removed, but not yet painted over: Textual would select it
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
             if self._key_queue.must_wait(event) or self.main.offers.ignores(event):
                 return
@@ -202,13 +207,6 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         if typed is not None:
             self._key_queue.begin(typed)
 
-    def _is_cut(self, size: Size) -> bool:
-        was_cut, self._was_cut = (
-            self._was_cut,
-            size.width >= LARGEST[0] or size.height >= LARGEST[1],
-        )
-        return self._was_cut and not was_cut
-
     @property
     def backlog(self) -> int:
         """The number of unhandled keys and other events; safe to read on any thread."""
@@ -218,17 +216,6 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     def drop_typed(self) -> None:
         self._key_queue.forget()
-
-    def _is_gone(self, event: events.MouseEvent) -> bool:
-        """Whether the mouse points at something removed, but not yet painted over.
-
-        Textual would begin or continue a selection there.
-        """
-        try:
-            widget, _ = self.screen.get_widget_at(event.x, event.y)
-        except NoWidget:
-            return False
-        return widget.parent is None and self.mouse_captured is None
 
     def moving_picture(self) -> Region | None:
         return self.main.labyrinth.view.region if self.screen is self.main else None

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from textual.css.query import NoMatches
 from textual.dom import NoScreen
+from textual.errors import NoWidget
 
 from logical_robots_tui.player.session_state import Ui, Work
 from logical_robots_tui.tui.terminal.textual_internals import is_being_removed
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from textual import events
     from textual.dom import DOMNode
     from textual.screen import Screen
+    from textual.widget import Widget
     from textual.worker import Worker
 
     from logical_robots_tui.player.recovery import Offering
@@ -41,6 +43,14 @@ def in_background(
 
     worker: Worker[None] = node.run_worker(unless_gone, group=group, exclusive=exclusive)
     return worker
+
+
+def widget_at(screen: Screen[Any], x: int, y: int) -> Widget | None:
+    """Return None outside of the screen, where terminals report the mouse, too."""
+    try:
+        return screen.get_widget_at(x, y)[0]
+    except NoWidget:
+        return None
 
 
 class Dialogs(Ui, Protocol):

@@ -11,9 +11,9 @@ from textual import events, on
 from textual.app import ComposeResult
 from textual.command import CommandPalette, DiscoveryHit, Hit, Hits, Provider
 from textual.content import Content
-from textual.errors import NoWidget
 from textual.widgets import Input
 
+from logical_robots_tui.tui.app.ui import widget_at
 from logical_robots_tui.tui.commands.command import Command, key_name
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.inspector.line_views import LinesView
@@ -171,9 +171,7 @@ def _keys(entry: Command) -> Content:
 class PaletteScreen(CommandPalette, ClosedOnce[None]):
     def on_click(self, event: events.Click) -> None:
         """Hide from Textual a click that is now outside of the screen, which has shrunk."""
-        try:
-            self.get_widget_at(event.screen_x, event.screen_y)
-        except NoWidget:
+        if widget_at(self, event.screen_x, event.screen_y) is None:
             event.prevent_default()
 
 

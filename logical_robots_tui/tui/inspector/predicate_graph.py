@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from textual import events
@@ -183,34 +183,23 @@ _BAR = 24  # columns of the longest bar
 def query_plan_text(plans: Sequence[QueryPlan], predicate: str) -> Static:
     """How long each predicate takes, and SQL and plan of one, otherwise the slowest."""
     main_plan = next((plan for plan in plans if plan.predicate == predicate), plans[0])
-    return Static(Content("\n").join([*_times(plans, main_plan), *_in_full(main_plan)]))
-
-
-def _times(plans: Sequence[QueryPlan], main_plan: QueryPlan) -> Iterator[Content]:
-    yield Content.styled("Milliseconds, including dependencies", f"bold {INK.title}")
+    lines = [Content.styled("Milliseconds, including dependencies", f"bold {INK.title}")]
     longest = max(plan.milliseconds for plan in plans) or 1.0
     for plan in plans:
         bar = "▇" * max(1, round(plan.milliseconds / longest * _BAR))
-        yield Content.assemble(
-            (f"{plan.milliseconds:8.2f}  ", INK.number),
-            (f"{bar:<{_BAR}}  ", INK.faint),
-            (one_line(plan.predicate), f"bold {INK.key}" if plan is main_plan else INK.text),
+        lines.append(
+            Content.assemble(
+                (f"{plan.milliseconds:8.2f}  ", INK.number),
+                (f"{bar:<{_BAR}}  ", INK.faint),
+                (one_line(plan.predicate), f"bold {INK.key}" if plan is main_plan else INK.text),
+            )
         )
-
-
-def _in_full(plan: QueryPlan) -> Iterator[Content]:
-    name = one_line(plan.predicate)
-    yield from _section(f"SQLite's plan for {name}", plan.plan, INK.record)
-    if plan.tuned:
-        yield from _section("Optimised SQL, which is run", plan.tuned.splitlines(), INK.text)
-        yield from _section("Generated SQL", plan.generated.splitlines(), INK.dim)
-    else:
-        yield from _section("Generated SQL, which is run", plan.generated.splitlines(), INK.text)
-
-
-def _section(title: str, lines: Sequence[str], colour: str) -> Iterator[Content]:
-    yield Content("")
-    yield Content.styled(title, f"bold {INK.title}")
-    for line in lines:
-        if line.strip():
-            yield Content.styled(f"  {visible(line)}", colour)
+    generated, tuned = (tuple(sql.splitlines()) for sql in (main_plan.generated, main_plan.tuned))
+    sections = [(f"SQLite's plan for {one_line(main_plan.predicate)}", main_plan.plan, INK.record)]
+    sections += [("Optimised SQL, which is run", tuned, INK.text)] * bool(tuned)
+    title = "Generated SQL" if tuned else "Generated SQL, which is run"
+    sections.append((title, generated, INK.dim if tuned else INK.text))
+    for title, text, colour in sections:
+        lines += [Content(""), Content.styled(title, f"bold {INK.title}")]
+        lines += [Content.styled(f"  {visible(line)}", colour) for line in text if line.strip()]
+    return Static(Content("\n").join(lines))

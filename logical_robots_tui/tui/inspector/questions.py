@@ -191,7 +191,15 @@ class BackgroundQuery:
         try:
             while not (await asyncio.wait({task}, timeout=_INTERVAL))[0]:
                 self.seconds = self._clock.now() - began
-                say(self._progress(doing()))
+                spinner = _SPINNER[int(self.seconds / _INTERVAL) % len(_SPINNER)]
+                say(
+                    Content.assemble(
+                        (f"{spinner} ", INK.key),
+                        (one_line(doing()), INK.text),
+                        (f"  {self.seconds:.1f} s", INK.number),
+                        ("  esc here stops it", INK.dim),
+                    )
+                )
             if task.cancelled():
                 raise Cancelled
             return task.result()
@@ -199,14 +207,6 @@ class BackgroundQuery:
             task.cancel()
             if self._task is task:
                 self._task = None
-
-    def _progress(self, activity: str) -> Content:
-        return Content.assemble(
-            (f"{_SPINNER[int(self.seconds / _INTERVAL) % len(_SPINNER)]} ", INK.key),
-            (one_line(activity), INK.text),
-            (f"  {self.seconds:.1f} s", INK.number),
-            ("  esc here stops it", INK.dim),
-        )
 
     def cancel(self) -> None:
         if self._task is not None:

@@ -108,7 +108,13 @@ def as_csv(rows: TableRows) -> str:
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(rows.columns)
-    writer.writerows([_plain(value) for value in row] for row in rows.rows)
+    for row in rows.rows:
+        writer.writerow(
+            json.dumps(value, ensure_ascii=False)
+            if isinstance(value, Mapping | list | tuple)
+            else value
+            for value in row
+        )
     return file.getvalue()
 
 
@@ -133,12 +139,6 @@ def _rank(value: Value) -> tuple[int, Any]:
     if isinstance(value, bool | int | float):
         return 1, value
     return (2, value) if isinstance(value, str) else (3, format_value(value))
-
-
-def _plain(value: Value) -> Any:
-    if isinstance(value, Mapping | list | tuple):
-        return json.dumps(value, ensure_ascii=False)
-    return value
 
 
 _GAP = 2

@@ -137,31 +137,27 @@ class RobotCard(Static):
         self.display = selection is not None
         if selection is None:
             return
-        self.set_class(selection[1].x < middle, "-right")
-        ink = robot_ink(selection[0].color, palette_of(self.app.current_theme))
-        content = _content(*selection, frame.decision_of(selection[0].name), frame, ink)
+        robot, state = selection
+        self.set_class(state.x < middle, "-right")
+        colour = robot_ink(robot.color, palette_of(self.app.current_theme))
+        decision = frame.decision_of(robot.name)
+        engines = f"{state.left_engine:+.2f}  {state.right_engine:+.2f}", INK.number
+        rows: dict[str, tuple[str, str] | Content] = {
+            "engines": engines if decision and decision.desire else ("off", INK.dim),
+            "battery": _battery(robot, state),
+            "memory": (format_value(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text),
+        }
+        title = clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"
+        lines = [Content.assemble(("● ", colour), title, "  ", _trouble(robot, state, decision))]
+        for label, value in rows.items():
+            lines.append(Content.assemble((f"{label:<8}", INK.dim), value))
+        content = Content("\n").join(lines)
         if not content.is_same(self._content):
             self._content = content
             self.update(content)
 
     def on_click(self) -> None:
         self.display = False
-
-
-def _content(
-    robot: Robot, state: RobotState, decision: Decision | None, frame: Frame, colour: str
-) -> Content:
-    rows: dict[str, tuple[str, str] | Content] = {
-        "engines": _engines(state, decision),
-        "battery": _battery(robot, state),
-        "memory": (format_value(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text),
-    }
-    name = clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"
-    lines = [Content.assemble(("● ", colour), name, "  ", _trouble(robot, state, decision))]
-    lines += [
-        Content.assemble((f"{label:<8}", INK.dim), content) for label, content in rows.items()
-    ]
-    return Content("\n").join(lines)
 
 
 def _trouble(robot: Robot, state: RobotState, decision: Decision | None) -> tuple[str, str]:
@@ -172,12 +168,6 @@ def _trouble(robot: Robot, state: RobotState, decision: Decision | None) -> tupl
     if state.blocked:
         return "blocked", INK.warn
     return clip(one_line(robot.team), 13), INK.dim
-
-
-def _engines(state: RobotState, decision: Decision | None) -> tuple[str, str]:
-    if decision is None or decision.desire is None:
-        return "off", INK.dim
-    return f"{state.left_engine:+.2f}  {state.right_engine:+.2f}", INK.number
 
 
 def _battery(robot: Robot, state: RobotState) -> Content:

@@ -306,7 +306,11 @@ class LabyrinthView(Widget):
             self.overlay.press(*point)
             return
         self._held, self._is_dragged = event.screen_offset, False
-        self._grip = self._grip_at(event) if self.drags_robots else None
+        self._grip = None
+        name = self.robot_at(event.x, event.y) if self.drags_robots else None
+        if (robot := self._robot(name)) and (point := self._point(event)):
+            is_turned = event.button != 1 or event.ctrl
+            self._grip = Grip(robot.name, point[0] - robot.x, point[1] - robot.y, is_turned)
         self.capture_mouse()
 
     def on_mouse_up(self) -> None:
@@ -342,13 +346,6 @@ class LabyrinthView(Widget):
     def _robot(self, name: str | None) -> RobotState | None:
         robots = self._frame.after.robots if self._frame else ()
         return next((robot for robot in robots if robot.name == name), None)
-
-    def _grip_at(self, event: events.MouseDown) -> Grip | None:
-        robot, point = self._robot(self.robot_at(event.x, event.y)), self._point(event)
-        if robot is None or point is None:
-            return None
-        is_turned = event.button != 1 or event.ctrl
-        return Grip(robot.name, point[0] - robot.x, point[1] - robot.y, is_turned)
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         self._wheel(event, 1)

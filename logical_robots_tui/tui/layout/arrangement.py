@@ -10,11 +10,11 @@ from typing import ClassVar, NamedTuple, Self
 from textual import events
 from textual.containers import Container
 from textual.content import Content
-from textual.errors import NoWidget
 from textual.geometry import Offset, Size
 from textual.message import Message
 from textual.widget import Widget
 
+from logical_robots_tui.tui.app.ui import widget_at
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.wording import visible
 
@@ -74,16 +74,10 @@ class Pane(Container):
             "bottom": event.y == self.outer_size.height - 1,
         }
         side = next((side for side, is_there in sides.items() if is_there), None)
-        if side is not None and self._is_at(event.screen_offset):
+        # Events of children bubble up to the pane.
+        if side is not None and widget_at(self.screen, *event.screen_offset) is self:
             self._held = (side, event.screen_offset)
             self.capture_mouse()
-
-    def _is_at(self, place: Offset) -> bool:
-        """Whether a place shows this pane itself; events of children bubble up to it."""
-        try:
-            return self.screen.get_widget_at(*place)[0] is self
-        except NoWidget:  # outside of the screen, where terminals report the mouse, too
-            return False
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         if self._held is not None:

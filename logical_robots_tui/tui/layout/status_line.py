@@ -111,7 +111,9 @@ def fit(status: Status, width: int) -> Content:
     tick = f"tick {status.tick}"
     sign, sign_style = _SIGNS[status.activity]
     if status.thinking_for:
-        sign, sign_style = _thinking(status.thinking_for), f"bold {INK.warn}"
+        key = command("run").bar_key(typing=True) if status.thinking_for >= _LONG else ""
+        stop = f", {key} stops it" if key else ""
+        sign, sign_style = f"◌ thinking… {status.thinking_for:.1f} s{stop}", f"bold {INK.warn}"
     thought = Content.styled(f"{status.think_milliseconds:.1f} ms" * bool(status.tick), INK.dim)
     by_importance: list[tuple[int, Content]] = [
         (2, Content.styled(sign, sign_style)),
@@ -134,13 +136,6 @@ def fit(status: Status, width: int) -> Content:
             room -= need
     parts.sort(key=lambda pair: pair[0])
     return Content(" ").append(Content(" " * gap).join(part for _, part in parts))
-
-
-def _thinking(seconds: float) -> str:
-    key = command("run").bar_key(typing=True)
-    if seconds < _LONG or not key:
-        return f"◌ thinking… {seconds:.1f} s"
-    return f"◌ thinking… {seconds:.1f} s, {key} stops it"
 
 
 def _standing(scores: Sequence[tuple[str, float]]) -> Content:

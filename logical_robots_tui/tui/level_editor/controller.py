@@ -61,20 +61,15 @@ class LevelController(SessionListener):
         open_level: Callable[[Level], Awaitable[None]],
         changed: Callable[[], None],
     ) -> None:
-        self.session, self.ui = session, ui
-        self._folder, self._drafts, self._open_level, self.changed = (
-            folder,
-            drafts,
-            open_level,
-            changed,
-        )
+        self.session, self.ui, self.changed = session, ui, changed
+        self._folder, self._drafts, self._open_level = folder, drafts, open_level
         self.units: Callable[[], float] = lambda: 1.0
         self._saving = asyncio.Lock()
         self._autosave = Autosave(
             drafts,
             delay=_DRAFT_DELAY,
             state=self._unsaved_state,
-            draft=lambda state: _draft_of(*state),
+            draft=_draft_of,
             warn=ui.warn,
             subject="The edited level",
         )
@@ -109,7 +104,18 @@ class LevelController(SessionListener):
         """Let keys and mouse edit the level, with the draft of a key from a crashed session."""
         begins = not self.has_begun
         if begins:
-            self._begin(key)
+            from logical_robots_tui.editing.editor import LevelEditor
+            from logical_robots_tui.world.levels.native import coarsest_cell
+
+            levels, session = self.levels, self.session
+            saved = levels.saved
+            self.has_begun = True
+            self.file = Path(saved.source) if saved.source and not is_shipped(saved) else None
+            self._path = saved.source or key or f"new {saved.name} {os.urandom(4).hex()}"
+            self.editor = LevelEditor(
+                levels.edits, lambda: session.frame.after, self._edited, self.ui.warn
+            )
+            self.editor.configure(grid=min(coarsest_cell(levels.edited.walls), _COARSEST))
         self.is_on, self.is_testing = True, False
         self.changed()
         self._follow_game()
@@ -117,20 +123,6 @@ class LevelController(SessionListener):
             self._bring_back()
         self._look_through()
         self.changed()
-
-    def _begin(self, key: str) -> None:
-        from logical_robots_tui.editing.editor import LevelEditor
-        from logical_robots_tui.world.levels.native import coarsest_cell
-
-        levels, session = self.levels, self.session
-        saved = levels.saved
-        self.has_begun = True
-        self.file = Path(saved.source) if saved.source and not is_shipped(saved) else None
-        self._path = saved.source or key or f"new {saved.name} {os.urandom(4).hex()}"
-        self.editor = LevelEditor(
-            levels.edits, lambda: session.frame.after, self._edited, self.ui.warn
-        )
-        self.editor.configure(grid=min(coarsest_cell(levels.edited.walls), _COARSEST))
 
     def leave(self) -> None:
         self.editor.finish()
@@ -293,27 +285,31 @@ class LevelController(SessionListener):
 
         self.editor.finish()
         levels, path = self.levels, self._path
-        dialog = SaveLevel(levels.edited, self._proposal(), self._folder, self.file)
-        saved = await self.ui.ask(dialog)
+        if self.file is not None:
+            sibling = self.file.with_stem(f"{self.file.stem}-2")
+            name = sibling.stem if sibling.parent == self._folder else str(sibling)
+        elif not levels.saved.source:  # a new level is named after its title
+            words = re.findall(r"[^\W_]+", levels.edited.title.lower())
+            name = "-".join(words) or levels.saved.name
+        else:
+            name = f"my-{levels.saved.name.lstrip('0123456789-') or levels.saved.name}"
+        saved = await self.ui.ask(SaveLevel(levels.edited, name, self._folder, self.file))
         if saved is None:
             return False
         self.editor.do("title", lambda level: set_words(level, title=saved.title))
         self.saved(levels, path, levels.edited, saved)
         return True
 
-    def _proposal(self) -> str:
-        if self.file is not None:
-            sibling = self.file.with_stem(f"{self.file.stem}-2")
-            return sibling.stem if sibling.parent == self._folder else str(sibling)
-        saved = self.levels.saved
-        if not saved.source:  # a new level is named after its title
-            words = re.findall(r"[^\W_]+", self.levels.edited.title.lower())
-            return "-".join(words) or saved.name
-        return f"my-{saved.name.lstrip('0123456789-') or saved.name}"
-
     def saved(self, levels: OpenLevel, path: str, level: Level, saved: Level) -> None:
         """Note that `level` was saved; `saved` has the name and source of the file."""
-        self._tell_saved(level, saved)
+        from logical_robots_tui.editing.level_text import lost_in_web
+
+        if is_web_file(saved.source):
+            self.ui.tell(f"Saved as {one_line(Path(saved.source).name)} for the web platform.")
+            if lost := lost_in_web(replace(level, name=saved.name)):
+                self.ui.warn(f"That format has no place for: {', '.join(lost)}.")
+        else:
+            self.ui.tell(f"Saved as {one_line(saved.name)}.")
         is_over = levels is not self.levels
         if is_over and level is not levels.edited:
             return  # the draft holds later changes
@@ -326,17 +322,6 @@ class LevelController(SessionListener):
             levels.edits.mark_saved()
         self._autosave.edited()
         self.changed()
-
-    def _tell_saved(self, level: Level, saved: Level) -> None:
-        from logical_robots_tui.editing.level_text import lost_in_web
-
-        if not is_web_file(saved.source):
-            self.ui.tell(f"Saved as {one_line(saved.name)}.")
-            return
-        file = one_line(Path(saved.source).name)
-        self.ui.tell(f"Saved as {file} for the web platform.")
-        if lost := lost_in_web(replace(level, name=saved.name)):
-            self.ui.warn(f"That format has no place for: {', '.join(lost)}.")
 
     async def _ask_what_to_keep(self) -> None:
         """Wait for saving to end, ask what to do with unsaved changes, and leave editing."""
@@ -484,7 +469,8 @@ def _on_disk(saved: Level) -> Literal["same", "another", "none"]:
     return "same" if alike(disk_level, saved) else "another"
 
 
-def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:
+def _draft_of(state: tuple[str, str, Level | None]) -> Draft | Key:
     from logical_robots_tui.editing.level_text import write_native
 
+    path, title, level = state
     return ("level", path) if level is None else Draft("level", title, path, write_native(level))

@@ -73,7 +73,13 @@ class ToolLine(Labels):
 
     def _labels(self) -> list[tuple[str, Content]]:
         settings = self._controller.editor.settings
-        labels = [(tool.value, self._tool(tool)) for tool in Tool]
+        labels = []
+        for tool in Tool:
+            key, title = _key(tool.value), command(tool.value).title
+            label = Content.assemble((key, INK.key), " ", (title, INK.text))
+            if tool is settings.tool:
+                label = Content.styled(f"{key} {title}", f"bold {_CHOSEN}")
+            labels.append((tool.value, label))
         if settings.tool in PAINTING:
             width = settings.width * settings.grid
             labels.append(("wider_brush", _setting("[ ]", f"{count_of(width, 'unit')} wide")))
@@ -84,12 +90,6 @@ class ToolLine(Labels):
             labels.append(("outline", _setting(_key("outline"), filled)))
         labels.append(("grid_size", _setting(_key("grid_size"), f"grid {settings.grid}")))
         return labels
-
-    def _tool(self, tool: Tool) -> Content:
-        entry = command(tool.value)
-        if tool is self._controller.editor.settings.tool:
-            return Content.styled(f"{_key(tool.value)} {entry.title}", f"bold {_CHOSEN}")
-        return Content.assemble((_key(tool.value), INK.key), " ", (entry.title, INK.text))
 
 
 class InfoLine(Static):
@@ -195,7 +195,12 @@ class EditPanel:
             pane.view.show(editor.level, session.frame, hurried=session.running)
             if editor.cursor != self._cursor:
                 self._cursor = editor.cursor
-                self._keep_in_sight(*editor.cursor)
+                if (view := pane.view.view) is not None:
+                    x, y = editor.cursor[0] - view.left, editor.cursor[1] - view.top
+                    columns = _excess(x / view.units, view.columns)
+                    rows = _excess(y / (view.units * CELL_ASPECT), view.rows)
+                    if columns or rows:
+                        pane.view.pan(columns, rows)
             self._tools.follow()
             self._info.follow()
             self._changed()
@@ -240,15 +245,6 @@ class EditPanel:
     def _units(self) -> float:
         view = self._pane.view.view
         return view.units if view else 1.0
-
-    def _keep_in_sight(self, x: float, y: float) -> None:
-        view = self._pane.view.view
-        if view is None:
-            return
-        columns = _excess((x - view.left) / view.units, view.columns)
-        rows = _excess((y - view.top) / (view.units * CELL_ASPECT), view.rows)
-        if columns or rows:
-            self._pane.view.pan(columns, rows)
 
     def press(self, x: float, y: float) -> None:
         editor = self._controller.editor
@@ -321,14 +317,12 @@ def _mark(canvas: Canvas, editor: LevelEditor, findings: Sequence[LevelFinding])
         if (handle := handle_of(thing, view.units)) is not None:
             marks.append((view.cell(*handle), "*" if look.is_plain else "◆"))
         for cell, sign in marks:
-            if cell is not None and not _is_letter(cells, *cell):
+            if cell is None:
+                continue
+            (text, _), *_ = cells.row(*cell, cell[1] + 1)
+            if not text.isalnum():
                 canvas.put(cell, sign, _ACCENT)
     canvas.put(view.cell(*editor.cursor), "+", (0, 0, 0), accent)
-
-
-def _is_letter(cells: Cells, row: int, column: int) -> bool:
-    (text, _), *_ = cells.row(row, column, column + 1)
-    return text.isalnum()
 
 
 def _dot_grid(canvas: Canvas, editor: LevelEditor) -> None:

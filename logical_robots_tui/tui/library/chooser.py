@@ -124,19 +124,17 @@ class Chooser(Dialog[T], Generic[T]):
         if self._entries.is_attached:
             self._list(self._current)
         for name in self._all:
-            self._cards[name] = await asyncio.to_thread(self._card, name)
+            try:
+                card = await asyncio.to_thread(self._shelf.card, name)
+            except InputError as error:
+                card = Card("can't be used", str(error), is_error=True)
+            self._cards[name] = card
             if not self._entries.is_attached:
                 return  # closed meanwhile
             if name in self._shown:
                 self._entries.replace_option_prompt(name, self._entry(name))
             if self._highlighted == name:
                 self._preview(name)
-
-    def _card(self, name: str) -> Card:
-        try:
-            return self._shelf.card(name)
-        except InputError as error:
-            return Card("can't be used", str(error), is_error=True)
 
     @property
     def _highlighted(self) -> str | None:
@@ -146,9 +144,12 @@ class Chooser(Dialog[T], Generic[T]):
     def _list(self, highlighted: str | None) -> None:
         text = pasted_path(self._filter.value)
         words = text.casefold().split()
-        self._shown = [
-            name for name in self._all if all(word in self._searchable(name) for word in words)
-        ]
+        self._shown = []
+        for name in self._all:
+            card = self._cards.get(name)
+            content = f"{name} {card.headline if card else ''}".casefold()
+            if all(word in content for word in words):
+                self._shown.append(name)
         self._shown.sort(key=lambda name: name.casefold() != text.casefold())
         if is_path(text) and text not in self._all:
             self._shown.insert(0, text)
@@ -160,10 +161,6 @@ class Chooser(Dialog[T], Generic[T]):
             )
         else:
             self._preview(None)
-
-    def _searchable(self, name: str) -> str:
-        card = self._cards.get(name)
-        return f"{name} {card.headline if card else ''}".casefold()
 
     def _entry(self, name: str) -> Content:
         if name not in self._all:
@@ -224,7 +221,9 @@ class ProgramShelf:
 
     def card(self, name: str) -> Card:
         source = load_program(name, self.folder)
-        return Card(_first_comment(source) or ("" if source.shipped else "your own"), source.text)
+        lines = (line.lstrip() for line in source.text.splitlines()[:20])
+        comments = (line.lstrip("#").strip() for line in lines if line.startswith("#"))
+        return Card(next(comments, "") or ("" if source.shipped else "your own"), source.text)
 
     def take(self, name_or_path: str) -> ProgramSource:
         """Load a program; raises `InputError`."""
@@ -294,10 +293,3 @@ def _changes(current: str, restored: str) -> Iterator[str]:
     diff = difflib.unified_diff(current.splitlines(), restored.splitlines(), n=2, lineterm="")
     for row in islice(diff, 2, None):
         yield f"@ line {row.split()[1][1:].partition(',')[0]}" if row.startswith("@@") else row
-
-
-def _first_comment(source: ProgramSource) -> str:
-    for line in source.text.splitlines()[:20]:
-        if line.lstrip().startswith("#"):
-            return line.lstrip().lstrip("#").strip()
-    return ""

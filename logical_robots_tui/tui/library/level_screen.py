@@ -197,6 +197,7 @@ class LevelScreen(Dialog["Level | Wish"]):
             )
         )
 
+    @on(LevelCards.CardChosen)
     def _tell_detail(self) -> None:
         card, text = self._chosen_card, self._filter_text
         if is_path(text):
@@ -220,10 +221,6 @@ class LevelScreen(Dialog["Level | Wish"]):
         self._filter(self._chosen_card.name if self._chosen_card else None)
         if self._is_read:
             in_background(self, self._draw_all, "pictures", exclusive=True)
-
-    @on(LevelCards.CardChosen)
-    def _another_chosen(self) -> None:
-        self._tell_detail()
 
     @on(Input.Submitted, "#filter")
     @on(LevelCards.Taken)

@@ -96,7 +96,8 @@ class SaveAs(SaveDialog[ProgramSource]):
     heading = "Save the program as"
 
     def __init__(self, source: ProgramSource, text: str, folder: Path) -> None:
-        super().__init__(_proposal(source, folder))
+        name = source.name if source.path.parent == folder else str(source.path)
+        super().__init__(f"my-{source.name}" if source.shipped else name)
         self._source = source
         self._text = text
         self._folder = folder
@@ -110,12 +111,6 @@ class SaveAs(SaveDialog[ProgramSource]):
     async def save(self, path: Path) -> ProgramSource:
         await asyncio.to_thread(save_program, path, self._text)
         return await asyncio.to_thread(load_program, path)
-
-
-def _proposal(source: ProgramSource, folder: Path) -> str:
-    if source.shipped:
-        return f"my-{source.name}"
-    return source.name if source.path.parent == folder else str(source.path)
 
 
 class SaveLevel(SaveDialog[Level]):

@@ -9,7 +9,7 @@ import select
 import threading
 from codecs import getincrementaldecoder
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from time import monotonic
 from typing import Any, Protocol, runtime_checkable
@@ -344,17 +344,12 @@ class ListeningDriver(LinuxDriver):
         """Return whether more input is pending than anybody types; if so, discard it."""
         with self._all_answered:
             waiting = self._under_way
-        backlog, forget = self._backlog()
-        if waiting + backlog < _FLOOD:
+        app = self._app if isinstance(self._app, BacklogApp) else None
+        if waiting + (app.backlog if app is not None else 0) < _FLOOD:
             return False
-        self._loop.call_soon_threadsafe(forget)
+        if app is not None:
+            self._loop.call_soon_threadsafe(app.drop_typed)
         return True
-
-    def _backlog(self) -> tuple[int, Callable[[], None]]:
-        app = self._app
-        if isinstance(app, BacklogApp):
-            return app.backlog, app.drop_typed
-        return 0, lambda: None
 
     def _hear(self, answers: int) -> None:
         """Post answers, at most as many as there were queries."""

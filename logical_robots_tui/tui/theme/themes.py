@@ -265,25 +265,21 @@ def palette_of(theme: Theme) -> Palette:
     if theme.ansi:
         return palette
     if theme.name not in _PALETTES:
-        _PALETTES[theme.name] = _tint(palette, theme)
+        theme_colours = theme.to_color_system().generate()
+        tone = parse(theme_colours["background"])
+        _PALETTES[theme.name] = palette._replace(
+            void=parse(theme_colours["surface"]),
+            floor=mix(palette.floor, tone, _TONE),
+            grid=mix(palette.grid, tone, _TONE),
+            plate=mix(palette.plate, tone, _TONE),
+            rock=mix(palette.rock, tone, _TONE / 2),
+        )
     return _PALETTES[theme.name]
 
 
 _NIGHT_PALETTE = DARK._replace(void=(16, 20, 28))  # the surface, in steps of 4
 _PALETTES: dict[str, Palette] = {}
 """What `palette_of` has returned, because it takes 0.7 ms and is asked in every picture."""
-
-
-def _tint(palette: Palette, theme: Theme) -> Palette:
-    theme_colours = theme.to_color_system().generate()
-    tone = parse(theme_colours["background"])
-    return palette._replace(
-        void=parse(theme_colours["surface"]),
-        floor=mix(palette.floor, tone, _TONE),
-        grid=mix(palette.grid, tone, _TONE),
-        plate=mix(palette.plate, tone, _TONE),
-        rock=mix(palette.rock, tone, _TONE / 2),
-    )
 
 
 def robot_ink(colour: str, palette: Palette) -> str:
