@@ -82,10 +82,8 @@ class Fields(NamedTuple):
         return int(value)
 
     def integers(self, key: str, *, minimum: int) -> tuple[int, ...]:
-        return tuple(
-            Fields({item: number}, self.file, self.path).integer(item, minimum=minimum)
-            for item, number in ((f"{key}[{i}]", n) for i, n in enumerate(self._list(key)))
-        )
+        items = self._items(key)
+        return tuple(fields.integer(item, minimum=minimum) for item, fields in items)
 
     def flag(self, key: str, default: bool = False) -> bool:
         value = self.record.get(key)
@@ -104,15 +102,21 @@ class Fields(NamedTuple):
     def name(self, key: str, default: str | None = None) -> str:
         """Return a name: one short line that can be shown; required if there is no default."""
         value = self._text(key, default)
-        return self._checked_name(key, value) if self.has(key) else value
+        if not self.has(key):
+            return value
+        if not value.strip():
+            raise self.error(key, f'"{key}" is empty.')
+        if len(value) > LONGEST_NAME:
+            raise self.error(key, f'"{key}" is longer than {LONGEST_NAME} characters.')
+        if not value.isprintable():
+            raise self.error(key, f'"{key}" has a character that can\'t be shown.')
+        return value
 
     def names(self, key: str) -> tuple[str, ...]:
-        return tuple(self._checked_name(item, text) for item, text in self._texts(key))
+        return tuple(fields.name(item) for item, fields in self._items(key, "text"))
 
     def texts(self, key: str) -> tuple[str, ...]:
-        return tuple(
-            Fields({item: text}, self.file, self.path).text(item) for item, text in self._texts(key)
-        )
+        return tuple(fields.text(item) for item, fields in self._items(key, "text"))
 
     def choice(self, key: str, options: tuple[_T, ...], default: _T) -> _T:
         if not self.has(key):
@@ -135,19 +139,27 @@ class Fields(NamedTuple):
             raise self.error(key, f'"{key}" is not a colour.', hint)
         return value
 
-    def table(self, key: str) -> Fields:
-        """Return a record inside this one; an empty one if missing."""
+    def table(self, key: str, keys: Collection[str]) -> Fields:
+        """Return a record inside this one, which has no other keys; an empty one if missing."""
         value = self.record.get(key)
         if value is not None and not isinstance(value, dict):
             raise self._type_error(key, "a record")
-        return Fields(value or {}, self.file, f"{self.path}.{key}" if self.path else key)
+        table = Fields(value or {}, self.file, f"{self.path}.{key}" if self.path else key)
+        table.refuse_unknown(keys)
+        return table
 
-    def records(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
+    def records(
+        self, key: str, read: Callable[[Fields], _T], keys: Collection[str] | None = None
+    ) -> tuple[_T, ...]:
+        """Return the records of a list; with `keys` they may have no others."""
         records = []
         for i, item in enumerate(self._list(key)):
             if not isinstance(item, dict):
                 raise self.error(f"{key}[{i}]", f"This must be a record, not {_kind(item)}.")
-            records.append(Fields(item, self.file, f"{key}[{i}]"))
+            record = Fields(item, self.file, f"{key}[{i}]")
+            if keys is not None:
+                record.refuse_unknown(keys)
+            records.append(record)
         return tuple(map(read, records))
 
     def check_size(self, key: str, width: int, height: int) -> None:
@@ -182,22 +194,15 @@ class Fields(NamedTuple):
             raise self.error(key, message)
         return value
 
-    def _texts(self, key: str) -> list[tuple[str, str]]:
-        texts = []
-        for i, item in enumerate(self._list(key)):
-            if not isinstance(item, str):
-                raise self.error(f"{key}[{i}]", f"This must be text, not {_kind(item)}.")
-            texts.append((f"{key}[{i}]", item))
-        return texts
-
-    def _checked_name(self, key: str, value: str) -> str:
-        if not value.strip():
-            raise self.error(key, f'"{key}" is empty.')
-        if len(value) > LONGEST_NAME:
-            raise self.error(key, f'"{key}" is longer than {LONGEST_NAME} characters.')
-        if not value.isprintable():
-            raise self.error(key, f'"{key}" has a character that can\'t be shown.')
-        return value
+    def _items(self, key: str, kind: str = "") -> list[tuple[str, Fields]]:
+        """Return the items of a list, perhaps all of a kind, as fields with names of their own."""
+        items = []
+        for i, value in enumerate(self._list(key)):
+            item = f"{key}[{i}]"
+            if kind and _kind(value) != kind:
+                raise self.error(item, f"This must be {kind}, not {_kind(value)}.")
+            items.append((item, Fields({item: value}, self.file, self.path)))
+        return items
 
 
 def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:

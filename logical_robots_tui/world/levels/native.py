@@ -53,6 +53,7 @@ _TOP_KEYS = (
 )
 _ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery", "team")
 _BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
+_TEAM_KEYS = ("name", "program")
 _BEACON_KEYS = ("name", "x", "y", "charging_station")
 _AREA_KEYS = (
     *("name", "x", "y", "radius", "color", "goal_for"),
@@ -68,10 +69,10 @@ def read_native(text: str, name: str, source: str) -> Level:
     words = read_words(top)
     walls = read_drawing(top, text)
     height, width = walls.shape
-    robots = top.records("robots", read_robot)
+    robots = top.records("robots", read_robot, _ROBOT_KEYS)
     check_robot_names(top, tuple(robot.name for robot in robots))
-    beacons = top.records("beacons", read_beacon)
-    areas = top.records("areas", read_area)
+    beacons = top.records("beacons", read_beacon, _BEACON_KEYS)
+    areas = top.records("areas", read_area, _AREA_KEYS)
     words |= {"robots": robots, "beacons": beacons, "areas": areas}
     level = Level(name=name, width=width, height=height, walls=walls, source=source, **words)
     for oddity in chain(misfits(level), () if top.flag("lenient") else oddities(level)):
@@ -81,8 +82,8 @@ def read_native(text: str, name: str, source: str) -> Level:
 
 def read_words(top: Fields) -> dict[str, Any]:
     """Return a level's attributes except the labyrinth and its objects, or raise LevelError."""
-    match = top.table("match")
-    match.refuse_unknown(("ticks",))
+    match = top.table("match", ("ticks",))
+    visibility = top.table("visibility", ("memory", "sensor"))
     if top.has("match") and not top.has("teams"):
         raise top.error("match", "A match needs teams.", "List them as [[teams]].")
     return {
@@ -91,17 +92,22 @@ def read_words(top: Fields) -> dict[str, Any]:
         "briefing": top.text("briefing", "").strip("\n"),
         "hints": top.texts("hints"),
         "lesson": top.text("lesson", "").strip("\n"),
-        "questions": top.records("questions", _question),
+        "questions": top.records("questions", _question, ("ask", "answer", "ticks", "program")),
         "further": top.text("further", "").strip("\n"),
         "story": top.text("story", "").strip("\n"),
         "starter": top.name("starter", ""),
         "solution": top.name("solution", ""),
-        "visibility": _visibility(top.table("visibility")),
+        "visibility": Visibility(
+            memory=visibility.choice("memory", ("own", "seen", "all"), "own"),
+            sensor=visibility.choice("sensor", ("own", "all"), "own"),
+        ),
         "shared_names": top.names("shared_names"),
         "second_goals": tuple(_second_goals(top)),
-        "teams": top.records("teams", _read_team),
+        "teams": top.records(
+            "teams", lambda team: Team(team.name("name"), team.name("program", "")), _TEAM_KEYS
+        ),
         "match_ticks": match.integer("ticks", minimum=1) if top.has("match") else 0,
-        "scores": top.records("scores", _score),
+        "scores": top.records("scores", _score, ("kind", "area", "points")),
         **{key: top.flag(key) for key in FLAGS},
         "shuffled_names": top.names("shuffled_names"),
     }
@@ -191,9 +197,7 @@ def _parse(text: str, source: str) -> dict[str, object]:
 
 
 def read_robot(fields: Fields) -> Robot:
-    fields.refuse_unknown(_ROBOT_KEYS)
-    battery = fields.table("battery")
-    battery.refuse_unknown(_BATTERY_KEYS)
+    battery = fields.table("battery", _BATTERY_KEYS)
     has_battery = fields.has("battery")
     used = battery.flag("used", True)
     if fields.has("angle") and fields.has("heading"):
@@ -211,12 +215,10 @@ def read_robot(fields: Fields) -> Robot:
 
 
 def read_beacon(fields: Fields) -> Beacon:
-    fields.refuse_unknown(_BEACON_KEYS)
     return Beacon(*fields.name_and_position(), fields.flag("charging_station"))
 
 
 def read_area(fields: Fields) -> Area:
-    fields.refuse_unknown(_AREA_KEYS)
     return Area(
         *fields.name_and_position(),
         radius=fields.number("radius", minimum=0),
@@ -229,13 +231,7 @@ def read_area(fields: Fields) -> Area:
     )
 
 
-def _read_team(fields: Fields) -> Team:
-    fields.refuse_unknown(("name", "program"))
-    return Team(fields.name("name"), fields.name("program", ""))
-
-
 def _score(fields: Fields) -> Score:
-    fields.refuse_unknown(("kind", "area", "points"))
     kinds: tuple[ScoreKind, ...] = get_args(ScoreKind)
     kind = fields.choice("kind", kinds, None)
     if kind is None:
@@ -267,7 +263,6 @@ LAST_TICK_ASKED = 10_000
 
 
 def _question(fields: Fields) -> LevelQuestion:
-    fields.refuse_unknown(("ask", "answer", "ticks", "program"))
     ask, answer = (fields.text(key).strip() for key in ("ask", "answer"))
     for key, text in (("ask", ask), ("answer", answer)):
         if not text:
@@ -277,14 +272,6 @@ def _question(fields: Fields) -> LevelQuestion:
         message = f'"ticks" must be ascending numbers up to {LAST_TICK_ASKED}.'
         raise fields.error("ticks", message, "Write them like [120, 480].")
     return LevelQuestion(ask, answer, ticks, fields.name("program", ""))
-
-
-def _visibility(fields: Fields) -> Visibility:
-    fields.refuse_unknown(("memory", "sensor"))
-    return Visibility(
-        memory=fields.choice("memory", ("own", "seen", "all"), "own"),
-        sensor=fields.choice("sensor", ("own", "all"), "own"),
-    )
 
 
 _WALL = ord("#")
@@ -398,10 +385,13 @@ def draw_rows(walls: _Bits, cell: int, old_lines: Sequence[str] = ()) -> list[st
         start += row.times
         if (block == row.cells()).all():
             lines.append(row.line)
-        elif row.counts is None:
-            lines.append(_redraw(row.line, block[0]))
-        else:
+        elif row.counts is not None:
             lines += _fresh(block, short=True)
+        else:  # free cells keep their character
+            free = " " if " " in row.line and "." not in row.line else "."
+            pairs = zip(row.line, block[0].tolist(), strict=True)
+            characters = ("#" if wall else free if old == "#" else old for old, wall in pairs)
+            lines.append("".join(characters))
     return lines
 
 
@@ -459,12 +449,3 @@ def _shorten(row: _Bits) -> str:
 def _runs() -> tuple[tuple[str, ...], tuple[str, ...]]:
     counts = range(MOST_SIDE + 1)
     return tuple(f"{count}#" for count in counts), tuple(f"{count}." for count in counts)
-
-
-def _redraw(line: str, row: _Bits) -> str:
-    """Return a drawn line with new walls; free cells keep their character."""
-    free = " " if " " in line and "." not in line else "."
-    return "".join(
-        "#" if wall else free if character == "#" else character
-        for character, wall in zip(line, row.tolist(), strict=True)
-    )
