@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from itertools import product
@@ -94,15 +93,14 @@ def drive(
     column, row = math.floor(x), math.floor(y)
     is_on_map = 0 <= column < level.width and 0 <= row < level.height
     is_in_wall = is_on_map and level.walls[row, column]
-    if is_in_wall or any(_is_blocked_by(mover, x, y, body) for body in bodies):
+    if is_in_wall or any(
+        (distance := math.hypot(x - body.x, y - body.y)) < ROBOT_WIDTH
+        and distance < math.hypot(mover.x - body.x, mover.y - body.y)
+        for body in bodies
+    ):
         mover.blocked = speed != 0
     else:
         mover.x, mover.y = x, y
-
-
-def _is_blocked_by(mover: Mover, x: float, y: float, body: RobotState) -> bool:
-    distance = math.hypot(x - body.x, y - body.y)
-    return distance < ROBOT_WIDTH and distance < math.hypot(mover.x - body.x, mover.y - body.y)
 
 
 def push_out(mover: Mover, areas: Iterable[Area]) -> None:
@@ -214,11 +212,6 @@ def is_dead(robot: Robot, mover: Mover) -> bool:
     return robot.has_battery and mover.battery_level <= 0 and robot.battery_consumption_rate > 0
 
 
-def starts_active(area: Area) -> bool:
-    """Return whether an area is on at the start: yes, unless a beacon switches it on."""
-    return not area.on_beacon
-
-
 def next_active(area: Area, active: bool, visible_beacons: AbstractSet[str]) -> bool:
     """Return whether an area is on after this tick; the beacons are those on any radar."""
     if area.off_beacon and area.off_beacon in visible_beacons:
@@ -227,7 +220,7 @@ def next_active(area: Area, active: bool, visible_beacons: AbstractSet[str]) -> 
         return True
     if area.sticky_switch and (area.on_beacon or area.off_beacon):
         return active
-    return starts_active(area)
+    return not area.on_beacon  # as at the start
 
 
 def is_won(areas: Iterable[tuple[Area, AreaState]], all_goals: bool = False) -> bool:
@@ -246,21 +239,17 @@ _PER_UNIT = 1000
 
 def points(level: Level, state: WorldState) -> dict[str, tuple[float, ...]]:
     """Return each team's points for each part of the score; constant after the match."""
+    farthest = _PER_UNIT * math.hypot(level.width, level.height)
+    worth: dict[str, Callable[[int], float]] = {
+        "first": lambda tick: min(tick, 1),
+        "beacons": int.bit_count,
+        "near": lambda distance: max(0.0, 1 - distance / farthest),
+    }
     parts = [
-        [score.points * _worth(level, score, tally) for tally in tallies]
+        [score.points * worth.get(score.kind, int)(tally) for tally in tallies]
         for score, tallies in zip(level.scores, state.tallies, strict=True)
     ]
     return {team.name: tuple(part[i] for part in parts) for i, team in enumerate(level.teams)}
-
-
-def _worth(level: Level, score: Score, tally: int) -> float:
-    if score.kind == "first":
-        return min(tally, 1)
-    if score.kind == "beacons":
-        return tally.bit_count()
-    if score.kind == "near":
-        return max(0.0, 1 - tally / _PER_UNIT / math.hypot(level.width, level.height))
-    return tally
 
 
 def start_tallies(
@@ -288,72 +277,56 @@ def tally_tick(
     """
     if tick > level.match_ticks or not previous:
         return tuple(previous)
-    scoring = _ScoredTick(level, tick, robots, areas, rows)
-    return tuple(
-        scoring.tally(score, tallies) for score, tallies in zip(level.scores, previous, strict=True)
-    )
+    teams = {team.name: i for i, team in enumerate(level.teams)}
+    team_of = {robot.name: teams[robot.team] for robot in level.robots}
+    members = [[r for r in robots if team_of[r.name] == i] for i in teams.values()]
+    active = [pair for pair in zip(level.areas, areas, strict=True) if pair[1].active]
 
-
-class _ScoredTick:
-    def __init__(
-        self,
-        level: Level,
-        tick: int,
-        robots: Sequence[RobotState],
-        areas: Sequence[AreaState],
-        rows: Sequence[SensorRow],
-    ) -> None:
-        self._level, self._tick, self._rows = level, tick, rows
-        self._areas: dict[str, list[tuple[Area, AreaState]]] = defaultdict(list)
-        for area, state in zip(level.areas, areas, strict=True):
-            if state.active:
-                self._areas[area.name].append((area, state))
-        teams = {team.name: i for i, team in enumerate(level.teams)}
-        self._team = {robot.name: teams[robot.team] for robot in level.robots}
-        self._robots: list[list[RobotState]] = [[] for _ in teams]
-        for robot in robots:
-            self._robots[self._team[robot.name]].append(robot)
-
-    def tally(self, score: Score, previous: tuple[int, ...]) -> tuple[int, ...]:
-        areas = self._areas[score.area]
+    def tally(score: Score, previous: tuple[int, ...]) -> tuple[int, ...]:
+        scored = [pair for pair in active if pair[0].name == score.area]
         if score.kind == "beacons":
-            return self._beacons(previous)
+            return _beacon_masks(level, previous, team_of, rows)
         if score.kind == "charged":
-            return tuple(sum(not robot.dead for robot in team) for team in self._robots)
+            return tuple(sum(not robot.dead for robot in team) for team in members)
         if score.kind == "near":
-            return tuple(self._distance(team, [area for area, _ in areas]) for team in self._robots)
-        if self._tick == 0 or (score.kind == "first" and any(previous)):
+            farthest = math.hypot(level.width, level.height)
+            return tuple(
+                _distance(team, [area for area, _ in scored], farthest) for team in members
+            )
+        if tick == 0 or (score.kind == "first" and any(previous)):
             return previous
-        teams = range(len(self._robots))
-        visiting_teams = [[self._team[name] for name in state.visitors] for _, state in areas]
-        counts = [[visitors.count(team) for team in teams] for visitors in visiting_teams]
+        visitors = [[team_of[name] for name in state.visitors] for _, state in scored]
+        counts = [[names.count(team) for team in teams.values()] for names in visitors]
         if score.kind == "first":
-            inside = [any(row) for row in zip(*counts, strict=True)] or [False] * len(previous)
-            return tuple(self._tick * is_in for is_in in inside)
-        leaders = [_leaders(count, alone=score.kind == "hold") for count in counts]
-        return tuple(map(sum, zip(previous, *leaders, strict=True)))
+            return tuple(tick * any(row[i] for row in counts) for i in teams.values())
+        # The leader has an area alone, or more robots there than any other team.
+        return tuple(
+            total
+            + sum(
+                row[i] > max([0, *row[:i], *row[i + 1 :]])
+                and (score.kind == "most" or row[i] == sum(row))
+                for row in counts
+            )
+            for i, total in enumerate(previous)
+        )
 
-    def _beacons(self, previous: tuple[int, ...]) -> tuple[int, ...]:
-        names = list(dict.fromkeys(beacon.name for beacon in self._level.beacons))
-        bits = {name: 1 << i for i, name in enumerate(names)}
-        masks = list(previous)
-        for row in self._rows:
-            team = self._team[row["robot_name"]]
-            for ray in row["sensor"]["radar"]:
-                if ray["object"] == "beacon":
-                    masks[team] |= bits[ray["label"]]
-        return tuple(masks)
-
-    def _distance(self, robots: Sequence[RobotState], areas: Sequence[Area]) -> int:
-        pairs = product(robots, areas)
-        gaps = [math.hypot(r.x - area.x, r.y - area.y) - area.radius for r, area in pairs]
-        farthest = math.hypot(self._level.width, self._level.height)
-        return round(max(0.0, min(gaps, default=farthest)) * _PER_UNIT)
+    return tuple(map(tally, level.scores, previous))
 
 
-def _leaders(count: Sequence[int], *, alone: bool) -> list[bool]:
-    """Return which team has an area: alone, or with more robots than any other."""
-    return [
-        robots > max([0, *count[:i], *count[i + 1 :]]) and (not alone or robots == sum(count))
-        for i, robots in enumerate(count)
-    ]
+def _beacon_masks(
+    level: Level, masks: Sequence[int], team_of: Mapping[str, int], rows: Sequence[SensorRow]
+) -> tuple[int, ...]:
+    """Return a bit for each name of a beacon that a team has seen, also in these rows."""
+    names = dict.fromkeys(beacon.name for beacon in level.beacons)
+    bits = {name: 1 << i for i, name in enumerate(names)}
+    masks = list(masks)
+    for row in rows:
+        for ray in row["sensor"]["radar"]:
+            if ray["object"] == "beacon":
+                masks[team_of[row["robot_name"]]] |= bits[ray["label"]]
+    return tuple(masks)
+
+
+def _distance(robots: Sequence[RobotState], areas: Sequence[Area], farthest: float) -> int:
+    gaps = [math.hypot(r.x - a.x, r.y - a.y) - a.radius for r, a in product(robots, areas)]
+    return round(max(0.0, min(gaps, default=farthest)) * _PER_UNIT)

@@ -90,8 +90,11 @@ class Senses:
         beacons; active solid areas are seen as walls.
         """
         last = self._last = self._look(robots, [areas[i].active for i in self._solid])
-        parts = zip(self._robots, robots, last.views, strict=True)
-        rows = [_row(robot, state, view, clock) for robot, state, view in parts]
+        rows: list[SensorRow] = []
+        for robot, state, view in zip(self._robots, robots, last.views, strict=True):
+            fields = {name: getattr(state if changes else robot, name) for name, changes in _SELF}
+            sensor = {**view, "self": fields, "clock": clock}
+            rows.append({"robot_name": robot.name, "sensor": sensor})
         if not self._has_switches:
             return rows, frozenset()
         code = last.hits % self._codes
@@ -107,7 +110,13 @@ class Senses:
             if not indices:
                 return last._replace(robots=robots)
         rays = rays_of(robots, indices)
-        hits = self._hits(rays, self._circles(robots, active))
+        x, y = self._x.copy(), self._y.copy()
+        x[: len(robots)] = [robot.x for robot in robots]
+        y[: len(robots)] = [robot.y for robot in robots]
+        for number, is_active in enumerate(active, len(x) - len(active)):
+            if not is_active:
+                x[number] = np.inf
+        hits = self._hits(rays, Circles(self._numbers, x, y, self._radius))
         if self._by_name is not None:
             self._settle(hits, rays, robots, self._by_name)
         distance, code = np.divmod(hits, self._codes)
@@ -120,15 +129,6 @@ class Senses:
             views = [new_views.get(index, view) for index, view in enumerate(last.views)]
             hits = all_hits
         return _Reading(robots, active, hits, views)
-
-    def _circles(self, robots: Sequence[RobotState], active: list[bool]) -> Circles:
-        x, y = self._x.copy(), self._y.copy()
-        x[: len(robots)] = [robot.x for robot in robots]
-        y[: len(robots)] = [robot.y for robot in robots]
-        for number, is_active in enumerate(active, len(x) - len(active)):
-            if not is_active:
-                x[number] = np.inf
-        return Circles(self._numbers, x, y, self._radius)
 
     def _hits(self, rays: Rays, circles: Circles) -> _Hits:
         if len(rays.robot) <= _ROBOTS_AT_ONCE:
@@ -181,14 +181,6 @@ def _view(
             {"angle": angle, "distance": distance, "object": kind, "label": label}
             for angle, distance, kind, label in zip(angles, distances, objects, labels, strict=True)
         ],
-    }
-
-
-def _row(robot: Robot, state: RobotState, view: _View, clock: int) -> SensorRow:
-    self_fields = {name: getattr(state if changes else robot, name) for name, changes in _SELF}
-    return {
-        "robot_name": robot.name,
-        "sensor": {**view, "self": self_fields, "clock": clock},
     }
 
 

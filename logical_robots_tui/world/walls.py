@@ -120,11 +120,15 @@ class Walls:
         box = difference_box(like._walls, self._walls)
         if box is None:
             return like._room
-        room, part, outer = like._room.copy(), [], []
-        for changed, length in zip(box, self._walls.shape, strict=True):
-            part.append(_widen(changed, self._reach, length))
-            # The walls nearest to a cell in that part may be as far away again.
-            outer.append(_widen(changed, 2 * self._reach, length))
+        # The walls nearest to a cell in the part that may change may be as far away again.
+        room = like._room.copy()
+        part, outer = (
+            [
+                slice(max(changed.start - margin, 0), min(changed.stop + margin, length))
+                for changed, length in zip(box, self._walls.shape, strict=True)
+            ]
+            for margin in (self._reach, 2 * self._reach)
+        )
         pads = [
             (_RIM * (span.start == 0), _RIM * (span.stop == length))
             for span, length in zip(outer, self._walls.shape, strict=True)
@@ -184,10 +188,6 @@ def _room(walls: _Bits, reach: int) -> _Bytes:
     return room
 
 
-def _widen(part: slice, margin: int, length: int) -> slice:
-    return slice(max(part.start - margin, 0), min(part.stop + margin, length))
-
-
 _ROWS_AT_ONCE = 64  # bounds the memory for distances along rows
 
 
@@ -208,18 +208,15 @@ def clearances(walls: _Bits, limit: int) -> _Bytes:
 def row_clearances(walls: _Bits, limit: int) -> _Bytes:
     """Like `clearances`, but within each row."""
     distances = np.empty(walls.shape, dtype=np.uint8)
-    for start in range(0, len(walls), _ROWS_AT_ONCE):
-        rows = slice(start, start + _ROWS_AT_ONCE)
-        distances[rows] = _along_rows(walls[rows], limit)
-    return distances
-
-
-def _along_rows(walls: _Bits, limit: int) -> NDArray[np.int32]:
     column = np.arange(walls.shape[1], dtype=np.int32)
-    left = np.maximum.accumulate(np.where(walls, column, -limit), axis=1)
     outside = np.int32(walls.shape[1] + limit)
-    right = np.minimum.accumulate(np.where(walls, column, outside)[:, ::-1], axis=1)[:, ::-1]
-    return np.minimum(np.minimum(column - left, right - column), limit)
+    for start in range(0, len(walls), _ROWS_AT_ONCE):
+        rows = walls[start : start + _ROWS_AT_ONCE]
+        left = np.maximum.accumulate(np.where(rows, column, -limit), axis=1)
+        right = np.minimum.accumulate(np.where(rows, column, outside)[:, ::-1], axis=1)[:, ::-1]
+        near = np.minimum(np.minimum(column - left, right - column), limit)
+        distances[start : start + _ROWS_AT_ONCE] = near
+    return distances
 
 
 def _carry_over(distances: _Bytes) -> None:

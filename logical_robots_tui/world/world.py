@@ -27,7 +27,6 @@ from logical_robots_tui.world.dynamics import (
     run_batteries,
     run_battery,
     start_tallies,
-    starts_active,
     tally_tick,
 )
 from logical_robots_tui.world.level import Area, Level, Robot
@@ -248,7 +247,7 @@ Pose: TypeAlias = tuple[float, float, float]
 def start_state(level: Level) -> WorldState:
     """Return the world at tick 0, before anybody has sensed."""
     robots = tuple(_start_robot(robot) for robot in level.robots)
-    areas = tuple(AreaState(area.name, starts_active(area)) for area in level.areas)
+    areas = tuple(AreaState(area.name, not area.on_beacon) for area in level.areas)
     return WorldState(0, robots, areas, tallies=start_tallies(level, robots, areas))
 
 
@@ -275,13 +274,18 @@ def change_state(
         else _apply_pose(_start_robot(robot), poses)
         for robot in new.robots
     )
-    areas = tuple(
-        AreaState(area.name, active, tuple(r.name for r in robots if is_inside(r, area)))
-        for area, active in zip(new.areas, _switch_states(state, old, new), strict=True)
-    )
+    old_states: dict[tuple[object, ...], list[bool]] = {}
+    for area, area_state in zip(old.areas, state.areas, strict=True):
+        old_states.setdefault(_switch(area), []).append(area_state.active)
+    area_states = []
+    for area in new.areas:
+        states = old_states.get(_switch(area))
+        active = states.pop(0) if states else not area.on_beacon
+        visitors = tuple(robot.name for robot in robots if is_inside(robot, area))
+        area_states.append(AreaState(area.name, active, visitors))
     is_scored_alike = _score_key(old) == _score_key(new)
-    tallies = state.tallies if is_scored_alike else start_tallies(new, robots, areas)
-    return WorldState(state.tick, robots, areas, state.won_at, tallies)
+    tallies = state.tallies if is_scored_alike else start_tallies(new, robots, area_states)
+    return WorldState(state.tick, robots, tuple(area_states), state.won_at, tallies)
 
 
 def former_names(old: Level, new: Level) -> dict[str, str]:
@@ -312,18 +316,6 @@ def _apply_pose(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
 def _start_robot(robot: Robot) -> RobotState:
     capacity = float(robot.battery_capacity)
     return RobotState(robot.name, float(robot.x), float(robot.y), float(robot.angle), capacity)
-
-
-def _switch_states(state: WorldState, old: Level, new: Level) -> list[bool]:
-    """Return which areas are on; the same areas keep their state, others begin anew."""
-    old_states: dict[tuple[object, ...], list[bool]] = {}
-    for area, area_state in zip(old.areas, state.areas, strict=True):
-        old_states.setdefault(_switch(area), []).append(area_state.active)
-    active = []
-    for area in new.areas:
-        states = old_states.get(_switch(area))
-        active.append(states.pop(0) if states else starts_active(area))
-    return active
 
 
 def _switch(area: Area) -> tuple[object, ...]:
