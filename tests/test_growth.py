@@ -20,6 +20,9 @@ from logical_robots_tui.lab.handins import entries_of, stems_of
 from logical_robots_tui.lab.submissions import plan_grading, read_assignment
 from logical_robots_tui.lab.sweeping import read_experiment
 from logical_robots_tui.language import package_patches
+from logical_robots_tui.language.services import completion
+from logical_robots_tui.language.services.completion import words_for
+from logical_robots_tui.language.services.editing import rename
 from logical_robots_tui.language.source_text import prepare, size_of
 from logical_robots_tui.mind.compiling.compiler import compile_text
 from logical_robots_tui.mind.sqlite import casting
@@ -27,9 +30,6 @@ from logical_robots_tui.player.settings import read_settings, write_setting
 from logical_robots_tui.toml_files import TomlFile
 from logical_robots_tui.tui.commands.keymap import KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.program import completion
-from logical_robots_tui.tui.program.completion import Place, words_for
-from logical_robots_tui.tui.program.editor import rename
 from logical_robots_tui.values import read_value
 from logical_robots_tui.world import World
 from logical_robots_tui.world.levels.load import read_level, read_web
@@ -191,7 +191,7 @@ def cast(text: str, _folder: Path) -> None:
 
 
 def completed(text: str, _folder: Path) -> None:
-    words_for(text, Place(0, len(text)))
+    words_for(text, (0, len(text)))
     completion.call_before(text)
     completion.word_before(text)
     completion.word_around(text, len(text))

@@ -47,7 +47,7 @@ USES = """if True:
     from logical_robots_tui import Mind, Program, ProgramError, World, load_level
     from logical_robots_tui.game.run import simulation_digest
     from logical_robots_tui.mind.compilation import _digest_of_parts
-    from logical_robots_tui.tui.program.completion import Place, words_for
+    from logical_robots_tui.language.services.completion import words_for
 
     program = '''
     Robot(robot_name:, desire: {left_engine: sensor.self.y, right_engine: 0}, memory: s) :-
@@ -67,8 +67,8 @@ USES = """if True:
         (diagnostic,) = error.diagnostics
         assert "self has no field yy" in diagnostic.message, diagnostic
 
-    (word,) = words_for("Robot(a: sensor.self.y", Place(0, 22))
-    assert word.told == "how far down the robot is: 0 or more map units"
+    (word,) = words_for("Robot(a: sensor.self.y", (0, 22))
+    assert word.meaning == "how far down the robot is: 0 or more map units"
     told = "`sensor.self.y` | number | 0 or more map units | how far down the robot is |"
     assert told in page()
     assert told in language()

@@ -15,6 +15,7 @@ from textual.widgets.option_list import Option
 from textual.worker import Worker
 
 from logical_robots_tui.game import Frame, Superseded
+from logical_robots_tui.language.services.completion import definitions
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, traced_pin
@@ -22,7 +23,6 @@ from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, InspectorQues
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.layout.arrangement import HIGHEST_TABLE, Pane
 from logical_robots_tui.tui.layout.dialogs import Listing
-from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level

@@ -16,6 +16,7 @@ from logical_robots_tui.game.level_questions import (
     program_of,
     ticks_in_words,
 )
+from logical_robots_tui.language.services.completion import NAMES
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.player.learning import Learning
 from logical_robots_tui.tui.app.ui import in_background
@@ -23,7 +24,6 @@ from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.questions import BackgroundQuery, Cancelled
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line, visible
 from logical_robots_tui.world import Level

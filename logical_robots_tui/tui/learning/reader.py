@@ -12,8 +12,8 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Markdown, Static
 
+from logical_robots_tui.language.services.lexer import LineStates, pieces
 from logical_robots_tui.tui.layout.dialogs import Dialog, keys_in_style
-from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX
 from logical_robots_tui.wording import one_line, visible
 

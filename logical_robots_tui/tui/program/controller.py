@@ -18,11 +18,11 @@ from textual.widgets.text_area import Selection
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.language.services.completion import definitions
+from logical_robots_tui.language.services.editing import find_after, rename
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
-from logical_robots_tui.tui.program.completion import definitions
-from logical_robots_tui.tui.program.editor import find_after, rename
 from logical_robots_tui.wording import clip, count_of, one_line
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ class ProgramController:
             self._ui.spawn(self.find, "dialog", exclusive=True)
             return
         selection, begin = editor.selection, min(editor.selection)
-        found = find_after(editor.text, self._wanted, begin, there=True)
+        found = find_after(editor.text, self._wanted, begin, inclusive=True)
         if found == begin and max(selection) == self._end_of(found):
             found = find_after(editor.text, self._wanted, begin)  # the current match does not count
         if found is None:

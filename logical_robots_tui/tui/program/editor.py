@@ -20,76 +20,21 @@ from textual.widgets import TextArea
 from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
 from wcwidth import iter_graphemes
 
+from logical_robots_tui.language.services.completion import word_around, word_before, words_for
+from logical_robots_tui.language.services.editing import (
+    WIDTH,
+    indentation_after,
+    shift_lines,
+    toggle_comments,
+)
+from logical_robots_tui.language.services.lexer import LineStates, pieces
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
-from logical_robots_tui.tui.program.completion import (
-    Completion,
-    Place,
-    word_around,
-    word_before,
-    words_for,
-)
-from logical_robots_tui.tui.program.lexer import LineStates, pieces
+from logical_robots_tui.tui.program.completion import Completion
 from logical_robots_tui.tui.program.mistakes import Mark, sign
 from logical_robots_tui.tui.terminal.textual_internals import HangingDocument, hang_wrapped_lines
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
 from logical_robots_tui.wording import visible
-
-WIDTH = 2
-"""Columns of an indentation step."""
-
-_OPENS = (":-", "(", "[", "{")
-
-
-def indentation_after(before: str) -> str:
-    """Return the indentation after a line: a bracket or ``:-`` adds, a rule's end resets."""
-    given = before[: len(before) - len(before.lstrip())]
-    written = before.partition("#")[0].rstrip()
-    if written.endswith(";"):
-        return ""
-    return given + " " * WIDTH if written.endswith(_OPENS) else given
-
-
-def shift_lines(lines: list[str], *, back: bool) -> list[str]:
-    if not back:
-        return [" " * WIDTH + line if line.strip() else line for line in lines]
-    return [re.sub(f"^(\t| {{1,{WIDTH}}})", "", line) for line in lines]
-
-
-def find_after(
-    text: str, wanted: str, place: tuple[int, int], *, there: bool = False
-) -> tuple[int, int] | None:
-    """Return the next place of a text, wrapping around, or None; positions count from 0.
-
-    Case matters only if `wanted` has capitals. `there` lets a match at the place itself count.
-    """
-    if not wanted:
-        return None
-    if wanted == wanted.lower() and len(text.lower()) == len(text):
-        text = text.lower()
-    lines = text.split("\n")
-    offset = sum(len(line) + 1 for line in lines[: place[0]]) + place[1]
-    at = text.find(wanted, offset + (not there))
-    if at < 0:
-        at = text.find(wanted)
-    if at < 0:
-        return None
-    return text.count("\n", 0, at), at - (text.rfind("\n", 0, at) + 1)
-
-
-def rename(text: str, old: str, new: str) -> tuple[str, int]:
-    """Rename a predicate outside comments and texts; return the program and the count."""
-    lines, states, count = text.split("\n"), LineStates(), 0
-    changed = []
-    for number, line in enumerate(lines):
-        written = line
-        for start, end, kind in reversed(pieces(line, states.at(number, lines.__getitem__))):
-            if kind == "predicate" and line[start:end] == old:
-                written = written[:start] + new + written[end:]
-                count += 1
-        changed.append(written)
-    return "\n".join(changed), count
-
 
 _A_PASTE = 0.005  # keys that follow each other faster, in seconds, were not typed
 _A_PAUSE = 0.05  # seconds after the last key of a burst
@@ -277,7 +222,7 @@ class Editor(TextArea):
             self._complete()
 
     def action_complete(self) -> None:
-        words = words_for(self.text, Place(*self.cursor_location))
+        words = words_for(self.text, self.cursor_location)
         self.completion.offer(words, self.cursor_screen_offset)
 
     def on_text_area_changed(self) -> None:
@@ -326,12 +271,13 @@ class Editor(TextArea):
         return True
 
     def _complete(self) -> None:
-        chosen = self.completion.chosen
+        index = self.completion.highlighted
         self.completion.close()
-        if chosen is not None:
+        if index is not None:
             row, column = self.cursor_location
-            start = row, column - len(word_before(self.before_cursor))
-            self.replace(chosen.name, start, (row, column), maintain_selection_offset=False)
+            start = row, column - len(word_before(self.before_cursor)[1])
+            name = self.completion.names[index]
+            self.replace(name, start, (row, column), maintain_selection_offset=False)
 
     def action_copy(self) -> None:
         super().action_copy()
@@ -342,15 +288,7 @@ class Editor(TextArea):
         self.post_message(self.Copied(self.app.clipboard))
 
     def action_toggle_comment(self) -> None:
-        lines = self._chosen_lines()
-        written = [line for line in lines if line.strip()]
-        if not written:
-            return
-        if all(line.lstrip().startswith("#") for line in written):
-            changed = [_without_comment(line) for line in lines]
-        else:
-            changed = [f"# {line}" if line.strip() else line for line in lines]
-        self._change_lines(changed)
+        self._change_lines(toggle_comments(self._chosen_lines()))
 
     def get_cursor_left_location(self) -> tuple[int, int]:
         row, column = self.cursor_location
@@ -491,8 +429,3 @@ def _shifted(strip: Strip, gutter: int, columns: int) -> Strip:
     room = Strip([Segment(" " * columns, last.style)])
     width = strip.cell_length
     return Strip.join([strip.crop(0, gutter), room, strip.crop(gutter, width - columns)])
-
-
-def _without_comment(line: str) -> str:
-    before, _, after = line.partition("#")
-    return before + after.removeprefix(" ")

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import compress, count
-from operator import ne
 from typing import TYPE_CHECKING, NamedTuple
 
 from rich.segment import Segment
@@ -121,30 +119,3 @@ def sign(
     label, ink = ("✗", "mistake-gutter") if is_wrong else ("!", "odd-gutter")
     told = " " * gutter if row is None else f"{row + 1:>{gutter - 2}}{label} "
     return Strip([Segment(told, styles[ink]), *strip.crop(gutter)])
-
-
-def follow_rows(
-    rows: Sequence[int], before: Sequence[str], after: Sequence[str]
-) -> list[int | None]:
-    """Return new line numbers after a change, all from 0, or None for lines that are gone.
-
-    A changed line keeps its number, unless lines were added or removed at the same place.
-    """
-    most = min(len(before), len(after))
-    same = next(compress(count(), map(ne, before, after)), most)
-    most -= same
-    tail = min(next(compress(count(), map(ne, reversed(before), reversed(after))), most), most)
-    grown = len(after) - len(before)
-    changed = len(before) - tail - same
-
-    def new(row: int) -> int | None:
-        if row < same:
-            return row
-        if row >= same + changed:
-            return row + grown
-        if grown == 0:
-            return row
-        was_split, was_joined = changed == 1 and grown > 0, changed + grown == 1
-        return same if was_split or was_joined else None
-
-    return [new(row) for row in rows]

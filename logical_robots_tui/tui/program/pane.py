@@ -11,11 +11,12 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import Static, TextArea
 
+from logical_robots_tui.language.services.completion import call_before, definitions, help_on
+from logical_robots_tui.language.services.editing import follow_rows
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.layout.command_bar import Labels, RobotChosen
-from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.program.mistakes import Mark, MistakeStrip, follow_rows, mark_of
+from logical_robots_tui.tui.program.mistakes import Mark, MistakeStrip, mark_of
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level
@@ -201,11 +202,11 @@ class ProgramPane(Pane):
     def go_to_definition(self) -> str:
         """Move to the definition of the predicate under the cursor, if any; return the word."""
         word = self.editor.word
-        found = definitions(self.text).get(word)
-        if found is not None:
-            self.editor.move_cursor(found[0], center=True)
+        definition = definitions(self.text).get(word)
+        if definition is not None:
+            self.editor.move_cursor((definition.line, 0), center=True)
         self.enter()
-        return word if found is None else ""
+        return word if definition is None else ""
 
     @on(TextArea.SelectionChanged)
     def _cursor_moved(self) -> None:
@@ -213,10 +214,9 @@ class ProgramPane(Pane):
 
     def _tell(self) -> None:
         self._strip.show(self._untouched(), self.editor.cursor_location[0])
-        names = self.editor.word, call_before(self.editor.before_cursor)
-        words = (help_on(self.text, name) for name in names if name[:1].isupper())
-        word = next((word for word in words if word is not None), None)
-        self._say("" if word is None else f"{word.shape}  {word.told}")
+        call = call_before(self.editor.before_cursor)
+        word = help_on(self.text, self.editor.word, call)
+        self._say("" if word is None else f"{word.shape}  {word.meaning}")
 
     def _say(self, words: str) -> None:
         if words != self._said:

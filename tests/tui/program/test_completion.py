@@ -4,8 +4,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.program import completion
-from logical_robots_tui.tui.program.completion import Place, Word, definitions, help_on, words_for
+from logical_robots_tui.language.services.completion import (
+    WordHelp,
+    call_before,
+    definitions,
+    help_on,
+    word_around,
+    word_before,
+    words_for,
+)
+from logical_robots_tui.tui.program.completion import lines_of
 from tests.tui.conftest import PAPER
 from tests.tui.program.conftest import writing
 from tests.virtual_time import later
@@ -13,14 +21,14 @@ from tests.virtual_time import later
 
 def names(text: str, before: str) -> list[str]:
     text = f"{text}\n{before}"
-    return [word.name for word in words_for(text, Place(text.count("\n"), len(before)))]
+    return [word.name for word in words_for(text, (text.count("\n"), len(before)))]
 
 
 def test_words_that_fit_are_offered_and_after_a_dot_fields() -> None:
     assert "FreedomMotion" in names(PAPER, "  x = Fr")
     assert "Sqrt" in names(PAPER, "  x = Sq")
     assert "Sensor" in names("", "Se")
-    assert completion.word_before("  x = Fr") == "Fr"
+    assert word_before("  x = Fr") == ("", "Fr")
     assert {"forward_distance", "forward_object"} <= set(names("", "sensor.forw"))
     assert "Sqrt" not in names("", "sensor.")
     assert "angle" not in names("", "sensor.")
@@ -53,13 +61,13 @@ def test_comments_and_quotes_offer_nothing_and_are_not_offered() -> None:
 
 def test_definitions_are_first_lines_that_begin_with_a_predicate_and_come_first_in_help() -> None:
     defined = definitions("# C(c)\nA(x) :- B(x);\nB(y) :-\n  C(y);\nA(z);\nD := E(F: G);\nH")
-    assert {name: place.line for name, (place, _) in defined.items()} == {"A": 1, "B": 2, "D": 5}
+    assert {name: line for name, (line, _) in defined.items()} == {"A": 1, "B": 2, "D": 5}
     assert defined["A"][1] == "A(x)"
     own, of_the_game = help_on("Sensor(x);", "Sensor"), help_on("", "Sensor")
     assert own
     assert of_the_game
-    assert own.told == "defined in line 1"
-    assert "sensor readings" in of_the_game.told
+    assert own.meaning == "defined in line 1"
+    assert "sensor readings" in of_the_game.meaning
     assert help_on("", "Nothing") is None
 
 
@@ -72,25 +80,25 @@ def test_the_call_is_the_innermost_that_is_open() -> None:
         ("x = (1 + ", ""),
         ("A(b: [c, {d: ", "A"),
     ]:
-        assert completion.call_before(before) == name
+        assert call_before(before) == name
 
 
 @given(st.text(), st.integers(0, 20))
 def test_any_text_is_looked_at_without_harm(text: str, column: int) -> None:
     definitions(text)
-    words_for(text, Place(0, column))
-    completion.call_before(text)
-    assert completion.word_around(text, column) in text
+    words_for(text, (0, column))
+    call_before(text)
+    assert word_around(text, column) in text
 
 
 @pytest.mark.parametrize("width", [34, 74, 90])
 def test_nothing_that_is_said_of_a_word_is_cut(width: int) -> None:
     words = [
-        Word("Least", "Least(x, y, ...)", "the least of its arguments"),
-        Word("Long", f"Long({', '.join('abcdefghijklm')})", "what has a long shape " * 3),
+        WordHelp("Least", "Least(x, y, ...)", "the least of its arguments"),
+        WordHelp("Long", f"Long({', '.join('abcdefghijklm')})", "what has a long shape " * 3),
     ]
-    for word, line in zip(words, completion.lines_of(words, width), strict=True):
-        assert word.told.strip() in " ".join(line.plain.split())
+    for word, line in zip(words, lines_of(words, width), strict=True):
+        assert word.meaning.strip() in " ".join(line.plain.split())
         assert all(len(row.rstrip()) <= width for row in line.plain.split("\n"))
 
 

@@ -14,11 +14,17 @@ from textual import events
 from textual.strip import Strip
 from textual.widgets.text_area import Selection
 
+from logical_robots_tui.language.services.editing import (
+    find_after,
+    follow_rows,
+    indentation_after,
+    rename,
+    shift_lines,
+)
 from logical_robots_tui.mind import Diagnostic
 from logical_robots_tui.player.settings import Settings
 from logical_robots_tui.tui.program.controller import edit_outside
-from logical_robots_tui.tui.program.editor import find_after, indentation_after, rename, shift_lines
-from logical_robots_tui.tui.program.mistakes import follow_rows, mark_of, sign
+from logical_robots_tui.tui.program.mistakes import mark_of, sign
 from tests.mind.hostile.bounds import bounded_work
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, opened

@@ -6,9 +6,9 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
+from logical_robots_tui.language.services.lexer import LineStates, pieces, state_after
 from logical_robots_tui.tui.inspector.pages.robots import radar_strip
 from logical_robots_tui.tui.inspector.plots import cell, format_value
-from logical_robots_tui.tui.program.lexer import LineStates, pieces, state_after
 from logical_robots_tui.values import Value
 from logical_robots_tui.wording import clip, one_line, visible
 

@@ -11,12 +11,12 @@ from textual.suggester import Suggester
 from textual.widgets import Input
 
 from logical_robots_tui.game import Breakpoint, Frame, Pin
+from logical_robots_tui.language.services.completion import NAMES
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.inspector.table import ValueTable, row_count
 from logical_robots_tui.tui.inspector.value_tree import ValueBranch
-from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 

@@ -61,41 +61,41 @@ def state_after(line: str, state: State) -> State:
 
 
 def _scan(line: str, state: State, token: re.Pattern[str]) -> tuple[list[Piece], State]:
-    found: list[Piece] = []
-    start = at = 0
+    parts: list[Piece] = []
+    start = end = 0
     while True:
         if state:
-            end = line.find(_ENDS[state], at)
-            at = len(line) if end < 0 else end + len(_ENDS[state])
-            if at > start:
-                found.append(Piece(start, at, "comment" if state == "/*" else "string"))
-            if end < 0:
-                return found, state
+            closing = line.find(_ENDS[state], end)
+            end = len(line) if closing < 0 else closing + len(_ENDS[state])
+            if end > start:
+                parts.append(Piece(start, end, "comment" if state == "/*" else "string"))
+            if closing < 0:
+                return parts, state
             state = ""
-        match = token.search(line, at)
+        match = token.search(line, end)
         if match is None:
-            return found, ""
-        kind, start, at = match.lastgroup, *match.span()
+            return parts, ""
+        kind, start, end = match.lastgroup, *match.span()
         if kind in ("block", "long"):
             state = match.group()
         elif kind is not None:
-            found.append(Piece(start, at, "comment" if kind == "line_comment" else kind))
+            parts.append(Piece(start, end, "comment" if kind == "line_comment" else kind))
 
 
 class LineStates:
     """The states at the starts of a text's lines, computed on demand."""
 
     def __init__(self) -> None:
-        self._known: list[State] = [""]
+        self._states: list[State] = [""]
 
-    def forget(self, after: int = 0) -> None:
-        """Forget all states after the line `after`, because it or a later line has changed."""
-        del self._known[max(after, 0) + 1 :]
+    def forget(self, row: int = 0) -> None:
+        """Forget all states after a line, because it or a later line has changed."""
+        del self._states[max(row, 0) + 1 :]
 
     def at(self, line: int, text_of: Callable[[int], str]) -> State:
         """Return the state at the start of a line, counted from 0."""
-        while len(self._known) <= line:
-            text, state = text_of(len(self._known) - 1), self._known[-1]
+        while len(self._states) <= line:
+            text, state = text_of(len(self._states) - 1), self._states[-1]
             is_plain = not (state or "/*" in text or '"""' in text)
-            self._known.append("" if is_plain else state_after(text, state))
-        return self._known[line]
+            self._states.append("" if is_plain else state_after(text, state))
+        return self._states[line]

@@ -1,0 +1,94 @@
+"""Changes of a program's text as text: indentation, searching, renaming, and lines that move."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import compress, count
+from operator import ne
+
+from logical_robots_tui.language.services.lexer import LineStates, pieces
+
+WIDTH = 2
+"""Columns of an indentation step."""
+
+_OPENS = (":-", "(", "[", "{")
+
+
+def indentation_after(line: str) -> str:
+    """Return the indentation after a line: a bracket or ``:-`` adds, a rule's end resets."""
+    indentation = line[: len(line) - len(line.lstrip())]
+    code = line.partition("#")[0].rstrip()
+    if code.endswith(";"):
+        return ""
+    return indentation + " " * WIDTH if code.endswith(_OPENS) else indentation
+
+
+def shift_lines(lines: list[str], *, back: bool) -> list[str]:
+    if not back:
+        return [" " * WIDTH + line if line.strip() else line for line in lines]
+    return [re.sub(f"^(\t| {{1,{WIDTH}}})", "", line) for line in lines]
+
+
+def toggle_comments(lines: list[str]) -> list[str]:
+    """Return lines as comments, or as code if all of them are comments."""
+    if all(line.lstrip()[:1] in ("", "#") for line in lines):
+        return [re.sub("# ?", "", line, count=1) for line in lines]
+    return [f"# {line}" if line.strip() else line for line in lines]
+
+
+def find_after(
+    text: str, pattern: str, place: tuple[int, int], *, inclusive: bool = False
+) -> tuple[int, int] | None:
+    """Return the next place of a pattern, wrapping around, or None; positions count from 0.
+
+    Case matters only if the pattern has capitals. `inclusive` lets a match at the place count.
+    """
+    if not pattern:
+        return None
+    if pattern == pattern.lower() and len(text.lower()) == len(text):
+        text = text.lower()
+    lines = text.split("\n")
+    start = sum(len(line) + 1 for line in lines[: place[0]]) + place[1]
+    offset = text.find(pattern, start + (not inclusive))
+    if offset < 0:
+        offset = text.find(pattern)
+    if offset < 0:
+        return None
+    return text.count("\n", 0, offset), offset - (text.rfind("\n", 0, offset) + 1)
+
+
+def rename(text: str, old: str, new: str) -> tuple[str, int]:
+    """Rename a predicate outside comments and texts; return the program and the count."""
+    lines, states, occurrences = text.split("\n"), LineStates(), 0
+    changed = list(lines)
+    for number, line in enumerate(lines):
+        for start, end, kind in reversed(pieces(line, states.at(number, lines.__getitem__))):
+            if kind == "predicate" and line[start:end] == old:
+                changed[number] = changed[number][:start] + new + changed[number][end:]
+                occurrences += 1
+    return "\n".join(changed), occurrences
+
+
+def follow_rows(
+    rows: Sequence[int], old_lines: Sequence[str], new_lines: Sequence[str]
+) -> list[int | None]:
+    """Return new line numbers after a change, all from 0, or None for lines that are gone.
+
+    A changed line keeps its number, unless lines were added or removed at the same place.
+    """
+    shorter = min(len(old_lines), len(new_lines))
+    head = next(compress(count(), map(ne, old_lines, new_lines)), shorter)
+    differences = map(ne, reversed(old_lines), reversed(new_lines))
+    tail = min(next(compress(count(), differences), shorter), shorter - head)
+    growth = len(new_lines) - len(old_lines)
+    changed = len(old_lines) - tail - head
+    is_split, is_joined = changed == 1 and growth > 0, changed + growth == 1
+    replacement = head if is_split or is_joined else None
+
+    def new_row(row: int) -> int | None:
+        if row < head or (growth == 0 and row < head + changed):
+            return row
+        return row + growth if row >= head + changed else replacement
+
+    return [new_row(row) for row in rows]
