@@ -151,7 +151,7 @@ async def diagnose_history(
 
 
 class _DiagnoseRun(Task, frozen=True):
-    parts = ("explain",)
+    parts = ("explain", "game")
     run: str
     ticks: int
 

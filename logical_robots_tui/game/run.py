@@ -287,8 +287,14 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
     return digest.hexdigest()
 
 
+SIMULATION = (
+    *("world", "language", "mind", "schema.py", "values.py", "game/advancing.py", "game/frame.py"),
+    *("game/run.py", "game/history", "game/debugging/breakpoints.py"),
+)
+"""Parts of the package on whose code a tick depends; nothing that only shows or explains it."""
+
+
 @cache
 def simulation_digest() -> bytes:
-    places = [_CODE / part for part in ("world", "language", "mind", "game", "schema.py")]
-    code = digest_of_code(places, ("logica", "numpy", "sqlglot"))
+    code = digest_of_code([_CODE / part for part in SIMULATION], ("logica", "numpy", "sqlglot"))
     return code + f"{sqlite3.sqlite_version} {platform.python_version()}".encode()

@@ -1,5 +1,6 @@
 """What was played is not played again, as long as nothing has changed that plays a part in it."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -17,6 +18,7 @@ from tests import conftest
 from tests.levels import verdicts
 from tests.levels.playing import load_level, ticks_to_win
 from tests.levels.verdicts import Verdict, folder, key_of, verdict
+from tests.processes import run_command
 
 AHEAD = """
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :- Sensor(robot_name:);
@@ -108,10 +110,10 @@ def test_a_damaged_verdict_is_played_again(
 def test_a_changed_line_makes_another_verdict_where_it_plays_a_part(
     level: Level, ahead: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    playing = ("world/a.py", "world/levels/a.py", "language/a.py", "mind/a.py", "game/a.py")
-    others = ("tui/a.py", "cli/a.py", "player/a.py")
+    playing = ("world/a.py", "world/levels/a.py", "language/a.py", "mind/a.py", "game/run.py")
+    others = ("tui/a.py", "cli/a.py", "player/a.py", "game/findings.py")
     files = [tmp_path / name for name in (*playing, "schema.py", *others)]
-    for file in files:
+    for file in (*files, *(tmp_path / part for part in run.SIMULATION if part.endswith(".py"))):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text("one = 1\n")
     monkeypatch.setattr(run, "_CODE", tmp_path)
@@ -121,7 +123,7 @@ def test_a_changed_line_makes_another_verdict_where_it_plays_a_part(
         file.write_text("one = 2\n")
         keys.append(key_of(level, ahead))
     changes = [after != before for before, after in pairwise(keys)]
-    assert changes == [True] * 6 + [False] * 3
+    assert changes == [True] * 6 + [False] * 4
 
 
 def test_level_start_and_program_make_another_verdict(level: Level, ahead: Program) -> None:
@@ -139,3 +141,15 @@ def test_only_a_full_run_begins_without_verdicts(
     folder().keep("one", [b"kept"])
     conftest.forget_earlier_runs(config)
     assert (folder().read("one", 10) is None) is is_full
+
+
+def test_the_digest_covers_every_module_of_the_game_that_a_run_loads() -> None:
+    script = "import sys, logical_robots_tui.game.run; print(*sys.modules)"
+    loaded = run_command([sys.executable, "-c", script], check=True).stdout.split()
+    modules = [name.split(".", 1)[1].replace(".", "/") for name in loaded if ".game." in name]
+    rooms = ("game/debugging", "game/history")
+    assert {f"{module}.py" for module in modules if module not in rooms} <= {
+        str(path.relative_to(run._CODE))
+        for part in run.SIMULATION
+        for path in [run._CODE / part, *(run._CODE / part).glob("*.py")]
+    }
