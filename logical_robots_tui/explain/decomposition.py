@@ -55,8 +55,9 @@ class Decomposition:
     def __init__(
         self, text: str, predicate: str, within: str, kinds: Mapping[str, Mapping[str, Any]]
     ) -> None:
-        self._source, program = read_program(text)
-        self._expanded = expanded = expand(program)
+        model = read_program(text)
+        self._source = model.source
+        self._expanded = expanded = expand(model)
         name = expanded.name_of(predicate, within)
         self._functions = functions = _functions(expanded, kinds)
         reach = expanded.reach(name)

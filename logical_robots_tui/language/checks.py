@@ -9,15 +9,11 @@ from typing import NamedTuple
 from logica.compiler import universe
 
 from logical_robots_tui.language import tree
-from logical_robots_tui.language.adapter import Parsed
 from logical_robots_tui.language.definitions import (
+    Model,
     built_in_names,
-    calls,
-    definitions,
     is_built_in,
-    missing_parameters,
     names_used,
-    parameters,
     prelude,
     rules_of,
 )
@@ -40,7 +36,6 @@ from logical_robots_tui.language.signatures import (
     wrong_calls,
     wrong_copies,
 )
-from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.types import RecordOf
 from logical_robots_tui.schema import DESIRE, INPUTS, MAIN, VALUE
 
@@ -65,37 +60,36 @@ class CheckResult(NamedTuple):
     mentions: tuple[Mention, ...]
 
 
-def check(parsed: Parsed, text: str, runs: Runs) -> CheckResult:
+def check(model: Model, syntax_errors: Sequence[Diagnostic], runs: Runs) -> CheckResult:
     """Check a program.
 
     Args:
-        parsed: The program.
-        text: Its text.
+        model: The statements that could be parsed.
+        syntax_errors: What is wrong with the others.
         runs: Whether a built-in function works in SQLite.
     """
-    program = parsed.statements
-    catalog = {n: s for n, s in signatures(program).items() if n not in parsed.doubtful}
-    inference = Inference(program, text, parsed.doubtful)
+    catalog = {n: s for n, s in signatures(model).items() if n not in model.doubtful}
+    inference = Inference(model)
     mentions = inference.mentions
     problems = [
-        *parsed.problems,
-        *_annotations(program, text),
-        *_redefinitions(program, text),
-        *_names(program, text, parsed.doubtful, runs),
-        *collisions(program, text),
-        *wrong_calls(program, catalog, text, runs),
-        *wrong_copies(program, text),
-        *duplicates(program, text),
-        *_without_arguments(program, text),
-        *_values_as_conditions(program, text),
-        *verbatim(program, catalog, text),
+        *syntax_errors,
+        *_annotations(model),
+        *_redefinitions(model),
+        *_names(model, runs),
+        *collisions(model),
+        *wrong_calls(model, catalog, runs),
+        *wrong_copies(model),
+        *duplicates(model),
+        *_without_arguments(model),
+        *_values_as_conditions(model),
+        *verbatim(model, catalog),
         *inference.problems,
-        *engines(program, inference, text),
-        *pitfalls(program, parsed.source),
-        *typos(program, text),
+        *engines(model, inference),
+        *pitfalls(model),
+        *typos(model),
     ]
-    if MAIN not in parsed.doubtful and (not parsed.problems or MAIN in definitions(program)):
-        problems += main_predicate(program, text)
+    if MAIN not in model.doubtful and (not syntax_errors or MAIN in model.definitions):
+        problems += main_predicate(model)
     unique = {(p.line, p.column, p.message): p for p in problems}
     ordered = sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
     return CheckResult(ordered, mentions)
@@ -114,18 +108,16 @@ IGNORED = frozenset({"@CompileAsTvf", "@Engine"})
 """Annotations that have no effect here and don't change results elsewhere."""
 
 
-def _annotations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+def _annotations(model: Model) -> Iterator[Diagnostic]:
     supported = _ANNOTATIONS | {"@Visible"}
-    for annotation in program:
-        if not isinstance(annotation, tree.Annotation):
-            continue
+    for annotation in model.annotations:
         span = annotation.span
         name = annotation.name if span is None else tree.Name(annotation.name, span.start)
         if name in _CHOSEN_BY_THE_GAME:
-            yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
+            yield model.diagnostic(name, f"{name} is chosen by the game", "Remove this line.")
         elif name == "@Engine":
             message = "@Engine has no effect: the game chooses the engine"
-            yield diagnostic_for(text, name, message, "Remove this line.", "warning")
+            yield model.diagnostic(name, message, "Remove this line.", "warning")
         elif name not in supported | IGNORED:
             close = closest(name[1:], {o[1:] for o in supported})
             if name in universe.Annotations.ANNOTATING_PREDICATES:
@@ -135,12 +127,12 @@ def _annotations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagn
             else:
                 message = f"There is no annotation {name} for robots"
                 hint = f"There are {', '.join(sorted(supported))}."
-            yield diagnostic_for(text, name, message, hint)
+            yield model.diagnostic(name, message, hint)
         elif name in _ARGUMENTS and not _fits(annotation, _ARGUMENTS[name][0]):
             _, message, hint = _ARGUMENTS[name]
-            yield diagnostic_for(text, name, message, hint)
+            yield model.diagnostic(name, message, hint)
         elif name == "@Recursive":
-            yield from _recursion(annotation, text)
+            yield from _recursion(annotation, model)
 
 
 MODES = ("diamond", "horizontal", "iterative", "vertical")
@@ -149,7 +141,7 @@ MODES = ("diamond", "horizontal", "iterative", "vertical")
 _OPTIONS = '@Recursive(P, 50, stop: Found, satellites: [Q], mode: "iterative");'
 
 
-def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
+def _recursion(annotation: tree.Annotation, model: Model) -> Iterator[Diagnostic]:
     """Report options that are unknown or have a value of another kind, and too many steps."""
     for argument in annotation.arguments[1:]:
         value = argument.value
@@ -159,7 +151,7 @@ def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
                 if steps > MOST_STEPS:
                     message = f"A recursion takes at most {MOST_STEPS:,} steps here"
                     hint = "Each step runs in every thought; let it come to an end sooner."
-                    yield diagnostic_for(text, annotation.name, message, hint, "warning")
+                    yield model.diagnostic(annotation.name, message, hint, "warning")
                 continue
             case "stop":
                 is_right = isinstance(value, tree.PredicateName)
@@ -173,12 +165,12 @@ def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
                 is_right = isinstance(value, tree.Boolean)
             case _:
                 message = f"@Recursive has no option {argument.field}"
-                yield diagnostic_for(text, annotation.name, message, f"For example: {_OPTIONS}")
+                yield model.diagnostic(annotation.name, message, f"For example: {_OPTIONS}")
                 continue
         if not is_right:
             message = f"@Recursive can't use this value of {argument.field}"
             hint = f"It is one of {', '.join(MODES)}." if argument.field == "mode" else ""
-            yield diagnostic_for(text, annotation.name, message, hint or f"For example: {_OPTIONS}")
+            yield model.diagnostic(annotation.name, message, hint or f"For example: {_OPTIONS}")
 
 
 _ARGUMENTS: dict[str, tuple[type[tree.Expression], str, str]] = {
@@ -207,47 +199,45 @@ def _fits(annotation: tree.Annotation, kind: type[tree.Expression]) -> bool:
 _FLAG = "FlagValue"  # the value set by @DefineFlag
 
 
-def _redefinitions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for name in definitions(program):
+def _redefinitions(model: Model) -> Iterator[Diagnostic]:
+    for name in model.definitions:
         if name in INPUTS:
             message = f"{name} is supplied by the game and can't be defined"
-            yield diagnostic_for(text, name, message, "Give your predicate another name.")
+            yield model.diagnostic(name, message, "Give your predicate another name.")
 
 
-def _names(
-    program: Sequence[tree.Statement], text: str, doubtful: frozenset[str], runs: Runs
-) -> Iterator[Diagnostic]:
-    predicates = {*(r.name for r in program if isinstance(r, tree.Rule)), *definitions(program)}
-    names = {*predicates, *doubtful, *_types(program), *definitions(prelude()), *INPUTS}
-    open_parameters = parameters(program) - {missing_parameters(program).get(MAIN)}
+def _names(model: Model, runs: Runs) -> Iterator[Diagnostic]:
+    predicates = {*(rule.name for rule in model.rules), *model.definitions}
+    names = {*predicates, *model.doubtful, *_types(model), *prelude().definitions, *INPUTS}
+    open_parameters = model.substituted - names - {model.missing_parameters.get(MAIN)}
     reported = set()
-    subjects = {a.subject for a in program if isinstance(a, tree.Annotation)}
-    values = {node.name for node in tree.walk(program) if isinstance(node, tree.PredicateName)}
-    all_calls = [*calls(program)]
-    values -= {*(call.name for call in all_calls), *subjects}
+    subjects = {annotation.subject for annotation in model.annotations}
+    nodes = tree.walk(model.statements)
+    values = {node.name for node in nodes if isinstance(node, tree.PredicateName)}
+    values -= {*(call.name for call in model.calls), *subjects}
     aggregate_calls = {
         call.name
-        for call in all_calls
+        for call in model.calls
         if any(isinstance(argument.value, tree.Aggregate) for argument in call.arguments)
     }
-    for name in names_used(program):
+    for name in names_used(model.statements):
         if name in reported or name in names or name in open_parameters:
             continue
         reported.add(name)
         if name == "SqlExpr" or re.match(r"`\W*\w", name):
-            yield diagnostic_for(text, name, "Robots can't use SQL", "Write it in Logica.")
+            yield model.diagnostic(name, "Robots can't use SQL", "Write it in Logica.")
         elif re.fullmatch(r"-\s*\w+", name):
             operand = name[1:].strip()
             message = f"A minus can't stand right before {operand}"
-            yield diagnostic_for(text, name, message, f"Add a space: - {operand}(...).")
+            yield model.diagnostic(name, message, f"Add a space: - {operand}(...).")
         elif name in _OUTSIDE:
             message = f"{name} is not available to robots"
             hint = "A program can only use what robots sense and remember."
-            yield diagnostic_for(text, name, message, hint)
+            yield model.diagnostic(name, message, hint)
         elif is_built_in(name):
             if name.isidentifier() and not runs(name) and name != _FLAG:
                 hint = _replacement_hint(name, names, runs)
-                yield diagnostic_for(text, name, f"{name} is not available here", hint)
+                yield model.diagnostic(name, f"{name} is not available here", hint)
         elif re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
             similar = (
                 _replacement_hint(name, names, runs) if len(reported) <= MOST_DIAGNOSTICS else ""
@@ -257,7 +247,7 @@ def _names(
                 hint = _value_hint(name)
             elif name in aggregate_calls:
                 hint = f"To define it, give it a body: {name}(...) :- ..."
-            yield diagnostic_for(text, name, f"{name} is not defined", hint)
+            yield model.diagnostic(name, f"{name} is not defined", hint)
 
 
 def _value_hint(name: str) -> str:
@@ -271,34 +261,33 @@ NO_VALUE = "is named without its arguments, so it has no value"
 """The end of the message about a predicate in the place of a value."""
 
 
-def _without_arguments(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    names = {*definitions(program), *definitions(prelude()), *INPUTS} - {*_types(program)}
-    for node in tree.walk(rules_of(program)):
+def _without_arguments(model: Model) -> Iterator[Diagnostic]:
+    names = {*model.definitions, *prelude().definitions, *INPUTS} - {*_types(model)}
+    for node in tree.walk(model.rules):
         name = node.name if isinstance(node, tree.PredicateName) else ""
         if name in names or (is_built_in(name) and name.upper() not in TYPES):
             message = f"{name} {NO_VALUE}"
-            yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
+            yield model.diagnostic(name, message, f"Write {name}(...).", "warning")
 
 
-def _values_as_conditions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    values = built_in_names() - tree.CONDITIONS - _PREDICATES - definitions(program).keys()
-    for node in tree.walk(rules_of(program)):
+def _values_as_conditions(model: Model) -> Iterator[Diagnostic]:
+    values = built_in_names() - tree.CONDITIONS - _PREDICATES - model.definitions.keys()
+    for node in tree.walk(model.rules):
         if not isinstance(node, tree.Atom) or node.name not in values:
             continue
         span = node.span or tree.span_of(node.arguments)
         if span is not None:
             message = f"{node.name} gives a value; it is not a condition"
             hint = "Compare the value with something, or name it: x = ..."
-            length = span.stop - span.start
-            yield diagnostic_at(text, span.start, length, message, hint)
+            yield model.diagnostic(span, message, hint)
 
 
 _PREDICATES = frozenset({"Constraint", "Like"})
 """Built-in functions that are conditions as well."""
 
 
-def _types(program: Sequence[tree.Statement]) -> Iterator[str]:
-    for call in calls(program):
+def _types(model: Model) -> Iterator[str]:
+    for call in model.calls:
         if call.name in ("Cast", "TryCast", "~"):
             for name in names_used(call.arguments[1:]):
                 if call.name == "~" or name.upper() in TYPES:
@@ -340,15 +329,15 @@ _EXAMPLE = (
 )
 
 
-def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    robot_rules = definitions(program).get(MAIN, [])
+def main_predicate(model: Model) -> Iterator[Diagnostic]:
+    robot_rules = model.definitions.get(MAIN, [])
     if not robot_rules:
-        message = "There is no Robot predicate" if program else "The program is empty"
-        close = next((n for n in definitions(program) if closest(n, [MAIN])), "")
+        message = "There is no Robot predicate" if model.statements else "The program is empty"
+        close = next((n for n in model.definitions if closest(n, [MAIN])), "")
         if close:
-            yield diagnostic_for(text, close, message, f"Write {MAIN} instead of {close}.")
+            yield model.diagnostic(close, message, f"Write {MAIN} instead of {close}.")
         else:
-            yield diagnostic_at(text, 0, 0, message, _EXAMPLE)
+            yield model.diagnostic(tree.Span(0, 0), message, _EXAMPLE)
     for rule in rules_of(robot_rules):
         columns = [column.field for column in rule.head.columns]
         if tree.REST in columns:
@@ -356,27 +345,25 @@ def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
         other_columns = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
         for column in _COLUMNS:
             if column not in columns:
-                yield _missing_column(rule.name, column, other_columns, text)
+                yield _missing_column(rule.name, column, other_columns, model)
 
 
-def engines(
-    program: Sequence[tree.Statement], inference: Inference, text: str
-) -> Iterator[Diagnostic]:
+def engines(model: Model, inference: Inference) -> Iterator[Diagnostic]:
     problems: dict[tuple[int, int], Diagnostic] = {}
-    for node in tree.walk(program):
+    for node in tree.walk(model.statements):
         arguments = node.arguments if isinstance(node, tree.Record) else ()
         names = [argument.field for argument in arguments if isinstance(argument.field, str)]
         if set(names) & set(_ENGINES) and tree.REST not in names:
-            problems |= _by_place(_misspelt(names, text))
+            problems |= _by_place(_misspelt(names, model))
     for shape in inference.column(MAIN, "desire"):
         names = [*shape.names] if isinstance(shape, RecordOf) else []
-        if misspelt := _by_place(_misspelt(names, text, 0.5)):
+        if misspelt := _by_place(_misspelt(names, model, 0.5)):
             problems |= misspelt
         elif names:
             for engine in sorted(set(_ENGINES) - set(names)):
                 message = f"This desire has no {engine}; that engine will stand still"
                 hint = f"Add {engine}: with a number from -1 to 1."
-                problem = diagnostic_for(text, names[0], message, hint, "warning")
+                problem = model.diagnostic(names[0], message, hint, "warning")
                 problems.setdefault((problem.line, problem.column), problem)
     yield from problems.values()
 
@@ -385,26 +372,26 @@ def _by_place(problems: Iterable[Diagnostic]) -> dict[tuple[int, int], Diagnosti
     return {(p.line, p.column): p for p in problems}
 
 
-def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator[Diagnostic]:
+def _misspelt(names: Iterable[str], model: Model, cutoff: float = 0.76) -> Iterator[Diagnostic]:
     missing = set(_ENGINES) - set(names)
     for name in names:
         similar = closest(name, missing, cutoff)
         if similar and name not in _ENGINES:
             message = f"There is no engine called {name}; this would be ignored"
-            yield diagnostic_for(text, name, message, f"Did you mean {similar}?")
+            yield model.diagnostic(name, message, f"Did you mean {similar}?")
 
 
-def _missing_column(robot: str, column: str, columns: list[str], text: str) -> Diagnostic:
+def _missing_column(robot: str, column: str, columns: list[str], model: Model) -> Diagnostic:
     close = next((name for name in columns if closest(name, [column], 0.5)), "")
     if close:
         message = f"Robot has no {column}"
-        return diagnostic_for(text, close, message, f"Write {column} instead of {close}.")
+        return model.diagnostic(close, message, f"Write {column} instead of {close}.")
     if column == "memory":
         message = "Robot sets no memory, so memory never changes"
         hint = 'Add memory: with a value to remember, or memory: "".'
-        return diagnostic_for(text, robot, message, hint, "warning")
+        return model.diagnostic(robot, message, hint, "warning")
     hint = "Its columns are robot_name:, desire: and memory:."
-    return diagnostic_for(text, robot, f"Robot has no {column}", hint)
+    return model.diagnostic(robot, f"Robot has no {column}", hint)
 
 
 # -- text that the compiler inserts into SQL unchanged ------------------------------------------
@@ -415,19 +402,19 @@ _PLAIN = re.compile(r"[^'\"`$\\\n]*")  # can't end an SQL text
 _ORDER_COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IGNORECASE)
 
 
-def verbatim(
-    program: Sequence[tree.Statement], catalog: Mapping[str, Signature], text: str
-) -> Iterator[Diagnostic]:
-    for call in calls(program):
+def verbatim(model: Model, catalog: Mapping[str, Signature]) -> Iterator[Diagnostic]:
+    for call in model.calls:
         if call.name in ("Cast", "TryCast"):
             for argument in call.arguments[1:2]:
                 if argument.expression and (problem := _wrong_type(argument.expression, call.name)):
-                    yield diagnostic_for(text, call.name, *problem)
-    is_in_text = any("${" in n.value for n in tree.walk(program) if isinstance(n, tree.Text))
-    for statement in program:
+                    yield model.diagnostic(call.name, *problem)
+    is_in_text = any(
+        "${" in n.value for n in tree.walk(model.statements) if isinstance(n, tree.Text)
+    )
+    for statement in model.statements:
         names = [node.name for node in tree.walk(statement) if isinstance(node, tree.PredicateName)]
         if isinstance(statement, tree.Functor) and "Cast" in (statement.base, *names):
-            yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
+            yield model.diagnostic("Cast", "Cast can't be given to a functor", "Call it.")
         if not isinstance(statement, tree.Annotation):
             continue
         if statement.name == "@DefineFlag" and is_in_text:
@@ -435,14 +422,14 @@ def verbatim(
                 if _PLAIN.fullmatch(tree.text_of(value) or "") is None:
                     message = "A flag that ${...} puts into a string can't hold quotes, \\ or $"
                     hint = 'Write FlagValue("name") instead of ${name}.'
-                    yield diagnostic_for(text, statement.name, message, hint)
+                    yield model.diagnostic(statement.name, message, hint)
         if statement.name == "@OrderBy":
             for value in statement.values:
                 ordered = tree.text_of(value)  # other types are reported elsewhere
                 signature = catalog.get(statement.subject)
                 if ordered is not None and (message := _wrong_column(ordered, signature)):
                     hint = 'Write only names of columns, such as @OrderBy(P, "col0 DESC");'
-                    yield diagnostic_for(text, statement.name, message, hint)
+                    yield model.diagnostic(statement.name, message, hint)
 
 
 def _wrong_type(example: tree.Expression, cast: str) -> tuple[str, str] | None:

@@ -1,4 +1,4 @@
-"""Definitions, calls and substitutions of statements; prelude, built-in functions, constants.
+"""The model of a program: what it defines and mentions; prelude, built-in functions, constants.
 
 A parameter is a predicate that ``New := Old(Parameter: Given)`` substitutes.
 """
@@ -8,13 +8,15 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import TypeAlias
 
 from logica.compiler import expr_translate
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import operator_name, parse, parse_trusted
-from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.source_text import prepare
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, Severity
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for, prepare
 from logical_robots_tui.schema import VALUE
 
 _PRELUDE = """
@@ -52,18 +54,106 @@ Aggregates take ``argument -> value`` pairs, which the compiler sees as ``{arg:,
 _AUXILIARY = "_MultBodyAggAux"  # the package's suffix of predicates that it makes itself
 
 
+Definitions: TypeAlias = dict[str, list[tree.Rule | tree.Functor]]
+"""The statements that define each predicate, in text order."""
+
+
+class Model:
+    """A program as checks and the compiler ask about it; each answer is computed once.
+
+    Attributes:
+        statements: In text order.
+        source: The text that diagnostics refer to.
+        doubtful: Names in statements that could not be parsed.
+    """
+
+    def __init__(
+        self,
+        statements: Iterable[tree.Statement],
+        source: Prepared | None = None,
+        doubtful: frozenset[str] = frozenset(),
+    ) -> None:
+        self.statements = tuple(statements)
+        self.source = source or prepare("")
+        self.text = self.source.original
+        self.doubtful = doubtful
+        self._reach: dict[str, set[str]] = {}
+
+    @cached_property
+    def definitions(self) -> Definitions:
+        predicates: Definitions = {}
+        for statement in self.statements:
+            if not isinstance(statement, tree.Annotation) and not statement.name.endswith(
+                _AUXILIARY
+            ):
+                predicates.setdefault(statement.name, []).append(statement)
+        return predicates
+
+    @cached_property
+    def rules(self) -> list[tree.Rule]:
+        return rules_of(self.statements)
+
+    @cached_property
+    def annotations(self) -> list[tree.Annotation]:
+        return [s for s in self.statements if isinstance(s, tree.Annotation)]
+
+    @cached_property
+    def functors(self) -> list[tree.Functor]:
+        return [s for s in self.statements if isinstance(s, tree.Functor)]
+
+    @cached_property
+    def calls(self) -> list[tree.Call | tree.Atom]:
+        return [*calls(self.statements)]
+
+    @cached_property
+    def substituted(self) -> frozenset[str]:
+        """The names of predicates that functors substitute."""
+        return frozenset(name for functor in self.functors for name in functor.parameters)
+
+    @cached_property
+    def missing_parameters(self) -> dict[str, str]:
+        """For each predicate that can't be computed alone, a parameter that it needs."""
+        open_parameters = self.substituted - self.definitions.keys()
+
+        def unbound(name: str, bound: frozenset[str], visited: set[str]) -> Iterator[str]:
+            if name in open_parameters:
+                if name not in bound:
+                    yield name
+            elif name in self.definitions and name not in visited:
+                visited.add(name)
+                for statement in self.definitions[name]:
+                    inner_bound = bound
+                    if isinstance(statement, tree.Functor):
+                        inner_bound = bound.union(statement.parameters)
+                    for callee in names_used(statement):
+                        yield from unbound(callee, inner_bound, visited)
+
+        firsts = {name: next(unbound(name, frozenset(), set()), "") for name in self.definitions}
+        return {name: parameter for name, parameter in firsts.items() if parameter}
+
+    def reach(self, name: str) -> set[str]:
+        """Return the names of the predicates that one uses, directly or indirectly."""
+        if name not in self._reach:
+            self._reach[name] = reach(self.definitions.get(name, ()), self.definitions)
+        return self._reach[name]
+
+    def diagnostic(
+        self,
+        place: str | tree.Span,
+        message: str,
+        hint: str = "",
+        severity: Severity = "error",
+    ) -> Diagnostic:
+        """Return a diagnostic for a name or a span of the text."""
+        if isinstance(place, tree.Span):
+            length = place.stop - place.start
+            return diagnostic_at(self.text, place.start, length, message, hint, severity)
+        return diagnostic_for(self.text, place, message, hint, severity)
+
+
 @functools.cache
-def prelude() -> tuple[tree.Rule, ...]:
-    return tuple(rule for rule in parse_trusted(_PRELUDE) if isinstance(rule, tree.Rule))
-
-
-def definitions(program: Iterable[tree.Statement]) -> dict[str, list[tree.Rule | tree.Functor]]:
-    """Return the statements that define each predicate of a program, in text order."""
-    predicates: dict[str, list[tree.Rule | tree.Functor]] = {}
-    for statement in program:
-        if not isinstance(statement, tree.Annotation) and not statement.name.endswith(_AUXILIARY):
-            predicates.setdefault(statement.name, []).append(statement)
-    return predicates
+def prelude() -> Model:
+    return Model(parse_trusted(_PRELUDE))
 
 
 def rules_of(program: Iterable[tree.Statement]) -> list[tree.Rule]:
@@ -121,40 +211,6 @@ def reach(part: tree.Tree, program: Mapping[str, Sequence[tree.Statement]]) -> s
     return names
 
 
-def parameters(program: Sequence[tree.Statement]) -> frozenset[str]:
-    """Return the names of predicates that are substituted somewhere and defined nowhere."""
-    substituted = {name for statement in program for name in substitutions(statement)}
-    return frozenset(substituted.difference(definitions(program)))
-
-
-def missing_parameters(program: Sequence[tree.Statement]) -> dict[str, str]:
-    predicates, open_parameters = definitions(program), parameters(program)
-
-    def unbound(name: str, bound: frozenset[str], visited: set[str]) -> Iterator[str]:
-        if name in open_parameters:
-            if name not in bound:
-                yield name
-        elif name in predicates and name not in visited:
-            visited.add(name)
-            for statement in predicates[name]:
-                inner_bound = bound.union(substitutions(statement))
-                for callee in names_used(statement):
-                    yield from unbound(callee, inner_bound, visited)
-
-    first_parameters = {name: next(unbound(name, frozenset(), set()), "") for name in predicates}
-    return {name: parameter for name, parameter in first_parameters.items() if parameter}
-
-
-def substitutions(statement: tree.Statement) -> tuple[str, ...]:
-    return statement.parameters if isinstance(statement, tree.Functor) else ()
-
-
-def functor_names(program: Iterable[tree.Statement]) -> set[str]:
-    """Return the predicates that functors make, copy, substitute or put in."""
-    functors = [statement for statement in program if isinstance(statement, tree.Functor)]
-    return {name for functor in functors for name in (*names_used(functor), *functor.parameters)}
-
-
 _QL = expr_translate.QL
 _TWO_ARGUMENTS = frozenset(
     {"Concat", "DateAddDay", "DateDiffDay", "Element", "Join", "Like", "MagicalEntangle", "Split"}
@@ -194,7 +250,7 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
         ProgramError: The program has errors, or a name is not that of a constant.
     """
     program = _statements_of(text)
-    predicates = definitions(program)
+    predicates = Model(program).definitions
     expected = list(program)
     places = []
     for name, value in values.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.schema import NO_LABEL, WALL
@@ -14,6 +14,8 @@ MOST_DIAGNOSTICS = 100
 
 _MOST_LISTED = 4
 _LONGEST = 60  # characters of a name in a message
+
+Severity: TypeAlias = Literal["error", "warning"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +36,7 @@ class Diagnostic:
     message: str
     hint: str = ""
     excerpt: str = ""
-    severity: Literal["error", "warning"] = "error"
+    severity: Severity = "error"
 
     def __str__(self) -> str:
         head = f"line {self.line}, column {self.column}: {self.message}"

@@ -15,13 +15,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import types_on_duckdb
-from logical_robots_tui.language.definitions import (
-    definitions,
-    prelude,
-    reach,
-    rules_of,
-    substitutions,
-)
+from logical_robots_tui.language.definitions import Model, prelude, reach, rules_of
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import Span
@@ -55,16 +49,15 @@ class Expanded:
         return reach(self.rules.get(name, ()), self.rules)
 
 
-def expand(program: Iterable[tree.Statement]) -> Expanded:
-    program = list(program)
+def expand(model: Model) -> Expanded:
     functors: dict[str, tree.Functor] = {}
     rules: dict[str, list[tree.Rule]] = {}
-    for name, statements in definitions(program).items():
+    for name, statements in model.definitions.items():
         if isinstance(statements[0], tree.Functor):
             functors[name] = statements[0]
         else:
-            rules[name] = [rule for rule in statements if isinstance(rule, tree.Rule)]
-    expanded = Expanded(rules, [a for a in program if isinstance(a, tree.Annotation)])
+            rules[name] = rules_of(statements)
+    expanded = Expanded(rules, model.annotations)
     while functors:
         ready = []
         for name, functor in functors.items():
@@ -81,7 +74,7 @@ def expand_functors(program: list[tree.Statement]) -> list[tree.Statement]:
     """Expand every ``:=`` if the package can't: one copies a recursion, or there are whole rows."""
     if not any(isinstance(statement, tree.Functor) for statement in program):
         return program
-    expanded = expand(program)
+    expanded = expand(Model(program))
     bases = {**expanded.bases, **{copy: first for copy, (first, _) in expanded.origins.items()}}
     recursive = {name for name in expanded.rules if name in expanded.reach(name)}
     if not tree.has_rows(program) and not recursive & {*bases, *bases.values()}:
@@ -359,15 +352,15 @@ def expand_rows(program: list[tree.Statement]) -> list[tree.Statement]:
 
 
 def _columns(program: Sequence[tree.Statement]) -> dict[str, list[Field]]:
-    parameters = {name for statement in program for name in substitutions(statement)}
+    model = Model(program)
     tables: dict[str, list[Field]] = {name: [*columns] for name, columns in INPUTS.items()}
-    predicates = {**definitions(prelude()), **definitions(program)}
+    predicates = {**prelude().definitions, **model.definitions}
     for _ in range(_ROUNDS):
         size = len(tables)
         for name, statements in predicates.items():
             candidates = [_columns_of(statement, tables) for statement in statements]
             first = candidates[0]
-            is_new = name not in tables and name not in parameters
+            is_new = name not in tables and name not in model.substituted
             if is_new and first is not None and all(columns == first for columns in candidates):
                 tables[name] = first
         if len(tables) == size:

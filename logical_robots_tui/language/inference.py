@@ -9,14 +9,19 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 from logical_robots_tui.language import tree, types
 from logical_robots_tui.language.adapter import operator_name
-from logical_robots_tui.language.definitions import definitions, functor_names, rules_of
-from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, name_hint
-from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
-from logical_robots_tui.language.tree import Argument, Expression, Name, Rule, Statement
+from logical_robots_tui.language.definitions import Model, names_used, rules_of
+from logical_robots_tui.language.diagnostics import (
+    Diagnostic,
+    Mention,
+    Severity,
+    closest,
+    name_hint,
+)
+from logical_robots_tui.language.tree import Argument, Expression, Name, Rule
 from logical_robots_tui.language.types import Kind, ListOf, Plain, RecordOf, Word, clash, describe
 from logical_robots_tui.schema import MAIN, OBJECTS, VALUE
 
@@ -40,7 +45,6 @@ _LITERALS: Mapping[type[tree.Node], Kind] = {
 
 Scope: TypeAlias = "dict[str, Kind]"
 Column: TypeAlias = tuple[str, "int | str"]
-Severity: TypeAlias = Literal["error", "warning"]
 
 
 class _TooManyStepsError(Exception):
@@ -48,11 +52,10 @@ class _TooManyStepsError(Exception):
 
 
 class Inference:
-    def __init__(self, program: Sequence[Statement], text: str, doubtful: frozenset[str]) -> None:
-        self._text = text
-        self._definitions = definitions(program)
-        self._rules = rules_of(program)
-        self._unknown = doubtful | functor_names(program)
+    def __init__(self, model: Model) -> None:
+        self._model, self._text, self._definitions = model, model.text, model.definitions
+        # What functors make, copy, substitute or put in is of any kind.
+        self._unknown = model.doubtful | model.substituted | {*names_used(model.functors)}
         self._columns: dict[Column, Kind] = {
             ("Sensor", "robot_name"): types.ROBOT_NAME,
             ("Sensor", "sensor"): types.SENSED,
@@ -107,7 +110,7 @@ class Inference:
 
     def _go_through_rules(self) -> None:
         columns: dict[Column, dict[Kind, None]] = {}
-        for rule in self._rules:
+        for rule in self._model.rules:
             scope = self._scope(rule.body, self._parameters(rule))
             for column in rule.head.columns:
                 kind = self._value(column, scope)
@@ -192,9 +195,9 @@ class Inference:
             is_literal = isinstance(node.collection, tree.Number | tree.Text)
             severity = "error" if is_literal else _severity(kind)
             if node.collection.span:
-                start, stop = node.collection.span
-                problem = diagnostic_at(self._text, start, stop - start, message, _LIST, severity)
-                self._problems[start] = problem
+                span = node.collection.span
+                problem = self._model.diagnostic(span, message, _LIST, severity)
+                self._problems[span.start] = problem
         self._kind(node.element, scope)
 
     def _no_list(self, node: Expression, kind: Kind) -> str:
@@ -427,11 +430,10 @@ class Inference:
         """Note the name that a sensed text is compared with."""
         if not isinstance(node, tree.Text) or not isinstance(kind, Word) or not node.span:
             return
-        start, stop = node.span
         if kind != types.OBJECT:
-            place = diagnostic_at(self._text, start, stop - start, "")
+            place = self._model.diagnostic(node.span, "")
             mention = Mention(node.value, kind.field, place.line, place.column, place.excerpt)
-            self._mentions[start] = mention
+            self._mentions[node.span.start] = mention
         elif node.value not in OBJECTS:
             self._warn(node, f'A ray hits no "{node.value}"', name_hint(node.value, OBJECTS))
 
@@ -443,9 +445,8 @@ class Inference:
         self, node: Expression, message: str, hint: str, severity: Severity = "warning"
     ) -> None:
         if span := tree.span_of(node):
-            start, length = span.start, span.stop - span.start
-            problem = diagnostic_at(self._text, start, length, message, hint, severity)
-            self._problems.setdefault(start, problem)
+            problem = self._model.diagnostic(span, message, hint, severity)
+            self._problems.setdefault(span.start, problem)
 
     # -- reports -------------------------------------------------------------------------------
 
@@ -461,8 +462,7 @@ class Inference:
 
     def _report(self, name: str, message: str, hint: str, severity: Severity = "error") -> None:
         if isinstance(name, Name) and name.start >= 0 and len(hint) <= 120:
-            problem = diagnostic_for(self._text, name, message, hint, severity)
-            self._problems[name.start] = problem
+            self._problems[name.start] = self._model.diagnostic(name, message, hint, severity)
 
     def _source(self, node: Expression, otherwise: str = "the list") -> str:
         """Return the text of an expression, if it is short."""

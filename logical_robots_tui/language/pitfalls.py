@@ -8,19 +8,13 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import (
+    Model,
     calls,
-    definitions,
     is_built_in,
-    reach,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import Diagnostic, distance
-from logical_robots_tui.language.source_text import (
-    Prepared,
-    diagnostic_at,
-    diagnostic_for,
-    with_whole_brackets,
-)
+from logical_robots_tui.language.diagnostics import Diagnostic, Severity, distance
+from logical_robots_tui.language.source_text import with_whole_brackets
 from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
 from logical_robots_tui.schema import INPUTS, VALUE
 
@@ -34,24 +28,24 @@ CALLED_AGGREGATE = "(...) aggregates a single value"
 """The end of the message about an aggregate that is called; a condition can't compute it."""
 
 
-def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Diagnostic]:
+def pitfalls(model: Model) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each such place.
 
     Above all, ``a = b < c`` is ``(a = b) < c``: of the operators, the parser reads `=` before
     comparisons, `&&`, `||` and `->`. The value of an equation is that of its right side.
     """
-    finder = _Finder(program, source)
-    for rule in rules_of(program):
+    finder = _Finder(model)
+    for rule in model.rules:
         yield from finder.diagnose(rule)
-    yield from _own_negations(program, source.original)
-    yield from _stops_with_limits(program, source.original)
-    yield from _ignored_types(program, source.original)
+    yield from _own_negations(model)
+    yield from _stops_with_limits(model)
+    yield from _ignored_types(model)
 
 
 class _Finder:
-    def __init__(self, program: Sequence[tree.Statement], source: Prepared) -> None:
-        self._text, self._skeleton = source.original, source.skeleton
-        self._predicates = predicates = definitions(program)
+    def __init__(self, model: Model) -> None:
+        self._model, self._text, self._skeleton = model, model.text, model.source.skeleton
+        predicates = model.definitions
         self._truths = {name for name, rules in predicates.items() if all(map(_is_truth, rules))}
         self._columns: dict[str, Iterable[int | str]] = {
             **INPUTS,
@@ -271,20 +265,17 @@ class _Finder:
         if not isinstance(node, tree.Aggregate | tree.Aggregation):
             return
         sign, offset = node.operator, getattr(node.operator, "start", -1)
-        is_own = {sign, f"`{sign}`"} & self._predicates.keys()
+        is_own = {sign, f"`{sign}`"} & self._model.definitions.keys()
         if offset >= 0 and not (sign[0].isalnum() or sign[0] in "`+" or is_own):
             message = f"There is no {sign}= in Logica"
             hint = "Write != where values must differ."
             if sign not in _UNEQUAL:
                 hint = f"A variable has one value; give the new one a name: y = x {sign} 1."
-            yield diagnostic_at(
-                self._text,
-                offset,
-                len(sign) + 1,
-                message,
-                hint,
-                "warning" if sign == "-" else "error",  # the package compiles no other
-            )
+            severity: Severity = (
+                "warning" if sign == "-" else "error"
+            )  # the package compiles no other
+            place = Span(offset, offset + len(sign) + 1)
+            yield self._model.diagnostic(place, message, hint, severity)
 
     def _called_aggregate(self, node: Node) -> Iterator[Diagnostic]:
         name = node.name if isinstance(node, tree.Call) else ""
@@ -296,8 +287,7 @@ class _Finder:
     # -- texts -------------------------------------------------------------------------------------
 
     def _warning(self, span: Span, message: str, hint: str) -> Diagnostic:
-        length = span.stop - span.start
-        return diagnostic_at(self._text, span.start, length, message, hint, "warning")
+        return self._model.diagnostic(span, message, hint, "warning")
 
     def _source(self, node: Node) -> str:
         return " ".join(self._text[slice(*node.span)].split()) if node.span else "..."
@@ -310,53 +300,42 @@ class _Finder:
         return f"{hint}{between}{example}."
 
 
-def _own_negations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+def _own_negations(model: Model) -> Iterator[Diagnostic]:
     """Yield a warning for each predicate that depends on its own negation."""
-    predicates = definitions(program)
-    reachable = {name: reach(statements, predicates) for name, statements in predicates.items()}
-    for rule in rules_of(program):
-        for call in _negated_calls(rule) if rule.name in reachable.get(rule.name, ()) else ():
-            if call.name == rule.name or rule.name in reachable.get(call.name, ()):
+    for rule in model.rules:
+        for call in _negated_calls(rule) if rule.name in model.reach(rule.name) else ():
+            if call.name == rule.name or rule.name in model.reach(call.name):
                 message = f"{rule.name} depends on its own negation, ~{call.name}"
                 hint = (
                     "Its rows would exist only while they are missing. "
                     f"Negate only predicates that don't depend on {rule.name}."
                 )
-                yield diagnostic_for(text, call.name, message, hint, "warning")
+                yield model.diagnostic(call.name, message, hint, "warning")
 
 
-def _ignored_types(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for assertion in calls(program):
+def _ignored_types(model: Model) -> Iterator[Diagnostic]:
+    for assertion in model.calls:
         for node in tree.walk(assertion.arguments[1:]) if assertion.name == "~" else ():
             if isinstance(node, tree.PredicateName) and node.name not in _ASSERTED_TYPES:
                 message = f"{node.name} is not a type that ~ knows, so it is ignored"
                 hint = "Write Num, Str, Bool, [Num] or {count: Num}."
-                yield diagnostic_for(text, node.name, message, hint, "warning")
+                yield model.diagnostic(node.name, message, hint, "warning")
 
 
 _ASSERTED_TYPES = ("Bool", "Num", "Str", "Time")
 
 
-def _stops_with_limits(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    predicates = definitions(program)
-    annotations = [statement for statement in program if isinstance(statement, tree.Annotation)]
-    limited = {annotation.subject for annotation in annotations if annotation.name == "@Limit"}
-    for annotation in annotations:
+def _stops_with_limits(model: Model) -> Iterator[Diagnostic]:
+    limited = {a.subject for a in model.annotations if a.name == "@Limit"}
+    for annotation in model.annotations:
         name = annotation.subject
-        if name not in predicates or all(a.field != "stop" for a in annotation.arguments):
+        if name not in model.definitions or all(a.field != "stop" for a in annotation.arguments):
             continue
-        circle = {
-            name,
-            *(
-                n
-                for n in reach(predicates[name], predicates)
-                if name in reach(predicates.get(n, ()), predicates)
-            ),
-        }
+        circle = {name, *(n for n in model.reach(name) if name in model.reach(n))}
         if circle & limited:
             message = "A recursion with stop: can't have @Limit"
             hint = f"Limit a predicate that reads {name}."
-            yield diagnostic_for(text, annotation.name, message, hint)
+            yield model.diagnostic(annotation.name, message, hint)
 
 
 def _negated_calls(node: Node, *, is_odd: bool = False) -> Iterator[tree.Call | tree.Atom]:
@@ -419,8 +398,8 @@ _LONG = 7  # letters in a word that may have two errors
 _MOST_COMPARED = 200  # variables of a rule; nobody writes more by hand
 
 
-def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for rule in rules_of(program):
+def typos(model: Model) -> Iterator[Diagnostic]:
+    for rule in model.rules:
         nodes = [*tree.walk(rule)]
         variables = [node.name for node in nodes if isinstance(node, tree.Variable)]
         # In `name:` a column and its variable are named at once.
@@ -438,7 +417,7 @@ def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
             if similar:
                 message = f"{name} is used only once; is it a misspelt {similar}?"
                 hint = f"Write {similar} if you mean the same."
-                yield diagnostic_for(text, name, message, hint, "warning")
+                yield model.diagnostic(name, message, hint, "warning")
 
 
 def _looks_like(name: str, candidate: str) -> bool:

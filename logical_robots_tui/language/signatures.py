@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import (
+    Model,
     arity,
     calls,
-    definitions,
     is_built_in,
     prelude,
-    reach,
-    rules_of,
-    substitutions,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
-from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 Runs = Callable[[str], bool]
@@ -40,9 +36,9 @@ class Signature:
         return f"({columns})" + (" = value" if self.has_value else "")
 
 
-def signatures(program: Sequence[tree.Statement]) -> dict[str, Signature]:
+def signatures(model: Model) -> dict[str, Signature]:
     catalog = {name: Signature(0, frozenset(columns), False) for name, columns in INPUTS.items()}
-    for name, statements in {**definitions(prelude()), **definitions(program)}.items():
+    for name, statements in {**prelude().definitions, **model.definitions}.items():
         candidates = {_signature(statement) for statement in statements}
         signature = candidates.pop()
         if signature and not candidates:
@@ -53,50 +49,44 @@ def signatures(program: Sequence[tree.Statement]) -> dict[str, Signature]:
 _GIVEN = (tree.PredicateName, tree.Literal)
 
 
-def wrong_copies(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+def wrong_copies(model: Model) -> Iterator[Diagnostic]:
     """Report arguments of functors that are neither predicates' names nor constants."""
-    for statement in program:
-        for argument in statement.arguments if isinstance(statement, tree.Functor) else ():
+    for functor in model.functors:
+        for argument in functor.arguments:
             value = argument.value
             if value.span is not None and not isinstance(value, _GIVEN):
                 message = "A copy takes a predicate by its name, or a constant"
                 hint = "Define a predicate with this value, and write its name here."
-                length = value.span.stop - value.span.start
-                yield diagnostic_at(text, value.span.start, length, message, hint)
+                yield model.diagnostic(value.span, message, hint)
 
 
-def collisions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for name, (first, *statements) in definitions(program).items():
+def collisions(model: Model) -> Iterator[Diagnostic]:
+    for name, (first, *statements) in model.definitions.items():
         is_function = isinstance(first, tree.Rule) and first.head.column(VALUE)
         if name.isidentifier() and is_built_in(name):
-            uses = (isinstance(call, tree.Call) and call.name == name for call in calls(program))
+            uses = (isinstance(call, tree.Call) and call.name == name for call in model.calls)
             if is_function or any(uses):
                 message = f"{name} is built in; this definition would be ignored"
-                yield diagnostic_for(text, name, message, "Give your predicate another name.")
+                yield model.diagnostic(name, message, "Give your predicate another name.")
         for statement in statements:
-            line = text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
+            line = model.text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
             if difference := _difference(first, statement, line):
                 message, hint = difference
-                yield diagnostic_for(text, statement.name, f"{name} {message}", hint)
+                yield model.diagnostic(statement.name, f"{name} {message}", hint)
                 break
 
 
-def wrong_calls(
-    program: Sequence[tree.Statement], catalog: Mapping[str, Signature], text: str, runs: Runs
-) -> Iterator[Diagnostic]:
-    predicates = definitions(program)
-    parameters = {name for statement in program for name in substitutions(statement)}
-    reachable = (
-        {MAIN, *reach(predicates[MAIN], predicates)} if MAIN in predicates else {*predicates}
-    )
-    for rule in rules_of(program):
+def wrong_calls(model: Model, catalog: Mapping[str, Signature], runs: Runs) -> Iterator[Diagnostic]:
+    predicates = model.definitions
+    reachable = {MAIN, *model.reach(MAIN)} if MAIN in predicates else {*predicates}
+    for rule in model.rules:
         for call in calls(rule):
             name, for_value = call.name, isinstance(call, tree.Call)
             if name in catalog and not (for_value and is_built_in(name)):
-                is_parameter = name in parameters
-                yield from _wrong_call(call, catalog[name], text, is_parameter=is_parameter)
+                is_parameter = name in model.substituted
+                yield from _wrong_call(call, catalog[name], model, is_parameter=is_parameter)
                 if for_value and catalog[name].has_value and rule.name in reachable:
-                    yield from _missing_arguments(call, catalog[name], text)
+                    yield from _missing_arguments(call, catalog[name], model)
             elif (
                 for_value
                 and name not in predicates
@@ -104,17 +94,17 @@ def wrong_calls(
                 and is_built_in(name)
                 and runs(name)
             ):
-                yield from _wrong_built_in(call, text)
+                yield from _wrong_built_in(call, model)
 
 
-def duplicates(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for node in tree.walk(program):
+def duplicates(model: Model) -> Iterator[Diagnostic]:
+    for node in tree.walk(model.statements):
         names = set()
         for child in tree.children(node):
             name = child.field if isinstance(child, tree.Argument) else 0
             if isinstance(name, str) and name in names and name != tree.REST:
                 hint = "Remove one, or join the conditions with ','."
-                yield diagnostic_for(text, name, f"{name} is given twice here", hint)
+                yield model.diagnostic(name, f"{name} is given twice here", hint)
             names.add(name)
 
 
@@ -166,7 +156,7 @@ def _difference(
 
 
 def _wrong_call(
-    call: tree.Call | tree.Atom, signature: Signature, text: str, *, is_parameter: bool
+    call: tree.Call | tree.Atom, signature: Signature, model: Model, *, is_parameter: bool
 ) -> Iterator[Diagnostic]:
     name = call.name
     fields = [argument.field for argument in call.arguments]
@@ -177,20 +167,20 @@ def _wrong_call(
         message = f"{name} takes {_arguments(signature.count)}; {_count_text(positional)}"
         if not signature.count and signature.named:
             message = f"The columns of {name} have names"
-        yield diagnostic_for(text, name, message, hint)
+        yield model.diagnostic(name, message, hint)
     for field in fields:
         if isinstance(field, str) and field not in allowed:
             close = closest(field, signature.named, 0.6)
             hint = f"Did you mean {close}?" if close else _shape(signature)
-            yield diagnostic_for(text, field, f"{name} has no column {field}", hint)
+            yield model.diagnostic(field, f"{name} has no column {field}", hint)
     if isinstance(call, tree.Call) and not signature.has_value and not is_parameter:
         hint = f"Use {name}(...) as a condition, or give it a value: {name}(...) = ...;"
         message = f"{name} is not a function; it has no value"
-        yield diagnostic_for(text, name, message, hint if len(hint) <= 120 else "")
+        yield model.diagnostic(name, message, hint if len(hint) <= 120 else "")
 
 
 def _missing_arguments(
-    call: tree.Call | tree.Atom, signature: Signature, text: str
+    call: tree.Call | tree.Atom, signature: Signature, model: Model
 ) -> Iterator[Diagnostic]:
     """Report a call without arguments that the value needs; leaving out others is allowed."""
     fields = {argument.field for argument in call.arguments}
@@ -198,7 +188,7 @@ def _missing_arguments(
     if missing and tree.REST not in fields:
         count = sum(isinstance(field, int) for field in fields)
         message = f"{call.name} takes {_arguments(signature.count)}; {_count_text(count)}"
-        yield diagnostic_for(text, call.name, message, "Add the missing arguments.")
+        yield model.diagnostic(call.name, message, "Add the missing arguments.")
 
 
 def _shape(signature: Signature) -> str:
@@ -212,14 +202,14 @@ def _shape(signature: Signature) -> str:
     return hint if len(hint) <= 120 else ""
 
 
-def _wrong_built_in(call: tree.Call | tree.Atom, text: str) -> Iterator[Diagnostic]:
+def _wrong_built_in(call: tree.Call | tree.Atom, model: Model) -> Iterator[Diagnostic]:
     name = call.name
     fields = [argument.field for argument in call.arguments]
     lower, upper = arity(name)
     named = [field for field in fields if isinstance(field, str)]
     if named:
         hint = f"Write {name}(...) with plain values in order."
-        yield diagnostic_for(text, named[0], f"The arguments of {name} have no names", hint)
+        yield model.diagnostic(named[0], f"The arguments of {name} have no names", hint)
     elif not lower <= len(fields) <= upper:
         takes = _arguments(lower)
         if upper == math.inf:
@@ -227,7 +217,7 @@ def _wrong_built_in(call: tree.Call | tree.Atom, text: str) -> Iterator[Diagnost
         elif upper > lower:
             takes = f"{lower} to {upper:.0f} arguments"
         message = f"{name} takes {takes}; {_count_text(len(fields))}"
-        yield diagnostic_for(text, name, message, "See `logical-robots help " + name + "`.")
+        yield model.diagnostic(name, message, "See `logical-robots help " + name + "`.")
 
 
 def _arguments(count: float) -> str:

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from functools import lru_cache
 from itertools import islice
 from sys import maxunicode
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
-from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS, Diagnostic
+from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS, Diagnostic, Severity
 
 _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
@@ -245,7 +245,7 @@ def diagnostic_at(
     length: int,
     message: str,
     hint: str = "",
-    severity: Literal["error", "warning"] = "error",
+    severity: Severity = "error",
 ) -> Diagnostic:
     start = max(0, min(start, len(source)))
     line, column = place_of(source, start)
@@ -269,7 +269,7 @@ def diagnostic_for(
     piece: str,
     message: str,
     hint: str = "",
-    severity: Literal["error", "warning"] = "error",
+    severity: Severity = "error",
 ) -> Diagnostic:
     start: int = getattr(piece, "start", 0)
     return diagnostic_at(source, start, len(piece), message, hint, severity)

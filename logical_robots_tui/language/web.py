@@ -6,30 +6,25 @@ DuckDB (`tests/mind/differential/test_web.py`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator
 
 from logical_robots_tui.language import tree
-from logical_robots_tui.language.definitions import calls, definitions, reach, rules_of
+from logical_robots_tui.language.definitions import Model, reach, rules_of
 from logical_robots_tui.language.diagnostics import Diagnostic
-from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
-
-_remark = partial(diagnostic_for, severity="warning")
-_remark_at = partial(diagnostic_at, severity="warning")
 
 
-def web_remarks(program: Sequence[tree.Statement], text: str) -> list[Diagnostic]:
+def web_remarks(model: Model) -> list[Diagnostic]:
     """Return remarks on what the web platform refuses or understands otherwise, in text order."""
     message = "The web platform has no @Visible: there all robots see everything"
     remarks = [
         *(
-            _remark(text, statement.name, message, "Leave it out there.")
-            for statement in program
-            if isinstance(statement, tree.Annotation) and statement.name == "@Visible"
+            model.diagnostic(annotation.name, message, "Leave it out there.", "warning")
+            for annotation in model.annotations
+            if annotation.name == "@Visible"
         ),
-        *_recursions(program, text),
-        *_field_names(program, text),
-        *_formats(program, text),
+        *_recursions(model),
+        *_field_names(model),
+        *_formats(model),
     ]
     unique = {(remark.line, remark.column, remark.message): remark for remark in remarks}
     return sorted(unique.values(), key=lambda remark: (remark.line, remark.column))
@@ -40,10 +35,10 @@ def web_remarks(program: Sequence[tree.Statement], text: str) -> list[Diagnostic
 _EXACT = (4, 5)  # depths that a predicate which calls itself has there too
 
 
-def _recursions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    predicates = {name: rules_of(statements) for name, statements in definitions(program).items()}
+def _recursions(model: Model) -> Iterator[Diagnostic]:
+    predicates = {name: rules_of(statements) for name, statements in model.definitions.items()}
     reachable = {name: reach(rules, predicates) for name, rules in predicates.items()}
-    annotations = [e for e in program if isinstance(e, tree.Annotation) and e.name == "@Recursive"]
+    annotations = [a for a in model.annotations if a.name == "@Recursive"]
     visited: set[str] = set()
     for name in predicates:
         if name in visited or name not in reachable[name]:
@@ -61,7 +56,8 @@ def _recursions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagno
             if annotation is not None:
                 message += ", whatever @Recursive says"
                 hint = "Add iterative: false to its options, and they count there too."
-            yield _remark(text, annotation.name if annotation else name, message, hint)
+            place = annotation.name if annotation else name
+            yield model.diagnostic(place, message, hint, "warning")
 
 
 # -- names and functions --------------------------------------------------------------------------
@@ -82,9 +78,9 @@ _OF_THE_COMPILER = "variable"  # it takes such a record for one of its own
 _MOST_VALUES = 6  # of Format, besides its text
 
 
-def _field_names(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+def _field_names(model: Model) -> Iterator[Diagnostic]:
     reported = set()
-    for node in tree.walk(program):
+    for node in tree.walk(model.statements):
         if isinstance(node, tree.Record):
             names = [
                 argument.field for argument in node.arguments if isinstance(argument.field, str)
@@ -102,14 +98,14 @@ def _field_names(program: Sequence[tree.Statement], text: str) -> Iterator[Diagn
                 continue
             if name not in reported:  # once is enough
                 reported.add(name)
-                yield _remark(text, name, message, "Choose another name.")
+                yield model.diagnostic(name, message, "Choose another name.", "warning")
 
 
-def _formats(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    if "Format" in definitions(program):
+def _formats(model: Model) -> Iterator[Diagnostic]:
+    if "Format" in model.definitions:
         return
-    for call in calls(program):
+    for call in model.calls:
         if call.name == "Format" and len(call.arguments) > 1 + _MOST_VALUES:
             message = f"Format takes at most {_MOST_VALUES} values on the web platform"
             hint = "Use it twice, and join the strings with ++."
-            yield _remark(text, call.name, message, hint)
+            yield model.diagnostic(call.name, message, hint, "warning")

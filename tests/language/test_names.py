@@ -2,6 +2,7 @@
 
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.definitions import Model
 from logical_robots_tui.language.diagnostics import LevelNames, Mention, unknown_names
 from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.source_text import prepare
@@ -14,7 +15,7 @@ RAY = "Sensor(robot_name:, sensor:), ray in sensor.radar"
 
 def mentioned(text: str) -> list[tuple[str, str]]:
     parsed = parse(prepare(text))
-    found = Inference(parsed.statements, text, parsed.doubtful).mentions
+    found = Inference(Model(parsed.statements, parsed.source, parsed.doubtful)).mentions
     return [(mention.text, mention.field) for mention in found]
 
 

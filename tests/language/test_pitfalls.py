@@ -10,6 +10,7 @@ from logica import parser_py
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.definitions import Model
 from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.error_messages import _PLAIN
 from logical_robots_tui.language.pitfalls import pitfalls
@@ -28,7 +29,7 @@ PLACES = [
 def found(text: str) -> list[Diagnostic]:
     parsed = parse(prepare(text))
     assert not parsed.problems, parsed.problems
-    return list(pitfalls(parsed.statements, parsed.source))
+    return list(pitfalls(Model(parsed.statements, parsed.source)))
 
 
 def only(text: str) -> Diagnostic:

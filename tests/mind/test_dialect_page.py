@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui import Program, ProgramError
-from logical_robots_tui.language.definitions import built_in_names, definitions, prelude
+from logical_robots_tui.language.definitions import built_in_names, prelude
 from logical_robots_tui.language.reference import REFERENCE, find_help, similar
 from logical_robots_tui.mind.compiling.dialect import runs as runs_here
 from tests.mind.rows import ROBOT, all_remembered, python, row, slow, think
@@ -127,7 +127,7 @@ def test_each_example_gives_the_result_that_is_told(start: int) -> None:
 
 def test_everything_that_compiles_is_explained_and_nothing_else() -> None:
     runs = {SPELT.get(name, name) for name in built_in_names() if runs_here(name)}
-    library = {name for name in definitions(prelude()) if name.isidentifier()}
+    library = {name for name in prelude().definitions if name.isidentifier()}
     assert {entry.name for entry in REFERENCE} == runs | library | {"->", "=>", "~", "if"}
 
 

@@ -11,7 +11,7 @@ from logical_robots_tui.explain.diagnosis.sites import Checkup, NamedPlace, Rule
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.diagnosis.watching import Sources, decisive_columns
 from logical_robots_tui.language import tree
-from logical_robots_tui.language.definitions import definitions, is_constant, names_used, rules_of
+from logical_robots_tui.language.definitions import Model, is_constant, names_used
 from logical_robots_tui.language.expansion import expand
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import Call, Equation, Expression, Head, Node, Rule, Statement
@@ -23,9 +23,9 @@ _MOST_PROBES = 400
 
 
 def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int], bool]) -> Checkup:
-    source, program = read_program(text)
-    expanded = expand(program)
-    rules = [(rule.name, rule) for rule in rules_of(program)]
+    model = read_program(text)
+    source, expanded = model.source, expand(model)
+    rules = [(rule.name, rule) for rule in model.rules]
     predicates: dict[str, list[Rule]] = {}
     for name, rule in rules:
         predicates.setdefault(name, []).append(rule)
@@ -73,36 +73,32 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         tracer.skipped_probes + len(tracer.probes) - len(probes),
         tuple(sorted(tracer.missed_sites())),
         tuple(sorted(tracer.missed_rules)),
-        tuple(unused(program, source)),
-        tuple(duplicate_copies(program, source)),
+        tuple(unused(model)),
+        tuple(duplicate_copies(model)),
     )
 
 
-def unused(program: Sequence[Statement], source: Prepared) -> Iterator[NamedPlace]:
+def unused(model: Model) -> Iterator[NamedPlace]:
     """Yield the predicates that nothing else in a program mentions."""
-    predicates = definitions(program)
     users = (
         (user, name)
-        for user, statements in predicates.items()
+        for user, statements in model.definitions.items()
         for name in {*names_used(statements)}
     )
     used_names = {name for user, name in users if user != name} | {MAIN}
-    for name, (first, *_) in predicates.items():
+    for name, (first, *_) in model.definitions.items():
         if name not in used_names:
-            yield NamedPlace(name, span_of(first, source))
+            yield NamedPlace(name, span_of(first, model.source))
 
 
-def duplicate_copies(
-    program: Iterable[Statement], source: Prepared
-) -> Iterator[tuple[NamedPlace, NamedPlace]]:
+def duplicate_copies(model: Model) -> Iterator[tuple[NamedPlace, NamedPlace]]:
     """Yield the pairs of predicates that ``:=`` makes of the same."""
     firsts: dict[tuple[str, frozenset[tree.Argument]], NamedPlace] = {}
-    for functor in program:
-        if isinstance(functor, tree.Functor):
-            field = NamedPlace(functor.name, span_of(functor, source))
-            first = firsts.setdefault((functor.base, frozenset(functor.arguments)), field)
-            if first != field:
-                yield field, first
+    for functor in model.functors:
+        field = NamedPlace(functor.name, span_of(functor, model.source))
+        first = firsts.setdefault((functor.base, frozenset(functor.arguments)), field)
+        if first != field:
+            yield field, first
 
 
 def _site(

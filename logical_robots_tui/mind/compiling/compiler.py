@@ -19,18 +19,17 @@ from logical_robots_tui.language import error_messages, package_patches, tree
 from logical_robots_tui.language.adapter import Raw, parse, to_package
 from logical_robots_tui.language.checks import IGNORED, check
 from logical_robots_tui.language.definitions import (
+    Model,
+    calls,
     column_labels,
-    definitions,
-    missing_parameters,
     names_used,
     prelude,
-    reach,
     rules_of,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, most_important
 from logical_robots_tui.language.expansion import expand_functors, expand_rows, spell_out
-from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for, prepare
-from logical_robots_tui.language.tree import Annotation, Functor, Rule, Statement
+from logical_robots_tui.language.source_text import Prepared, prepare
+from logical_robots_tui.language.tree import Annotation, Functor, Rule, Span, Statement
 from logical_robots_tui.language.types import Kind, Plain, Tables, dump_kind
 from logical_robots_tui.language.web import web_remarks
 from logical_robots_tui.mind.compiling import fixpoint
@@ -51,21 +50,22 @@ _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 
 def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict[str, exp.Query]]:
     """Compile a program; return it and its statements' trees by text; raise ProgramError."""
-    source = prepare(text)
-    parsed = parse(source)
-    diagnostics, mentions = check(parsed, text, runs)
-    remaining, visibility, visibility_problems = _take_visibility(parsed.statements, text)
+    parsed = parse(prepare(text))
+    model = Model(parsed.statements, parsed.source, parsed.doubtful)
+    diagnostics, mentions = check(model, parsed.problems, runs)
+    visibility, visibility_problems = _visibility(model)
     _refuse([*diagnostics, *visibility_problems], parsed.excess)
+    remaining = without_visibility(model)
     try:
-        compiled = compile_statements(remaining, source)
+        compiled = compile_statements(remaining.statements, model.source)
     except ProgramError as error:
         _refuse([*diagnostics, *error.diagnostics])
         raise
     statements, predicates, problems = _compile_predicates(
-        compiled, remaining, source, report or (lambda _done, _all: None)
+        compiled, remaining, report or (lambda _done, _all: None)
     )
     _refuse([*diagnostics, *problems])
-    uses, rules = _uses(remaining), definitions(remaining)
+    uses, rules = _uses(remaining), remaining.definitions
     needed = _order_needed(uses, statements)
     inputs = (Predicate(name, "input", None, has_rows=True) for name in INPUTS)
     kinds = {
@@ -78,7 +78,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         statements,
         **visibility,
         warnings=most_important(diagnostics),
-        web=tuple(web_remarks(parsed.statements, source.original)),
+        web=tuple(web_remarks(model)),
         mentions=mentions,
         needed=needed,
         uses=uses,
@@ -91,15 +91,15 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
 
 
 @lru_cache(maxsize=1)  # callers decompose one predicate after the other
-def read_program(text: str) -> tuple[Prepared, tuple[Statement, ...]]:
-    """Return the prepared text of a program, and its statements without the game's own."""
-    source = prepare(text)
-    return source, tuple(without_visibility(parse(source).statements, text))
+def read_program(text: str) -> Model:
+    """Return a program without the game's own annotations."""
+    parsed = parse(prepare(text))
+    return without_visibility(Model(parsed.statements, parsed.source))
 
 
-def without_visibility(program: Sequence[Statement], text: str) -> list[Statement]:
-    """Return the statements of a program without the game's own annotations."""
-    return _take_visibility(program, text)[0]
+def without_visibility(model: Model) -> Model:
+    ignored = IGNORED | {"@Visible"}
+    return Model((s for s in model.statements if s.name not in ignored), model.source)
 
 
 def compile_statements(
@@ -122,15 +122,15 @@ def compile_statements(
             for statement in expanded
         ]
         spelled_out = spell_out(grounded, source)
-        rules, names = definitions(spelled_out), {*names_used(spelled_out), *_ALWAYS_USED}
-        library = [rule for rule in prelude() if rule.name in names and rule.name not in rules]
+        rules, names = Model(spelled_out).definitions, {*names_used(spelled_out), *_ALWAYS_USED}
+        library = [r for r in prelude().rules if r.name in names and r.name not in rules]
         iterated, recursions = fixpoints([*spelled_out, *library])
         flags = {"logica_default_engine": "sqlite"}
         return RobotProgram(
             to_package(iterated, source), recursions, tables or {}, user_flags=flags
         )
     except error_messages.COMPLAINTS as error:
-        problem = _baseless_recursion(error, program, source.original)
+        problem = _baseless_recursion(error, Model(program, source))
         raise ProgramError((problem or error_messages.explain(error, source),)) from None
 
 
@@ -221,28 +221,23 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, fixpoint.DEPTH))
 
 
-def _baseless_recursion(
-    error: BaseException, program: Sequence[Statement], text: str
-) -> Diagnostic | None:
+def _baseless_recursion(error: BaseException, model: Model) -> Diagnostic | None:
     if "nothing to start from" not in error_messages.plain_message(error):
         return None
-    rules_by_name = definitions(program)
-    culprit = next(
-        (name for name, rules in rules_by_name.items() if name in reach(rules, rules_by_name)), None
-    )
+    culprit = next((name for name in model.definitions if name in model.reach(name)), None)
     if culprit is None:
         return None
     message = f"The recursion of {culprit} has nothing to start from"
-    return diagnostic_for(text, culprit, message, "Add a rule for it that does not use it.")
+    return model.diagnostic(culprit, message, "Add a rule for it that does not use it.")
 
 
 def _compile_predicates(
-    compiled: RobotProgram, program: Sequence[Statement], source: Prepared, report: Report
+    compiled: RobotProgram, model: Model, report: Report
 ) -> tuple[dict[str, str], list[Predicate], list[Diagnostic]]:
     statements: dict[str, str] = {}
     predicates = []
     problems: list[Diagnostic] = []
-    rules, unbound_variables = definitions(program), missing_parameters(program)
+    rules, unbound_variables = model.definitions, model.missing_parameters
     starts = {name: max(0, getattr(name, "start", 0)) for name in rules}
     for number, name in enumerate((MAIN, *(n for n in rules if n != MAIN))):
         report(number, len(rules))
@@ -264,42 +259,36 @@ def _compile_predicates(
             )
             if not is_function:
                 reason = f"{name} can't be computed: {error_messages.plain_message(error)}"
-                problems.append(explain(error, source, program))
-        line = source.original.count("\n", 0, starts[name]) + 1
+                problems.append(explain(error, model))
+        line = model.text.count("\n", 0, starts[name]) + 1
         predicates.append(Predicate(name, "program", line, not reason, reason, is_function))
-    for name in definitions(prelude()):
+    for name in prelude().definitions:
         if name not in rules and name.isidentifier():
             reason = error_messages.FUNCTION.format(name)
             predicates.append(Predicate(name, "prelude", None, has_rows=False, reason=reason))
     return statements, predicates, problems if MAIN not in statements else []
 
 
-def _take_visibility(
-    program: Sequence[Statement], text: str
-) -> tuple[list[Statement], dict[str, Any], list[Diagnostic]]:
+def _visibility(model: Model) -> tuple[dict[str, Any], list[Diagnostic]]:
     visibility: dict[str, Any] = {}
-    statements: list[Statement] = []
     problems = []
-    for statement in program:
-        if not isinstance(statement, Annotation) or statement.name != "@Visible":
-            if statement.name not in IGNORED:
-                statements.append(statement)
+    for annotation in model.annotations:
+        if annotation.name != "@Visible":
             continue
-        visibility_name = "".join(tree.text_of(value) or "" for value in statement.values[:1])
-        if visibility_name in _VISIBILITY.get(statement.subject, ()):
-            visibility[statement.subject.lower()] = visibility_name
+        name = "".join(tree.text_of(value) or "" for value in annotation.values[:1])
+        if name in _VISIBILITY.get(annotation.subject, ()):
+            visibility[annotation.subject.lower()] = name
         else:
             message = "This is not a visibility that robots can have"
             hint = 'Write @Visible(Memory, "own"), "seen" or "all", '
             hint += 'or @Visible(Sensor, "own") or "all".'
-            problems.append(diagnostic_for(text, statement.name, message, hint))
-    return statements, visibility, problems
+            problems.append(model.diagnostic(annotation.name, message, hint))
+    return visibility, problems
 
 
-def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
-    rules_by_name = definitions(program)
-    library = (name for name in definitions(prelude()) if name.isidentifier())
-    names = {*rules_by_name, *INPUTS, *library}
+def _uses(model: Model) -> dict[str, tuple[str, ...]]:
+    library = (name for name in prelude().definitions if name.isidentifier())
+    names = {*model.definitions, *INPUTS, *library}
     return {
         str(name): tuple(
             dict.fromkeys(
@@ -309,7 +298,7 @@ def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
                 if used_name in names and not (isinstance(statement, Functor) and used_name == name)
             )
         )
-        for name, rules in rules_by_name.items()
+        for name, rules in model.definitions.items()
     }
 
 
@@ -331,37 +320,33 @@ def _order_needed(
     return tuple(ordered)
 
 
-def explain(error: BaseException, source: Prepared, program: Sequence[Statement]) -> Diagnostic:
+def explain(error: BaseException, model: Model) -> Diagnostic:
     """Return the diagnostic for an exception raised for a program that could be parsed."""
-    diagnostic = error_messages.explain(error, source)
+    diagnostic = error_messages.explain(error, model.source)
     names = error_messages.unbound_variables(error)
-    start, _ = error_messages.rule_of(error, source)
-    rules = (s for s in program if isinstance(s, Rule))
-    rule = next((r for r in rules if r.span and r.span.start <= start < r.span.stop), None)
+    start, _ = error_messages.rule_of(error, model.source)
+    rule = next((r for r in model.rules if r.span and r.span.start <= start < r.span.stop), None)
     if not names or rule is None:
         return diagnostic
     name = diagnostic.excerpt if diagnostic.excerpt in names else names[0]
-    rules_by_name = definitions(program)
-    calls = [
-        n
-        for n in tree.walk(rule)
-        if isinstance(n, tree.Atom | tree.Call) and n.name in rules_by_name
-    ]
+    rules_by_name = model.definitions
+    program_calls = [call for call in calls(rule) if call.name in rules_by_name]
     if name not in tree.variables(rule, inside=True):
-        for call in calls:
+        for call in program_calls:
             heads = [callee_rule.head for callee_rule in rules_of(rules_by_name[call.name])]
             if name in tree.variables(heads, inside=True) and call.span:
                 message = f"{call.name} needs a value for {name}"
-                hint, length = "Add the missing argument.", len(call.name)
-                return diagnostic_at(source.original, call.span.start, length, message, hint)
+                start = call.span.start
+                place = Span(start, start + len(call.name))
+                return model.diagnostic(place, message, "Add the missing argument.")
     elif isinstance(rule.body, tree.Disjunction):
         hint = "A '|' divides the whole body: put the alternatives in brackets, (a | b)."
         offset = next(n.span.start for n in _uses_of(name, rule) if n.span)
         message = f"{name} has no value in one of the alternatives"
-        return diagnostic_at(source.original, offset, len(name), message, hint)
+        return model.diagnostic(Span(offset, offset + len(name)), message, hint)
     callees = [
         call.name
-        for call in calls
+        for call in program_calls
         for value in tree.operands(call.arguments)
         if tree.variable_of(value) == name
     ]

@@ -28,7 +28,7 @@ from sqlglot import exp
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.checks import MOST_STEPS
-from logical_robots_tui.language.definitions import functor_names, names_used, rules_of
+from logical_robots_tui.language.definitions import Model, names_used
 from logical_robots_tui.language.expansion import rename
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
@@ -80,11 +80,12 @@ def fixpoints(program: Sequence[tree.Statement]) -> tuple[list[tree.Statement], 
     Returns:
         The program, with rules for one step in place of each recursion; and the recursions.
     """
+    model = Model(program)
     rules: dict[str, list[tree.Rule]] = {}
-    for rule in rules_of(program):
+    for rule in model.rules:
         rules.setdefault(str(rule.name), []).append(rule)
-    extractor = _RecursionExtractor(program, rules)
-    annotated = {s.subject for s in program if isinstance(s, tree.Annotation)}
+    extractor = _RecursionExtractor(model, rules)
+    annotated = {annotation.subject for annotation in model.annotations}
     for name in sorted(rules, key=lambda name: name not in annotated):  # these may have satellites
         extractor.extract(name)
     return extractor.statements, extractor.fixpoints
@@ -101,19 +102,17 @@ def _alternative_rules(rule: tree.Rule) -> list[tree.Rule]:
 class _RecursionExtractor:
     """Extracts recursions in turn; `statements` holds the rest of the program."""
 
-    def __init__(
-        self, program: Sequence[tree.Statement], rules_by_name: dict[str, list[tree.Rule]]
-    ) -> None:
-        self.statements = list(program)
+    def __init__(self, model: Model, rules_by_name: dict[str, list[tree.Rule]]) -> None:
+        self.statements = list(model.statements)
         self.fixpoints: list[Fixpoint] = []
         self._rules = rules_by_name
         self._uses = {
             n: {str(c) for c in names_used(rules) if c in rules_by_name}
             for n, rules in rules_by_name.items()
         }
-        self._annotations = [a for a in program if isinstance(a, tree.Annotation)]
+        self._annotations = model.annotations
         self._extracted: set[str] = set()
-        functors = functor_names(program)
+        functors = model.substituted | {*names_used(model.functors)}
         counts = Counter((a.name, a.subject) for a in self._annotations)
         limited_names = {a.subject for a in self._annotations if a.name == "@Limit"}
         repeated_names = {subject for (_, subject), n in counts.items() if n > 1}  # an error

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Literal, TypeAlias
 
 from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.adapter import is_rule, parse, parse_expression, parse_proposition
 from logical_robots_tui.language.checks import NO_VALUE, check
-from logical_robots_tui.language.definitions import column_labels, definitions
+from logical_robots_tui.language.definitions import Definitions, Model, column_labels
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
+from logical_robots_tui.language.source_text import Prepared, prepare
 from logical_robots_tui.mind.compiling.compiler import (
     compile_statements,
     explain,
@@ -27,7 +27,6 @@ from logical_robots_tui.mind.compiling.dialect import runs
 from logical_robots_tui.mind.program import CompiledQuery
 from logical_robots_tui.schema import INPUTS, VALUE
 
-RulesByName: TypeAlias = Mapping[str, Sequence[tree.Rule | tree.Functor]]
 Gives: TypeAlias = Literal["rows", "value", "truth"]
 
 
@@ -40,7 +39,7 @@ def compile_question(text: str, query: str) -> CompiledQuery:
     if not bare:
         hint = "Type a predicate, such as Robot, or an expression."
         raise ProgramError((Diagnostic(1, 1, "The query is empty", hint),))
-    rules = definitions(read_program(text)[1])
+    rules = read_program(text).definitions
     prefix, suffix = "", ""
     gives: Gives = "rows"
     if source.ends or is_rule(source):
@@ -68,31 +67,30 @@ def compile_question(text: str, query: str) -> CompiledQuery:
 
 def _compile(text: str, predicate: str, first_line: int, *, is_bare: bool) -> CompiledQuery:
     """Return the question for a predicate's rows, which is in line `first`."""
-    source = prepare(text)
-    parsed = parse(source)
+    parsed = parse(prepare(text))
+    model = Model(parsed.statements, parsed.source, parsed.doubtful)
     problems = tuple(
         d
-        for d in check(parsed, text, runs).problems
+        for d in check(model, parsed.problems, runs).problems
         if d.severity == "error" or (d.line >= first_line and d.message.endswith(NO_VALUE))
     )
     if problems:
         raise ProgramError(problems)
     try:
-        statements = without_visibility(parsed.statements, text)
-        compiled = compile_statements(statements, source)
+        compiled = compile_statements(without_visibility(model).statements, model.source)
         sql = compiled.FormattedPredicateSql(predicate)
     except error_messages.COMPLAINTS as error:
         if is_bare and error_messages.is_function(error):
             hint = f"Call it with values, such as {predicate}(1)."
             message = error_messages.FUNCTION.format(predicate)
             raise ProgramError((Diagnostic(1, 1, message, hint),)) from None
-        raise ProgramError((explain(error, source, parsed.statements),)) from None
+        raise ProgramError((explain(error, model),)) from None
     return CompiledQuery(
         "",
         sql,
         "rows",
         compiled.truths(predicate),
-        column_labels(predicate, definitions(statements)),
+        column_labels(predicate, model.definitions),
     )
 
 
@@ -108,23 +106,22 @@ def _place_in_query(diagnostic: Diagnostic, first_line: int, query: str) -> Diag
     return replace(diagnostic, line=len(preceding_lines), column=len(preceding_lines[-1]) + 1)
 
 
-def _last_definition(source: Prepared, rules: RulesByName) -> str:
+def _last_definition(source: Prepared, rules: Definitions) -> str:
     """Return the last predicate that a query defines; it may not redefine the program's."""
     parsed = parse(source)
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
-    defined = [*definitions(parsed.statements)]
-    for name in defined:
+    model = Model(parsed.statements, source)
+    for name in model.definitions:
         if name in rules or name in INPUTS:
             message = f"The program already defines {name}"
-            problem = diagnostic_for(source.original, name, message, "Use another name.")
-            raise ProgramError((problem,))
-    if not defined:
+            raise ProgramError((model.diagnostic(name, message, "Use another name."),))
+    if not model.definitions:
         raise ProgramError((Diagnostic(1, 1, "This defines no predicate"),))
-    return str(defined[-1])
+    return str([*model.definitions][-1])
 
 
-def _frame(name: str, source: Prepared, rules_by_name: RulesByName) -> tuple[str, str, Gives]:
+def _frame(name: str, source: Prepared, rules_by_name: Definitions) -> tuple[str, str, Gives]:
     """Return the prefix and suffix that make a query a rule, and its result kind."""
     try:
         body = parse_proposition(source)
@@ -186,7 +183,7 @@ def _supply(open_inputs: Sequence[str]) -> str:
     return ", ".join(calls) or f"Sensor({_columns(INPUTS['Sensor'])})"
 
 
-def _is_value(body: tree.Proposition, rules: RulesByName) -> bool:
+def _is_value(body: tree.Proposition, rules: Definitions) -> bool:
     """Return whether a possible condition is meant as a value: a function or calculation."""
     name = body.name if isinstance(body, tree.Atom) else ""
     if name in rules:

@@ -7,7 +7,7 @@ needs before ``@@``; lines that begin with ``##`` name the topic.
 import re
 from pathlib import Path
 
-from logical_robots_tui.language.definitions import built_in_names, definitions, prelude
+from logical_robots_tui.language.definitions import built_in_names, prelude
 from tests.mind.rows import cases
 
 __all__ = ["BATCHES", "CASES", "DIFFERENCES", "Case", "in_one"]
@@ -32,7 +32,7 @@ def _cases() -> list[Case]:
 
 CASES = _cases()
 
-_SUPPLIED = {*built_in_names(), *definitions(prelude()), "Sensor", "Memory", "Str", "Bool", "Int"}
+_SUPPLIED = {*built_in_names(), *prelude().definitions, "Sensor", "Memory", "Str", "Bool", "Int"}
 _WORD = re.compile(r""""[^"]*"|'[^']*'|@?\b[A-Z]\w*""")
 
 

@@ -10,6 +10,7 @@ from logica.compiler.rule_translate import RuleCompileException
 from logica.type_inference.research.infer import TypeErrorCaughtException
 
 from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.definitions import Model
 from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.web import _SQL_WORDS, web_remarks
@@ -37,7 +38,7 @@ ACCEPTED = [text for text, reason in REASONS.items() if not reason] + [AS_THE_HI
 def remarks(text: str) -> list[Diagnostic]:
     parsed = parse(prepare(text))
     assert not parsed.problems
-    return web_remarks(parsed.statements, text)
+    return web_remarks(Model(parsed.statements, parsed.source))
 
 
 def there(text: str, folder: Path) -> list[tuple[Any, ...]]:
