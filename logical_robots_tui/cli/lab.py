@@ -354,8 +354,7 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
         print(f"{message}." if is_grading else f"{message}, for example:")
     if tally.failed and not is_grading:
         for run in islice(failed_runs(manifest, ledger), 5):
-            _, _, reason = run.result.first or (0, "", "")
-            print(harmless(f"  {manifest.label_of(run.cell)}, start {run.start}: {reason}"))
+            print(harmless(f"  {manifest.label_of(run.cell)}, start {run.start}: {run.reason}"))
     if is_grading and (ungraded := ungraded_lines(manifest, ledger)):
         print("Ungraded:", *(harmless(f"  {line}") for line in ungraded), sep="\n")
     if tally.differing:

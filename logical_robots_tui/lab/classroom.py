@@ -112,7 +112,7 @@ def faults_of(manifest: Manifest, ledger: Ledger) -> list[Fault]:
     """Return the faults of a class by kind and level, the most common first."""
     cells = {(cell.student, cell.level_name): cell for cell in manifest.cells}
     runs = {
-        (run.cell.student, run.cell.level_name, run.start): run.result
+        (run.cell.student, run.cell.level_name, run.start): run
         for run in finished_runs(manifest, ledger)
     }
     cases: dict[tuple[str, str, str], list[tuple[str, Cell | None, int]]] = defaultdict(list)
@@ -123,8 +123,7 @@ def faults_of(manifest: Manifest, ledger: Ledger) -> list[Fault]:
             if kind:
                 start = min(level.lost, default=0)
                 if level.points is not None and level.lost:
-                    lost_result = runs[*key, start]
-                    reason = lost_result.first[2] if lost_result.first else lost_result.outcome
+                    reason = runs[*key, start].reason or runs[*key, start].result.outcome
                 case = grade.student.label, cells.get(key), start
                 cases[kind, level.level, reason].append(case)
     order = sorted(cases, key=lambda key: (_KINDS.index(key[0]), key[1], -len(cases[key]), key[2]))

@@ -8,12 +8,13 @@ import io
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from statistics import fmean
 from typing import Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import cell_to_run, split_starts
-from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest
+from logical_robots_tui.lab.folder import ATTEMPTS, MEASURES, Cell, Folder, Ledger, Manifest
 from logical_robots_tui.lab.running import QueryMeasure, Reduction, Result
 from logical_robots_tui.language.diagnostics import printable
 
@@ -27,6 +28,13 @@ class RunRecord(NamedTuple):
     start: int
     job: str
     result: Result
+
+    @property
+    def reason(self) -> str:
+        """Its first mistake or notice, or ""."""
+        if self.result.mistakes:
+            return self.result.mistakes[0].message
+        return self.result.first[2] if self.result.first else ""
 
 
 class ResultTable(NamedTuple):
@@ -102,10 +110,11 @@ def reduce_series(result: Result, measure: QueryMeasure, kind: Reduction) -> flo
     numbers = [number for _, number in series.numbers if number is not None] if series else []
     if series is None or not numbers or len(numbers) < len(series.numbers):
         return None
-    return numbers[-1] if kind == "last" else _REDUCERS[kind](numbers)
+    return _REDUCERS[kind](numbers)
 
 
 _REDUCERS: dict[str, Callable[[list[float]], float]] = {
+    "last": lambda numbers: numbers[-1],
     "min": min,
     "max": max,
     "mean": fmean,
@@ -113,19 +122,12 @@ _REDUCERS: dict[str, Callable[[list[float]], float]] = {
 }
 
 
-def measures_of(manifest: Manifest) -> dict[str, Callable[[RunRecord], float | None]]:
-    """Return the measures of a run by name, besides whether it was won."""
-
-    def reducer(measure: QueryMeasure, kind: Reduction) -> Callable[[RunRecord], float | None]:
-        return lambda run: reduce_series(run.result, measure, kind)
-
-    built_in: dict[str, Callable[[RunRecord], float | None]] = {
-        "ticks": lambda run: run.result.ticks if run.result.outcome == "won" else None,
-        "distance": lambda run: run.result.distance,
-        "size": lambda run: run.result.size or None,
-    }
-    measures = {name: built_in[name] for name in manifest.measures if name in built_in}
-    return measures | {name: reducer(*column) for name, column in reductions(manifest).items()}
+def measures_of(manifest: Manifest) -> dict[str, Callable[[Result], float | None]]:
+    """Return the measures of a run by name, those of queries last."""
+    measures = {name: MEASURES[name] for name in manifest.measures}
+    for name, (measure, kind) in reductions(manifest).items():
+        measures[name] = partial(reduce_series, measure=measure, kind=kind)
+    return measures
 
 
 def _run_columns(manifest: Manifest) -> tuple[str, ...]:
@@ -142,39 +144,31 @@ def _run_cells(names: list[str], run: RunRecord) -> Row:
 def _runs(manifest: Manifest, ledger: Ledger, runs: list[RunRecord]) -> ResultTable:
     engines = ledger.engines()
     student = ("student",) if manifest.kind == "grade" else ()
-    numbers, settings = reductions(manifest), settings_of(manifest)
-    columns = ("run", *student, *_run_columns(manifest), "outcome", *manifest.measures, *numbers)
+    measures, settings = measures_of(manifest), settings_of(manifest)
+    columns = ("run", *student, *_run_columns(manifest), "outcome", *measures)
     columns += tuple(f"points_{team}" for team in manifest.teams)
     columns += ("forfeit",) * bool(manifest.teams)
     columns += ("last_tick", "notices", "first_notice", "engine", "replay")
     rows: list[Row] = []
     for run in runs:
         cell, _, job, result = run
-        values = {
-            "won": result.outcome == "won",
-            "ticks": result.ticks if result.outcome == "won" else None,
-            "distance": result.distance,
-            "size": result.size or None,
-            "rules": result.rules or None,
-        }
-        first_notice = result.first and "tick {}, {}: {}".format(*result.first)
-        if result.outcome == "infrastructure" and result.first:
-            first_notice = result.first[2]
+        first_notice = run.reason
         if result.mistakes:
-            first_notice = f"line {result.mistakes[0].line}: {result.mistakes[0].message}"
+            first_notice = f"line {result.mistakes[0].line}: {first_notice}"
+        elif result.first and result.outcome != "infrastructure":
+            first_notice = "tick {}, {}: {}".format(*result.first)
         rows.append(
             (
                 manifest.run(job),
                 *((cell.student,) if student else ()),
                 *_run_cells(settings, run),
                 result.outcome,
-                *(values[name] for name in manifest.measures),
-                *(reduce_series(result, *column) for column in numbers.values()),
+                *(measure(result) for measure in measures.values()),
                 *(result.points.get(team) for team in manifest.teams),
                 *(", ".join(result.forfeit) for _ in manifest.teams[:1]),
                 result.ticks,
                 sum(result.notices.values()),
-                first_notice or "",
+                first_notice,
                 engines.get(job, ""),
                 manifest.command(run.cell, run.start),
             )

@@ -8,7 +8,7 @@ import os
 import re
 import sqlite3
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from datetime import timedelta
 from errno import ENOSPC
@@ -34,13 +34,21 @@ _UNREADABLE = (msgspec.MsgspecError, AttributeError, RecursionError, TypeError, 
 _LONGEST_STEM = 60
 _NESTING = (b"[", b"{", b",")
 
-BUILT_IN = ("won", "ticks", "distance", "size")
-"""Measures of every run; folders of earlier versions also have ``rules``."""
+MEASURES: dict[str, Callable[[Result], float | None]] = {
+    "won": lambda result: result.outcome == "won",
+    "ticks": lambda result: result.ticks if result.outcome == "won" else None,
+    "distance": lambda result: result.distance,
+    "size": lambda result: result.size or None,
+    "rules": lambda result: result.rules or None,  # in folders of earlier versions
+}
+"""Measures of a run that need no query."""
+
+BUILT_IN = tuple(MEASURES)[:4]
 
 Digest: TypeAlias = Annotated[str, msgspec.Meta(pattern="^([0-9a-f]{64})?$")]
 Ticks: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10**9)]
 Starts: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10_000)]
-Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join((*BUILT_IN, 'rules'))})$")]
+Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(MEASURES)})$")]
 Index: TypeAlias = Annotated[int, msgspec.Meta(ge=0)]
 FileName: TypeAlias = Annotated[str, msgspec.Meta(pattern=r"^\w[\w.+-]{0,99}$")]
 

@@ -146,9 +146,7 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
     for run in finished_runs(manifest, ledger):
         runs[run.cell.student, run.cell.level_name].append(run)
     failed = {
-        (run.cell.student, run.cell.level_name): run.result.first[2]
-        for run in failed_runs(manifest, ledger)
-        if run.result.first
+        (run.cell.student, run.cell.level_name): run.reason for run in failed_runs(manifest, ledger)
     }
     grades = []
     for student in manifest.students:

@@ -129,9 +129,9 @@ def _sweep_lines(manifest: Manifest, all_runs: list[RunRecord]) -> list[str]:
     for suffix, groups in groupings.items():
         shares = {label: share_of(runs).share for label, runs in groups.items()}
         lines += _bars(f"Starts won{suffix}", shares)
-        for name, measure in measures_of(manifest).items():
-            spreads = {label: _spread(map(measure, runs)) for label, runs in groups.items()}
-            medians = {label: spread[0] for label, spread in spreads.items() if spread}
+        spreads = {label: _spreads(manifest, runs) for label, runs in groups.items()}
+        for name in _spreads(manifest, []):
+            medians = {label: s[0] for label, named in spreads.items() if (s := named[name])}
             if len({*medians.values()}) > 1:
                 lines += _bars(f"{name}, medians{suffix}", medians)
     for name, (ticks, curves) in _over_time(manifest, all_runs).items():
@@ -246,6 +246,18 @@ def _spread(values: Iterable[float | None]) -> Spread | None:
     return middle, low, high
 
 
+def _spreads(manifest: Manifest, runs: list[RunRecord]) -> dict[str, Spread | None]:
+    """Return medians and quartiles of runs by measure; outside a sweep of ticks only."""
+    names = measures_of(manifest).keys() - {"won", "rules"}
+    if manifest.kind != "sweep":
+        names = {"ticks"}
+    return {
+        name: _spread(measure(run.result) for run in runs)
+        for name, measure in measures_of(manifest).items()
+        if name in names
+    }
+
+
 def _share(runs: list[RunRecord]) -> Spread:
     share = share_of(runs)
     return 100 * share.share, 100 * share.low, 100 * share.high
@@ -330,8 +342,9 @@ def _variation(manifest: Manifest, all_runs: list[RunRecord]) -> str:
         parts.append(f"<h2>Over {html.escape(harmless_text(name))}</h2>")
         shares = {"won": [_share(runs) for runs in groups.values()]}
         parts.append(_chart(f"% of starts won, over {name}", name, [*groups], shares, _INTERVAL))
-        for title, measure in measures_of(manifest).items():
-            spreads = [_spread(map(measure, runs)) for runs in groups.values()]
+        group_spreads = [_spreads(manifest, runs) for runs in groups.values()]
+        for title in _spreads(manifest, []):
+            spreads = [named[title] for named in group_spreads]
             if len({spread for spread in spreads if spread}) > 1:
                 parts.append(_chart(f"{title}, over {name}", name, [*groups], {"median": spreads}))
     if len(names) == 2:
@@ -366,7 +379,7 @@ def _chart(
 
 
 def _grid(manifest: Manifest, across: str, down: str, all_runs: list[RunRecord]) -> str:
-    columns, measures = _by_value(across, all_runs), measures_of(manifest)
+    columns = _by_value(across, all_runs)
     column_of = {id(run): name for name, runs in columns.items() for run in runs}
 
     def cell(runs: list[RunRecord]) -> str:
@@ -374,8 +387,8 @@ def _grid(manifest: Manifest, across: str, down: str, all_runs: list[RunRecord])
             return ""
         share = share_of(runs)
         texts = [f"{as_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"]
-        spreads = {name: _spread(map(measure, runs)) for name, measure in measures.items()}
-        texts += [f"{name} {spread[0]:,.6g}" for name, spread in spreads.items() if spread]
+        for name, spread in _spreads(manifest, runs).items():
+            texts += [f"{name} {spread[0]:,.6g}"] if spread else []
         return shade(share.share, "; ".join(texts))
 
     rows = [
@@ -404,21 +417,11 @@ def _ticks(all_runs: list[RunRecord]) -> str:
 
 def _failures(manifest: Manifest, ledger: Ledger, all_runs: list[RunRecord]) -> str:
     kinds: dict[tuple[str, str, str], list[RunRecord]] = {}
-    for run in all_runs:
+    for run in (*all_runs, *failed_runs(manifest, ledger)):
         result = run.result
         if result.outcome == "won" or (result.outcome == "played" and not result.first):
             continue
-        reason = (
-            result.mistakes[0].message
-            if result.mistakes
-            else result.first[2]
-            if result.first
-            else ""
-        )
-        kinds.setdefault((run.cell.level_name, result.outcome, reason), []).append(run)
-    for run in failed_runs(manifest, ledger):
-        reason = run.result.first[2] if run.result.first else ""
-        kinds.setdefault((run.cell.level_name, run.result.outcome, reason), []).append(run)
+        kinds.setdefault((run.cell.level_name, result.outcome, run.reason), []).append(run)
     rows: list[Sequence[Any]] = []
     for (level, outcome, reason), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
         rows.append((level, outcome, reason, len(runs), as_code(manifest.command(*runs[0][:2]))))
@@ -427,15 +430,9 @@ def _failures(manifest: Manifest, ledger: Ledger, all_runs: list[RunRecord]) -> 
     return f"<h2>{title}</h2>" + as_table(head, rows) if rows else ""
 
 
-_EXPLAIN = "replace <code>play</code> with <code>why</code> to explain a tick."
-
-
 def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str:
     rows: list[Sequence[Any]] = []
     names = {student.id: student.label for student in manifest.students}
-    measures = measures_of(manifest)
-    if manifest.kind != "sweep":
-        measures = {"ticks": measures["ticks"]}
     for cell, runs in by_cell(all_runs):
         share = share_of(runs)
         # A run that was lost, from a varied start if there is one, else the given start.
@@ -448,7 +445,7 @@ def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str
                 runs[0].result.outcome,
                 f"{share.won} of {share.tried}",
                 _interval(share),
-                *((spread := _spread(map(m, runs))) and spread[0] for m in measures.values()),
+                *(spread and spread[0] for spread in _spreads(manifest, runs).values()),
                 as_code(
                     play_command(folder, manifest, cell, example.start)
                     if names
@@ -456,13 +453,13 @@ def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str
                 ),
             )
         )
-    medians = [f"median {name}" for name in measures]
+    medians = [f"median {name}" for name in _spreads(manifest, [])]
     head = ("", "level", "program", "given start", "won", "95% interval", *medians, "replay")
-    intro = f"Run the commands in this folder; {_EXPLAIN}"
+    place = "in this folder;"
     if names:
-        intro = "Run the commands where this folder is. In one from runs.csv, "
-        intro += _EXPLAIN
-    return f"<h2>Programs in levels</h2><p>{intro}</p>" + as_table(head, rows)
+        place = "where this folder is. In one from runs.csv,"
+    intro = f"<p>Run the commands {place} replace <code>play</code> with <code>why</code> to "
+    return f"<h2>Programs in levels</h2>{intro}explain a tick.</p>" + as_table(head, rows)
 
 
 def _pygal() -> Any:
