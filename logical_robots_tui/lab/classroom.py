@@ -193,7 +193,9 @@ def similar_pairs(folder: Folder, manifest: Manifest) -> list[SimilarPair]:
     shapes = {text: _shape(folder.text(text)) for texts in owners.values() for text in texts}
     pairs = []
     for level, texts in owners.items():
-        starter_shape = _starter(folder, next(iter(texts.values()))[0])
+        first_cell = next(iter(texts.values()))[0]
+        starter = read_level(folder.text(first_cell.level), level).starter
+        starter_shape = _shape(shipped_texts().get(starter or "", ""))
         own_shapes = {text: shapes[text] - starter_shape for text in texts}
         for first, second in combinations(own_shapes, 2):
             score = _score(own_shapes[first], own_shapes[second])
@@ -217,11 +219,6 @@ def _score(first: Counter[tuple[str, ...]], second: Counter[tuple[str, ...]]) ->
     if smaller < _FEWEST or 2 * smaller < ALIKE * (smaller + larger):
         return 0.0  # it would be too little, too
     return 2 * (first & second).total() / (smaller + larger)
-
-
-def _starter(folder: Folder, cell: Cell) -> Counter[tuple[str, ...]]:
-    level = read_level(folder.text(cell.level), cell.level_name)
-    return _shape(shipped_texts().get(level.starter or "", ""))
 
 
 @cache

@@ -142,12 +142,6 @@ class Coordinator:
         is_slow = batch.cell.student in self._slow_students
         (self._slow_batches if is_slow else self._batches).append(batch)
 
-    def _postpone(self, student: str) -> None:
-        self._slow_students.add(student)
-        batches, self._batches = self._batches, deque()
-        for batch in batches:
-            self._queue(batch)
-
     def _plan(self, cell: Cell) -> None:
         """Queue the rest of a cell, unless it equals an earlier cell."""
         cell = cell_to_run(self._manifest, cell, self._outcomes)
@@ -222,7 +216,10 @@ class Coordinator:
         is_slow = answer.failure or any(seconds > _SLOW_SECONDS for _, _, seconds in answer.results)
         student = batch.cell.student
         if is_slow and student and student not in self._slow_students:
-            self._postpone(student)
+            self._slow_students.add(student)
+            batches, self._batches = self._batches, deque()
+            for waiting_batch in batches:
+                self._queue(waiting_batch)
         if batch.starts:
             self._queue(batch)
         if 0 in done_starts:

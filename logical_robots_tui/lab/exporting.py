@@ -76,8 +76,12 @@ def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]
     for name, table in tables_of_runs(manifest, ledger).items():
         folder.put(folder.path / f"{name}.csv", csv_of(table))
         file_names.append(f"{name}.csv")
-        if (content := _parquet(table)) is not None:
-            folder.put(folder.path / f"{name}.parquet", content)
+        if has_extra("pyarrow"):
+            import pyarrow.parquet as pq
+
+            buffer = io.BytesIO()
+            pq.write_table(arrow_of(table), buffer)
+            folder.put(folder.path / f"{name}.parquet", buffer.getvalue())
             file_names.append(f"{name}.parquet")
     return file_names
 
@@ -225,16 +229,6 @@ def has_extra(module: str) -> bool:
     from importlib.util import find_spec
 
     return find_spec(module) is not None
-
-
-def _parquet(table: ResultTable) -> bytes | None:
-    if not has_extra("pyarrow"):
-        return None
-    import pyarrow.parquet as pq
-
-    buffer = io.BytesIO()
-    pq.write_table(arrow_of(table), buffer)
-    return buffer.getvalue()
 
 
 def arrow_of(table: ResultTable) -> Any:

@@ -25,7 +25,7 @@ from logical_robots_tui.lab.exporting import (
     parts_as_page,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
-from logical_robots_tui.lab.running import Result, RunFinding
+from logical_robots_tui.lab.running import Result
 from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
@@ -199,11 +199,11 @@ def _level(
     missing: str,
     results: dict[int, Result],
 ) -> LevelGrade:
-    first = results.get(0)
-    won = first is not None and first.outcome == "won"
+    first, is_run = results.get(0, Result("infrastructure")), 0 in results
+    won = first.outcome == "won"
     varied = {start: result for start, result in results.items() if start}
     wins = sum(result.outcome == "won" for result in varied.values())
-    is_over = first is not None and (
+    is_over = is_run and (
         first.outcome == "does not compile"
         or (manifest.given_first and not won)
         or len(varied) == manifest.starts
@@ -212,41 +212,37 @@ def _level(
     parts: tuple[PointsPart, ...] = ()
     if not is_over if is_submitted else missing == UNMATCHED:
         points = None
-    elif first is not None:
+    elif is_run:
         parts = tuple(_parts(assignment, name, maximum, first, wins, manifest.starts, bool(varied)))
         points = sum(part.points for part in parts)
-    messages = (
-        [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes] if first else []
-    )
-    if first is not None and first.first is not None:
+    messages = [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes]
+    if first.first is not None:
         messages.append("tick {}, {}: {}".format(*first.first))
-    outcome = "not run yet" if is_submitted else missing
-    if first is not None:
-        outcome = first.outcome
-        outcome += f" at tick {first.ticks:,}" * (outcome in ("too slow", "too many steps"))
+    outcome: str = first.outcome if is_run else "not run yet" if is_submitted else missing
+    if outcome in ("too slow", "too many steps"):
+        outcome += f" at tick {first.ticks:,}"
+    questions = []
+    for finding in first.findings:
+        place = f"Line {finding.line}: " * bool(finding.line)
+        questions.append(f"{place}{finding.message} {QUESTIONS.get(finding.kind, '')}".strip())
     return LevelGrade(
         name,
         None if points is None else _round(points),
         maximum,
         won,
         outcome,
-        first.ticks if first and won else None,
-        first.size or None if first else None,
-        first.distance if first else 0.0,
+        first.ticks if won else None,
+        first.size or None,
+        first.distance,
         wins,
         manifest.starts,
         tuple(start for start, result in varied.items() if result.outcome != "won"),
         tuple(messages),
-        tuple(end.sentence(first.ticks) for end in first.ends) if first and not won else (),
+        () if won else tuple(end.sentence(first.ticks) for end in first.ends),
         tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
-        tuple(map(_question, first.findings)) if first else (),
-        first.ticks if first else 0,
+        tuple(questions),
+        first.ticks,
     )
-
-
-def _question(finding: RunFinding) -> str:
-    prefix = f"Line {finding.line}: " if finding.line else ""
-    return f"{prefix}{finding.message} {QUESTIONS.get(finding.kind, '')}".strip()
 
 
 def _parts(
@@ -317,13 +313,14 @@ def export_grades(
         parts = _feedback(grade, show, kept_share)
         runs = [runs_by_level.get((grade.student.id, level.level)) for level in grade.levels]
         pictures = ["", *(_picture(folder, run, draw if "won" in show else None) for run in runs)]
-        feedback = folder.path / f"feedback/{name}"
-        folder.put(feedback.with_name(f"{name}.md"), parts_as_markdown(manifest.title, parts))
-        folder.put(
-            feedback.with_name(f"{name}.html"), parts_as_page(manifest.title, parts, pictures)
-        )
-        folder.put(folder.path / f"feedback/{name}.json", _json(record))
-        folder.put(folder.path / f"gradescope/{name}.json", _json(_gradescope(grade, show)))
+        files: dict[str, str | bytes] = {
+            f"feedback/{name}.md": parts_as_markdown(manifest.title, parts),
+            f"feedback/{name}.html": parts_as_page(manifest.title, parts, pictures),
+            f"feedback/{name}.json": _json(record),
+            f"gradescope/{name}.json": _json(_gradescope(grade, show)),
+        }
+        for file, content in files.items():
+            folder.put(folder.path / file, content)
     for old_file in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
         if old_file.stem not in names:
             old_file.unlink()  # of an earlier class list
@@ -475,7 +472,9 @@ def _junit(title: str, grades: list[Grade]) -> bytes:
         counts = dict.fromkeys(("failures", "errors", "skipped"), 0)
         for level in grade.levels:
             case = ElementTree.SubElement(suite, "testcase", classname=label, name=level.level)
-            kind = _junit_kind(level)
+            kind = "" if level.won else "failure"
+            if level.points is None or level.is_missing:
+                kind = "error" if level.points is None else "skipped"
             if kind:
                 counts[{"failure": "failures", "error": "errors"}.get(kind, kind)] += 1
                 element = ElementTree.SubElement(case, kind, message=level.failure or level.outcome)
@@ -485,11 +484,3 @@ def _junit(title: str, grades: list[Grade]) -> bytes:
             suite.set(kind, str(count))
     ElementTree.indent(top)
     return bytes(ElementTree.tostring(top, encoding="utf-8", xml_declaration=True)) + b"\n"
-
-
-def _junit_kind(level: LevelGrade) -> str:
-    if level.points is None:
-        return "error"
-    if level.is_missing:
-        return "skipped"
-    return "" if level.won else "failure"

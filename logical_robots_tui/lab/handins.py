@@ -375,21 +375,21 @@ def _owner(
         for text in ("/".join(parts), name, top):
             if match := pattern.fullmatch(stem_of(text, SUFFIX)):
                 fields = match.groupdict()
-                identity = fields.get("name", ""), fields.get("id", "")
                 is_program = text[-len(name) :] == name and name.casefold().endswith(SUFFIX)
                 level = fields["level"] + SUFFIX if "level" in fields and is_program else ""
-                return FileOwner("_".join(filter(None, identity)), *identity, level), name
+                return _person(fields.get("name", ""), fields.get("id", ""), level), name
     if top in students and any(students[top]):
-        identity = students[top]
-        return FileOwner("_".join(filter(None, identity)), *identity), name
+        return _person(*students[top]), name
     for export in _EXPORTS:
         if match := export.fullmatch(top):
-            identity = match["name"] or "", match["id"]
             is_late = "late" in export.groupindex and bool(match["late"])
-            file_name = match["rest"] or ""
-            owner = FileOwner("_".join(filter(None, identity)), *identity, is_late=is_late)
-            return owner, file_name if len(parts) == 1 else name
+            owner = _person(match["name"] or "", match["id"], is_late=is_late)
+            return owner, (match["rest"] or "") if len(parts) == 1 else name
     return FileOwner(stem_of(top, SUFFIX) if len(parts) == 1 or is_archive(top) else top), name
+
+
+def _person(name: str, student: str, level: str = "", *, is_late: bool = False) -> FileOwner:
+    return FileOwner("_".join(filter(None, (name, student))), name, student, level, is_late)
 
 
 def match_roster(

@@ -82,13 +82,6 @@ def share_of(runs: Iterable[RunRecord]) -> Share:
     return Share(won, total, low, high, median(ticks) if ticks else None)
 
 
-def by_cell(runs: Iterable[RunRecord]) -> list[tuple[Cell, list[RunRecord]]]:
-    groups: dict[int, tuple[Cell, list[RunRecord]]] = {}
-    for run in runs:
-        groups.setdefault(id(run.cell), (run.cell, []))[1].append(run)
-    return list(groups.values())
-
-
 def by_level(runs: Iterable[RunRecord]) -> dict[str, list[RunRecord]]:
     groups: dict[str, list[RunRecord]] = defaultdict(list)
     for run in runs:
@@ -258,11 +251,6 @@ def _spreads(manifest: Manifest, runs: list[RunRecord]) -> dict[str, Spread | No
     }
 
 
-def _share(runs: list[RunRecord]) -> Spread:
-    share = share_of(runs)
-    return 100 * share.share, 100 * share.low, 100 * share.high
-
-
 def _axes(manifest: Manifest) -> list[str]:
     cells = manifest.cells
     names = ["level"] * (len({cell.level_name for cell in cells}) > 1)
@@ -340,8 +328,11 @@ def _variation(manifest: Manifest, all_runs: list[RunRecord]) -> str:
     for name in names:
         groups = _by_value(name, all_runs)
         parts.append(f"<h2>Over {html.escape(harmless_text(name))}</h2>")
-        shares = {"won": [_share(runs) for runs in groups.values()]}
-        parts.append(_chart(f"% of starts won, over {name}", name, [*groups], shares, _INTERVAL))
+        shares = [share_of(runs) for runs in groups.values()]
+        won: list[Spread | None] = [(100 * s.share, 100 * s.low, 100 * s.high) for s in shares]
+        parts.append(
+            _chart(f"% of starts won, over {name}", name, [*groups], {"won": won}, _INTERVAL)
+        )
         group_spreads = [_spreads(manifest, runs) for runs in groups.values()]
         for title in _spreads(manifest, []):
             spreads = [named[title] for named in group_spreads]
@@ -433,8 +424,11 @@ def _failures(manifest: Manifest, ledger: Ledger, all_runs: list[RunRecord]) -> 
 def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str:
     rows: list[Sequence[Any]] = []
     names = {student.id: student.label for student in manifest.students}
-    for cell, runs in by_cell(all_runs):
-        share = share_of(runs)
+    groups: dict[int, list[RunRecord]] = defaultdict(list)
+    for run in all_runs:
+        groups[id(run.cell)].append(run)
+    for runs in groups.values():
+        cell, share = runs[0].cell, share_of(runs)
         # A run that was lost, from a varied start if there is one, else the given start.
         example = next((r for r in runs[::-1] if r.result.outcome != "won"), runs[0])
         rows.append(

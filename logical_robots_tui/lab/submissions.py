@@ -5,10 +5,10 @@ from __future__ import annotations
 import csv
 import math
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple, TypeAlias
+from typing import Annotated, Literal, NamedTuple, TypeAlias, TypeVar
 
 import msgspec
 
@@ -31,7 +31,8 @@ from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.paths import did_you_mean, read_text
 from logical_robots_tui.toml_files import Bounds, Given, TomlFile
 from logical_robots_tui.wording import count_of
-from logical_robots_tui.world import Level
+
+T = TypeVar("T")
 
 _MOST_REMARKS = 20
 _MOST_COLUMNS = 100  # of a table of students
@@ -147,8 +148,12 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
     levels = _levels(spec, assignment)
     tables = {path: _table(spec, assignment, path) for path in _TABLES}
     roster, late, extensions, by_hand = tables.values()
-    deadlines = _deadlines(spec, extensions)
-    adjustments = _adjustments(spec, by_hand)
+    example = "like 2026-01-31T23:59:00+01:00"
+    extended_rows = _parse_column(spec, extensions, "until", _parse_deadline, example)
+    deadlines = {row["id"]: deadline for row, deadline in extended_rows}
+    adjustments: dict[str, list[tuple[float, str]]] = defaultdict(list)
+    for row, points in _parse_column(spec, by_hand, "points", _parse_points, "a number"):
+        adjustments[row["id"]].append((points, readable(row.get("reason", ""))))
     spec.refuse()
     entries = entries_of(submissions, stems_of(levels), assignment.assignment.pattern)
     if not entries:
@@ -174,48 +179,40 @@ def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]
     for number, level_table in enumerate(assignment.level):
         path, ticks = ("level", number, "name"), assignment.assignment.ticks
         level_run = level_to_run(spec, path, level_table.name, ("assignment", "ticks"), ticks)
-        if level_run is not None:
-            level, text, last = level_run
-            _check_reference(spec, assignment, level)
-            levels[level.name] = text, last
+        if level_run is None:
+            continue
+        level, text, last = level_run
+        levels[level.name] = text, last
+        for key in ("ticks", "size"):
+            if getattr(assignment.points, key) and reference_for(level) is None:
+                message = f"{level.name} has no reference program to compare {key} with"
+                spec.problem(("points", key), message)
     return levels
 
 
-def _check_reference(spec: TomlFile, assignment: Assignment, level: Level) -> None:
-    for key in ("ticks", "size"):
-        if getattr(assignment.points, key) and reference_for(level) is None:
-            message = f"{level.name} has no reference program to compare {key} with"
-            spec.problem(("points", key), message)
-
-
-def _deadlines(spec: TomlFile, table: _StudentTable) -> dict[str, datetime]:
-    deadlines = {}
+def _parse_column(
+    spec: TomlFile, table: _StudentTable, column: str, parse: Callable[[str], T], form: str
+) -> Iterator[tuple[dict[str, str], T]]:
+    """Yield rows with the value of a column; report values that are not of its form."""
     for line, row in table.rows.items():
         try:
-            deadlines[row["id"]] = until = datetime.fromisoformat(row.get("until", "").strip())
-            if until.tzinfo is None:
-                raise ValueError
+            yield row, parse(row.get(column, ""))
         except ValueError:
-            message = f"until for {printable(row['id'])} must be like 2026-01-31T23:59:00+01:00"
+            message = f"{column} for {printable(row['id'])} must be {form}"
             spec.problem_in(table.file, line, message)
-    return deadlines
 
 
-def _adjustments(spec: TomlFile, table: _StudentTable) -> dict[str, tuple[tuple[float, str], ...]]:
-    """Return points that were given by hand, with their reasons, by student."""
-    adjustments: dict[str, list[tuple[float, str]]] = defaultdict(list)
-    for line, row in table.rows.items():
-        try:
-            points = float(row.get("points", ""))
-            if not math.isfinite(points):
-                raise ValueError
-        except ValueError:
-            message = f"points for {printable(row['id'])} must be a number"
-            spec.problem_in(table.file, line, message)
-        else:
-            reason = readable(row.get("reason", ""))
-            adjustments[row["id"]].append((points, reason))
-    return {student: tuple(points) for student, points in adjustments.items()}
+def _parse_deadline(text: str) -> datetime:
+    deadline = datetime.fromisoformat(text.strip())
+    if deadline.tzinfo is None:
+        raise ValueError
+    return deadline
+
+
+def _parse_points(text: str) -> float:
+    if not math.isfinite(points := float(text)):
+        raise ValueError
+    return points
 
 
 def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> _StudentTable:
@@ -263,7 +260,7 @@ def _students(
     roster: list[dict[str, str]],
     late_ids: set[str],
     deadlines: Mapping[str, datetime],
-    adjustments: Mapping[str, tuple[tuple[float, str], ...]],
+    adjustments: Mapping[str, list[tuple[float, str]]],
 ) -> tuple[list[Student], list[str]]:
     """Return the students of the roster and others who submitted, and files that are nobody's."""
     matches = match_roster(roster, entries)
@@ -281,6 +278,8 @@ def _students(
         if roster and not row:
             remarks.append(NOT_IN_ROSTER)
         student_id = readable(row.get("id") or name)
+        if (excess := len(remarks) - _MOST_REMARKS) > 0:
+            remarks[_MOST_REMARKS:] = [f"and {excess:,} more"]
         is_late, late_by = student_id in late_ids, 0.0
         deadline = deadlines.get(student_id, assignment.late.after)
         if entry is not None and deadline is not None:
@@ -294,9 +293,9 @@ def _students(
                 readable(row.get("name") or (entry.owner.name if entry else "")),
                 name,
                 is_late or late_by > 0,
-                tuple(readable(remark) for remark in _shorten(remarks)),
+                tuple(map(readable, remarks)),
                 late_by,
-                adjustments.get(student_id, ()),
+                tuple(adjustments.get(student_id, ())),
             )
         )
     return students, [top for name in strays for top in map(readable, entries[name].tops)]
@@ -322,11 +321,6 @@ def account_of(manifest: Manifest) -> list[str]:
         for student in roster
         if student.submission and student.remarks
     ]
-
-
-def _shorten(remarks: list[str]) -> list[str]:
-    excess = len(remarks) - _MOST_REMARKS
-    return remarks if excess <= 0 else [*remarks[:_MOST_REMARKS], f"and {excess:,} more"]
 
 
 def _manifest(

@@ -176,12 +176,6 @@ _COLUMNS = {
 }
 
 
-def _values_of(vary: Vary) -> list[Scalar]:
-    if vary.between is not None:
-        return [vary.between[0]]
-    return _range_numbers(vary.range) if vary.range is not None else vary.values
-
-
 def draw_samples(
     sample: SampleTable, ranges: dict[_Parameter, list[int | float]]
 ) -> list[dict[_Parameter, Scalar]]:
@@ -370,12 +364,13 @@ class _Plan:
         varied: dict[_Parameter, list[Scalar]] = {}
         ranges: dict[_Parameter, list[int | float]] = {}
         for number, vary in enumerate(self._experiment.vary):
-            key, values = (vary.constant or vary.level, bool(vary.constant)), _values_of(vary)
+            key = vary.constant or vary.level, bool(vary.constant)
+            values = _range_numbers(vary.range) if vary.range is not None else vary.values
+            if vary.between is not None:
+                ranges[key], values = vary.between, [vary.between[0]]
             if key in varied:
                 self._spec.problem(("vary", number), f"{key[0]} is varied twice")
             varied[key] = values
-            if vary.between is not None:
-                ranges[key] = vary.between
             for level, program in itertools.product(self._levels, self._programs):
                 self._cell(level, program, _combination(("vary", number), {key: values[0]}))
         combinations: list[_Combination] = []
