@@ -10,6 +10,7 @@ from textual import events, on
 from textual.app import ComposeResult
 from textual.binding import BindingsMap
 from textual.geometry import Size
+from textual.message import Message
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input, Static, TextArea
@@ -347,57 +348,49 @@ class MainScreen(Screen[None], SessionListener):
         self.program_controller.edited()
         self.scheduler.soon()
 
-    @on(Editor.Copied)
-    def _text_copied(self, event: Editor.Copied) -> None:
-        self.program_controller.keep_copy(event.text)
-
     @on(BriefingCard.Closed)
-    def _briefing_closed(self) -> None:
-        self.briefing.close()
-
-    @on(Timeline.TickPointed)
-    def _tick_pointed(self, event: Timeline.TickPointed) -> None:
-        self.timeline_controller.go_to(event.tick)
-
-    @on(Pane.Pulled)
-    def _side_pulled(self, event: Pane.Pulled) -> None:
-        self.arrangement.pull(event.pane, event.side, *event.moved)
-
-    @on(Pane.Filled)
-    def _pane_filled(self, event: Pane.Filled) -> None:
-        self.arrangement.grow(event.rows)
-
-    @on(Pane.Retitled)
-    def _pane_retitled(self) -> None:
-        self.redraw_lines()
-
     @on(CommandChosen)
-    def _command_chosen(self, event: CommandChosen) -> None:
-        self.action_command(event.command_id)
-
+    @on(Editor.Copied)
     @on(LabyrinthView.RobotPicked)
-    def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
-        self.select(event.name)
-        self.inspector.show_robot()
-
-    @on(RobotPut)
-    def _robot_put(self, event: RobotPut) -> None:
-        self.session.place_robot(event.name, event.pose)
-
-    @on(Sighted)
-    def _sight_pointed(self, event: Sighted) -> None:
-        self.labyrinth.view.highlight(event.highlight, event.frame)
-        if event.highlight is None and not self.program.has_focus_within:
-            self.program.editor.unpoint()
-
+    @on(Pane.Filled)
+    @on(Pane.Pulled)
+    @on(Pane.Retitled)
     @on(Placed)
-    def _place_pointed(self, event: Placed) -> None:
-        if event.program == self.program.text and not self.program.has_focus_within:
-            self.program.show_place(*event.place)
-
     @on(RobotChosen)
-    def _robot_chosen(self, event: RobotChosen) -> None:
-        self.select(event.robot_name)
+    @on(RobotPut)
+    @on(Sighted)
+    @on(Timeline.TickPointed)
+    def _obey(self, message: Message) -> None:
+        match message:
+            case BriefingCard.Closed():
+                self.briefing.close()
+            case CommandChosen():
+                self.action_command(message.command_id)
+            case Editor.Copied():
+                self.program_controller.keep_copy(message.text)
+            case LabyrinthView.RobotPicked():
+                self.select(message.name)
+                self.inspector.show_robot()
+            case Pane.Filled():
+                self.arrangement.grow(message.rows)
+            case Pane.Pulled():
+                self.arrangement.pull(message.pane, message.side, *message.moved)
+            case Pane.Retitled():
+                self.redraw_lines()
+            case Placed():
+                pane = self.program
+                if message.program == pane.text and not pane.has_focus_within:
+                    pane.show_place(*message.place)
+            case RobotChosen():
+                self.select(message.robot_name)
+            case RobotPut():
+                self.session.place_robot(message.name, message.pose)
+            case Sighted():
+                self.labyrinth.view.highlight(message.highlight, message.frame)
+                if message.highlight is None and not self.program.has_focus_within:
+                    self.program.editor.unpoint()
+            case Timeline.TickPointed():
+                self.timeline_controller.go_to(message.tick)
 
     def select(self, robot_name: str) -> None:
         if self.team_choice.follow(robot_name):

@@ -111,16 +111,11 @@ class CommandGroup(Generic[Target]):
         keys: str,
         act: Callable[[Target], object],
         text: str,
-        *,
-        bar: str = "",
-        place: Place = "outside",
-        spare: int = 0,
-        worker: str = "",
-        also: str = "",
+        **options: Any,
     ) -> None:
         """Declare a command; `keys` are separated by spaces, `text` is the help."""
         about = name, title, text, self.title, self.scope, tuple(keys.split())
-        self.commands.append(Command(*about, act, bar, place, spare, worker, also))
+        self.commands.append(Command(*about, act, **options))
 
 
 def key_name(key: str) -> str:

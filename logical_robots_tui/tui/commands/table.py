@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.commands import general, rows
+from logical_robots_tui.tui.commands import general
 from logical_robots_tui.tui.commands.command import CommandGroup
 
 if TYPE_CHECKING:
@@ -87,7 +87,8 @@ programs.add("find_next", "Find next", "f3", lambda s: s.program_controller.find
 programs.add("external_editor", "External editor", "E",
     lambda s: s.program_controller.edit_elsewhere(),
     "Edit the text in the editor that $VISUAL or $EDITOR names.", also="vim nano")
-programs.add("wrap", "Wrap lines", "", general.wrap,
+programs.add("wrap", "Wrap lines", "",
+    lambda s: general.toggle(s.program.editor, "soft_wrap"),
     "Wrap lines of the program that are too long for the pane, or cut them.")
 programs.add("rename", "Rename the predicate", "", lambda s: s.program_controller.rename(),
     "Rename the predicate under the cursor wherever it is used.", worker="dialog")
@@ -257,10 +258,12 @@ view.add("taller_inspector", "Taller inspector", "I", lambda s: s.arrangement.ch
 view.add("taller_map", "Taller map", "underscore",
     lambda s: s.arrangement.change(0, -2),
     "Give the map more rows.")
-view.add("cones", "Cones", "y", general.cones, "Show or hide what the robots' radars reach.")
+view.add("cones", "Cones", "y", lambda s: general.toggle(s.labyrinth.view, "rays"),
+    "Show or hide what the robots' radars reach.")
 view.add("single_rays", "Single rays", "Y", general.single_rays,
     "Show or hide each ray of the selected robot.")
-view.add("trails", "Trails", "u", general.trails, "Show or hide where the robots came from.")
+view.add("trails", "Trails", "u", lambda s: general.toggle(s.labyrinth.view, "trails"),
+    "Show or hide where the robots came from.")
 view.add("ghost", "Ghost", "G", lambda s: s.ghost.toggle(),
     "Show or hide the robots of your best run of this level, faintly, to race against.",
     worker="ghost", also="best run race compare")
@@ -281,26 +284,26 @@ inspecting.add("other_values", "Other values…", "exclamation_mark",
     lambda s: s.inspector.active.change_values_here(),
     "Try another value for this line of a proof, and see which rules fail then.",
     worker="dialog")
-inspecting.add("graph", "Dependency graph", "R", rows.graph,
+inspecting.add("graph", "Dependency graph", "R", general.graph,
     "Show which predicate uses which, and open one of them.", worker="dialog")
-inspecting.add("sql", "SQL and query plan", "K", rows.sql,
+inspecting.add("sql", "SQL and query plan", "K", general.sql,
     "Show what each predicate costs, and SQL and query plan of the one inspected.", worker="sql",
     also="query plan")
 inspecting.add("only_robot", "Rows of one robot", "O",
-    rows.of_table(lambda s, table: table.toggle_robot(s.inspector.robot)),
+    general.of_table(lambda s, table: table.toggle_robot(s.inspector.robot)),
     "Show only the rows of the selected robot, or all again.")
-inspecting.add("sort", "Sort rows", "A", rows.of_table(lambda _, table: table.sort()),
+inspecting.add("sort", "Sort rows", "A", general.of_table(lambda _, table: table.sort()),
     "Sort by the column under the cursor: ascending, then descending, then not at all.")
-inspecting.add("search_rows", "Search rows…", "number_sign", rows.search_rows,
+inspecting.add("search_rows", "Search rows…", "number_sign", general.search_rows,
     "Show only the rows that contain a string.", worker="dialog")
 inspecting.add("transpose", "Transpose the table", "J",
-    rows.of_table(lambda _, table: table.transpose()),
+    general.of_table(lambda _, table: table.transpose()),
     "Show each column as a line, or as a column again.")
-inspecting.add("copy_rows", "Copy rows", "c", rows.copy_rows,
+inspecting.add("copy_rows", "Copy rows", "c", general.copy_rows,
     "Copy the rows as CSV, to the terminal's clipboard and into a file.", also="export csv")
-inspecting.add("save_rows", "Save rows", "S", rows.save_rows, "Save the rows as CSV and as JSON.",
-    also="export csv json")
-inspecting.add("break_here", "Break here", "asterisk", rows.break_here,
+inspecting.add("save_rows", "Save rows", "S", general.save_rows,
+    "Save the rows as CSV and as JSON.", also="export csv json")
+inspecting.add("break_here", "Break here", "asterisk", general.break_here,
     "Set a breakpoint: this predicate or column changes, or the query holds.")
 
 various: CommandGroup[MainScreen] = CommandGroup("General")
@@ -316,7 +319,9 @@ various.add("settings", "Settings…", "", lambda s: s.run_action("app.settings"
     "Change the settings and see at once what they do; they are kept in your file.",
     worker="dialog",
     also="config options preferences")
-various.add("screenshot", "Screenshot", "", general.save_picture,
+# Once the palette is gone.
+various.add("screenshot", "Screenshot", "",
+    lambda s: s.call_after_refresh(general.save_picture, s),
     "Save the screen as SVG and as text, in the data folder.", also="picture export svg")
 various.add("tour", "Guided tour", "", lambda s: s.tour.begin(),
     "Explain the parts of the screen, one by one.", also="tutorial introduction")

@@ -62,7 +62,7 @@ def test_the_table_is_read_without_loading_the_screen_or_the_game() -> None:
     script = "import sys, logical_robots_tui.tui.commands.table; print(*sys.modules)"
     done = run_command([sys.executable, "-c", script], check=True)
     loaded = set(done.stdout.split())
-    assert "logical_robots_tui.tui.commands.rows" in loaded
+    assert "logical_robots_tui.tui.commands.general" in loaded
     heavy = ("game", "mind", "world", "editing", "tui.app", "tui.inspector", "tui.level_editor")
     assert not loaded & {"numpy", "sqlite3", "textual.app", "textual.widget"}
     assert not loaded & {f"logical_robots_tui.{part}" for part in heavy}
