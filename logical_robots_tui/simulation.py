@@ -300,7 +300,7 @@ class Simulation:
         first, last = self._history.first, self._history.last
         paths: dict[str, list[tuple[float, float]]] = {}
         for tick in range(first, last + 1, max(1, (last - first) // _MOST_POINTS)):
-            for robot in self._history.replay(tick)[1].moment.after.robots:
+            for robot in self._history.moment(tick).after.robots:
                 paths.setdefault(robot.name, []).append((robot.x, robot.y))
         states = self.robots
         pairs = ((robot, states[robot.name]) for robot in self.level.robots)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.clock import Clock
     from logical_robots_tui.game.debugging.breakpoints import Hit, Watch
-    from logical_robots_tui.game.history.packing import TickState
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Decision, Limits, Mind, Program
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import WorldState
@@ -34,10 +34,11 @@ class Advance(NamedTuple):
 
 
 class RecordedTick(NamedTuple):
-    """A tick stored in history, with the level in which the robots sensed."""
+    """A tick of a history: the level in which the robots sensed, the moments before and after."""
 
     level: Level
-    moment: TickState
+    previous: Frame | Moment
+    moment: Moment
 
 
 def advance(
@@ -45,7 +46,7 @@ def advance(
     level: Level,
     mind: Mind,
     previous: Frame,
-    stored_ticks: Sequence[RecordedTick],
+    recorded: Sequence[RecordedTick],
     watch: Watch,
     stop: threading.Event,
     clock: Clock,
@@ -55,17 +56,17 @@ def advance(
 ) -> list[Advance]:
     """Return the ticks after a past one, up to their end or a breakpoint. Blocks.
 
-    If the next ticks are stored, they are replayed and no others computed. No tick starts after
+    If the next ticks are `recorded`, they are replayed and no others computed. No tick starts after
     `seconds`. The robots follow what `decide` returns for a tick and its decisions. Raises
     Stopped.
     """
-    if stored_ticks:
-        limit = len(stored_ticks) if limit is None else min(limit, len(stored_ticks))
+    if recorded:
+        limit = len(recorded) if limit is None else min(limit, len(recorded))
     deadline = clock.now() + seconds
     advances: list[Advance] = []
     while True:
-        if stored_ticks:
-            frame = frame_of(worlds, previous, stored_ticks[len(advances)])
+        if recorded:
+            frame = frame_of(worlds, recorded[len(advances)]._replace(previous=previous))
         else:
             world = worlds.world_for(level)
             world.restore(previous.after)
@@ -78,9 +79,10 @@ def advance(
         previous = frame
 
 
-def frame_of(worlds: Worlds, previous: Frame | TickState, stored_tick: RecordedTick) -> Frame:
+def frame_of(worlds: Worlds, recorded: RecordedTick) -> Frame:
     """Restore a frame: let the robots sense again from the end of the previous tick."""
-    world, moment = worlds.world_for(stored_tick.level), stored_tick.moment
+    level, previous, moment = recorded
+    world = worlds.world_for(level)
     if not moment.decisions:
         return fresh_frame(world, moment.after, moment.memories)
     world.restore(previous.after)
@@ -168,12 +170,10 @@ class Thinker:
         return self._mind
 
     def replay(
-        self, program: Program, previous: TickState, stored_tick: RecordedTick, limits: Limits
+        self, program: Program, recorded: RecordedTick, limits: Limits
     ) -> tuple[Frame, Mind]:
-        if self._worlds is None:
-            self._worlds = Worlds(stored_tick.level)
-        frame = frame_of(self._worlds, previous, stored_tick)
-        return frame, self.mind(program, stored_tick.level, limits)
+        self._worlds = self._worlds or Worlds(recorded.level)
+        return frame_of(self._worlds, recorded), self.mind(program, recorded.level, limits)
 
     async def do(self, work: Callable[[threading.Event], T]) -> T:
         """Run work in the thread, passing it the event that asks it to stop."""

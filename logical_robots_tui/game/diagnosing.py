@@ -21,7 +21,7 @@ from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally, check_up
 from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game.advancing import RecordedTick, Thinker
-from logical_robots_tui.game.findings import Observations, Stored, findings_of, observe
+from logical_robots_tui.game.findings import Observations, findings_of, observe
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedRunError
 from logical_robots_tui.mind import Limits, Program, QueryError
@@ -31,7 +31,7 @@ from logical_robots_tui.processes.helper import Helper, begin
 if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.sites import Rows
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.packing import TickState
+    from logical_robots_tui.game.history.history import TickHistory
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.world import Level
 
@@ -75,9 +75,6 @@ PROCESSOR_SECONDS = 3600
 
 _ROWS = 60  # of sensors, that are examined with one query
 
-Tick: TypeAlias = "tuple[TickState, RecordedTick]"
-"""The moment before a tick, and the tick."""
-
 
 class _ProbeAnswer(NamedTuple):
     """The rows of a probe at a tick, in each view; None if it failed."""
@@ -97,16 +94,16 @@ def scan(
     program: Program,
     limits: Limits,
     probes: Sequence[str],
-    ticks: Sequence[Tick],
+    ticks: Sequence[RecordedTick],
     stop: threading.Event | None = None,
 ) -> Iterator[_ProbeAnswer]:
     """Yield what probes answer at some ticks; call it in the thinker's thread."""
-    for _, group in groupby(ticks, key=lambda tick: id(tick[1].level)):
-        moments = list(group)
-        limit = _ticks_at_once(len(moments[0][1].level.robots))
-        for start in range(0, len(moments), limit):
-            batch = moments[start : start + limit]
-            replays = [thinker.replay(program, *tick, limits) for tick in batch]
+    for _, group in groupby(ticks, key=lambda tick: id(tick.level)):
+        level_ticks = list(group)
+        limit = _ticks_at_once(len(level_ticks[0].level.robots))
+        for start in range(0, len(level_ticks), limit):
+            batch = level_ticks[start : start + limit]
+            replays = [thinker.replay(program, tick, limits) for tick in batch]
             frames = [frame for frame, _ in replays]
             inputs = [(frame.sensors, frame.memories_before) for frame in frames]
             for name, number, views in replays[-1][1].predicate_rows_at(probes, inputs, stop=stop):
@@ -137,7 +134,7 @@ async def diagnose(
 
 
 async def diagnose_history(
-    history: Stored, program: Program, limits: Limits, questions: int
+    history: TickHistory, program: Program, limits: Limits, questions: int
 ) -> Diagnosis:
     """Diagnose a program over ticks with a fixed number of questions, in a reproducible order.
 
@@ -272,7 +269,7 @@ class _DiagnosisRun:
             scanner = _Scanner(tally.checkup.program, run.level, run.limits)
 
             async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_ProbeAnswer] | None:
-                stored = await run.replay(ticks)
+                stored = await run.recorded(ticks)
                 return await scanner.scan(probes, stored) if stored else None
 
             try:
@@ -280,7 +277,7 @@ class _DiagnosisRun:
             finally:
                 scanner.close()
 
-    async def diagnose(self, history: Stored, first: int) -> Diagnosis:
+    async def diagnose(self, history: TickHistory, first: int) -> Diagnosis:
         last, turns = history.last, history.turns
         if last < first:
             return Diagnosis((), first, last, None, 1, 1, 0)
@@ -289,11 +286,11 @@ class _DiagnosisRun:
         level = history.level_at(last)
         close_tallies: dict[tuple[str, int], ProbeTally] = {}
 
-        def stored(ticks: Sequence[int]) -> list[Tick]:
+        def stored(ticks: Sequence[int]) -> list[RecordedTick]:
             if history.turns != turns:
                 raise Superseded
             # Others were dropped in the meantime.
-            return [history.replay(tick) for tick in ticks if tick >= history.first]
+            return [history.recorded(tick) for tick in ticks if tick >= history.first]
 
         async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_ProbeAnswer]:
             program, limits, stored_ticks = tally.checkup.program, self._limits, stored(ticks)
@@ -399,14 +396,15 @@ class _DiagnosisRun:
         queue = self._first_ticks or self._other_ticks
         return [queue.popleft() for _ in range(min(limit, len(queue)))]
 
-    async def _look_closely(self, tally: ProbeTally, ticks: Sequence[Tick], robot: str) -> None:
+    async def _look_closely(
+        self, tally: ProbeTally, ticks: Sequence[RecordedTick], robot: str
+    ) -> None:
         """Count the rows of all probes, also of values, in the mind of a robot."""
         probes = enumerate(tally.checkup.probes)
         names = {probe.name: n for n, probe in probes if probe.closeness != "wider"}
 
-        def ask(previous: TickState, stored_tick: RecordedTick, stop: threading.Event) -> None:
-            program = tally.checkup.program
-            frame, mind = self._thinker.replay(program, previous, stored_tick, self._limits)
+        def ask(tick: RecordedTick, stop: threading.Event) -> None:
+            frame, mind = self._thinker.replay(tally.checkup.program, tick, self._limits)
             sensors, memories = frame.sensors, frame.memories_before
             for name, rows in mind.predicate_rows(
                 [*names], sensors, memories, viewers=[robot], stop=stop
@@ -416,8 +414,8 @@ class _DiagnosisRun:
                 else:
                     tally.add(frame.tick, names[name], [rows])
 
-        for previous, stored_tick in ticks:
-            await self._thinker.do(partial(ask, previous, stored_tick))
+        for tick in ticks:
+            await self._thinker.do(partial(ask, tick))
 
 
 def _movement_samples(observed: Observations) -> list[tuple[str, list[int]]]:
@@ -444,9 +442,11 @@ class _Scanner:
         self._guard = threading.Lock()
         self.is_over = False
 
-    async def scan(self, probes: Sequence[str], ticks: Sequence[Tick]) -> list[_ProbeAnswer] | None:
+    async def scan(
+        self, probes: Sequence[str], ticks: Sequence[RecordedTick]
+    ) -> list[_ProbeAnswer] | None:
         """Return what probes answer at some ticks of the level, or None if the process failed."""
-        request = pickle.dumps((probes, [(previous, tick.moment) for previous, tick in ticks]))
+        request = pickle.dumps((probes, [tick[1:] for tick in ticks]))
         return await asyncio.to_thread(self._exchange, request)
 
     def close(self) -> None:
@@ -486,7 +486,7 @@ def main() -> None:
     with suppress(EOFError):
         while True:
             probes, moments = _read()
-            ticks = [(previous, RecordedTick(level, moment)) for previous, moment in moments]
+            ticks = [RecordedTick(level, previous, moment) for previous, moment in moments]
             answers = scan(thinker, program, limits, probes, ticks)
             sys.stdout.write(json.dumps([*answers]) + "\n")
             sys.stdout.flush()

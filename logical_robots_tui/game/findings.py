@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally
 from logical_robots_tui.explain.diagnosis.telling import Finding, Severity, rule_findings, shorten
@@ -21,8 +21,7 @@ from logical_robots_tui.schema import NO_LABEL, OBJECTS
 from logical_robots_tui.values import Value, spell
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.advancing import RecordedTick
-    from logical_robots_tui.game.history.packing import TickState
+    from logical_robots_tui.game.history.history import TickHistory
     from logical_robots_tui.mind.decision import NoticeKind
     from logical_robots_tui.world import Level, RobotState
 
@@ -94,30 +93,15 @@ class Observations:
         return list(first.values())
 
 
-class Stored(Protocol):
-    """Ticks that were computed, of a game or a run."""
-
-    @property
-    def first(self) -> int: ...
-    @property
-    def last(self) -> int: ...
-    @property
-    def turns(self) -> int: ...
-
-    def replay(self, tick: int, /) -> tuple[TickState, RecordedTick]: ...
-    def level_at(self, tick: int, /) -> Level: ...
-    def is_reliable_up_to(self, tick: int, /) -> bool: ...
-
-
-async def observe(history: Stored, first: int, last: int) -> Observations:
+async def observe(history: TickHistory, first: int, last: int) -> Observations:
     run = Observations(first, last)
     paths: dict[str, list[RobotState]] = {}
     level = history.level_at(last)
     run.is_on_way = bool(level.scores)  # to stand still may earn points
     at_home = {name: area.name for area in level.areas for name in area.victory_robots}
-    memories: dict[str, Value] = dict(history.replay(first)[0].memories)
+    memories: dict[str, Value] = dict(history.recorded(first).previous.memories)
     for tick in range(first, last + 1):
-        moment = history.replay(tick)[1].moment
+        moment = history.moment(tick)
         run.won_at = moment.after.won_at
         for robot in moment.after.robots:
             paths.setdefault(robot.name, []).append(robot)

@@ -308,13 +308,13 @@ async def gather(
     stages, hashes = [], {}
     for first, end in zip([begin, *changes], [*changes, last], strict=True):
         level = history.level_at(first)
-        previous, stored = history.replay(max(first, history.first))
-        moment = previous if first < history.first else stored.moment
+        recorded = history.recorded(max(first, history.first))
+        moment = recorded.previous if first < history.first else recorded.moment
         engines = np.full((end - first, len(level.robots), 2), np.nan, "<f8")
         is_decided = bool(moment.decisions) and first > begin
         memories = json.dumps(dict(moment.memories), ensure_ascii=False)
         for tick in range(first + 1, end + 1):
-            end_moment = history.replay(tick)[1].moment
+            end_moment = history.moment(tick)
             for place, decision in enumerate(end_moment.decisions):
                 if decision.desire is not None:
                     desire = decision.desire

@@ -25,7 +25,7 @@ from logical_robots_tui.game.advancing import (
 )
 from logical_robots_tui.game.debugging.breakpoints import Watch
 from logical_robots_tui.game.frame import Frame
-from logical_robots_tui.game.history.packing import TickState
+from logical_robots_tui.game.history.packing import Moment
 from logical_robots_tui.game.history.recording import DamagedRunError, Recording
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.world import Level
@@ -56,7 +56,7 @@ class Run:
         self._thinker = Thinker("run")
         self._worlds = Worlds(level)
         self._latest: Frame = start_frame(level, self._worlds.world_for(level))
-        start = TickState(self._latest.after, self._latest.memories, (), 0.0, 0.0)
+        start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
         self.key = run_key(level, program, self.limits)
         self._recording = Recording(self.key, level, start)
 
@@ -91,23 +91,23 @@ class Run:
             report(tick)
         return RunHistory(self, self._recording.first, tick)
 
-    async def replay(self, ticks: Sequence[int]) -> list[tuple[TickState, RecordedTick]]:
-        """Return the moments before some computed ticks, and the ticks; [] if they are lost."""
+    async def recorded(self, ticks: Sequence[int]) -> list[RecordedTick]:
+        """Return some computed ticks; [] if they are lost."""
 
-        def read(_stop: threading.Event) -> list[tuple[TickState, RecordedTick]]:
+        def read(_stop: threading.Event) -> list[RecordedTick]:
             try:
                 history = RunHistory(self, 0, self.last)
-                return [history.replay(tick) for tick in ticks]
+                return [history.recorded(tick) for tick in ticks]
             except DamagedRunError:
                 return []
 
         return await self._thinker.do(read)
 
-    def stored(self, tick: int) -> RecordedTick:
-        """Return a tick computed before, while no work is being done, or raise DamagedRunError."""
+    def moment(self, tick: int) -> Moment:
+        """Return a computed tick's end, while no work is being done, or raise DamagedRunError."""
         if self._recording.is_in_gap(tick):
             raise DamagedRunError(f"tick {tick} was dropped")
-        return RecordedTick(self.level, self._recording.moment(tick))
+        return self._recording.moment(tick)
 
     async def map_ticks(
         self,
@@ -223,11 +223,11 @@ class Run:
     def _stored_frame(self, tick: int) -> Frame:
         if self._latest.tick == tick:
             return self._latest
-        previous: Frame | TickState = self._latest
+        previous: Frame | Moment = self._latest
         if self._latest.tick != tick - 1:
             previous = self._recording.moment(max(tick - 1, 0))
-        stored_tick = RecordedTick(self.level, self._recording.moment(tick))
-        self._latest = frame_of(self._worlds, previous, stored_tick)
+        recorded = RecordedTick(self.level, previous, self._recording.moment(tick))
+        self._latest = frame_of(self._worlds, recorded)
         return self._latest
 
     def _compute_next(self, stop: threading.Event) -> None:
@@ -238,7 +238,7 @@ class Run:
         )
         frame = self._latest = step.frame
         distance = self._recording.moment(previous.tick).driven
-        self._recording.add(TickState.from_frame(frame, distance + frame.distance))
+        self._recording.add(Moment.from_frame(frame, distance + frame.distance))
 
 
 class RunHistory:
@@ -249,18 +249,17 @@ class RunHistory:
     def __init__(self, run: Run, first: int, last: int) -> None:
         self._run = run
         self.first, self.last = first, last
-        self._latest: RecordedTick | None = None
+        self._latest: Moment | None = None
 
-    def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
-        """Return the moment before a tick, and the tick, or raise DamagedRunError."""
-        previous = self._stored(max(tick - 1, 0)).moment
-        return previous, self._stored(tick)
+    def moment(self, tick: int) -> Moment:
+        """Return the state after a tick, or raise DamagedRunError."""
+        if self._latest is None or self._latest.after.tick != tick:
+            self._latest = self._run.moment(tick)
+        return self._latest
 
-    def _stored(self, tick: int) -> RecordedTick:
-        latest = self._latest
-        if latest is None or latest.moment.after.tick != tick:
-            latest = self._latest = self._run.stored(tick)
-        return latest
+    def recorded(self, tick: int) -> RecordedTick:
+        previous = self.moment(max(tick - 1, 0))
+        return RecordedTick(self._run.level, previous, self.moment(tick))
 
     def level_at(self, _tick: int) -> Level:
         return self._run.level

@@ -322,7 +322,7 @@ def _paths(history: History) -> dict[str, tuple[tuple[int, int], ...]]:
     paths: dict[str, list[tuple[int, int]]] = {}
     step = -(-(history.last - history.first) // _MOST_POINTS) or 1
     for tick in sorted({*range(history.first, history.last, step), history.last}):
-        for robot in history.replay(tick)[1].moment.after.robots:
+        for robot in history.moment(tick).after.robots:
             paths.setdefault(robot.name, []).append((round(robot.x), round(robot.y)))
     return {name: tuple(points) for name, points in paths.items()}
 

@@ -10,7 +10,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 from hypothesis.stateful import run_state_machine_as_test as run_machine
 
 from logical_robots_tui.game import Frame, History, load_program, reference_for
-from logical_robots_tui.game.history.packing import Packed, TickState
+from logical_robots_tui.game.history.packing import Moment, Packed
 from logical_robots_tui.mind import Decision, Notice, Program
 from logical_robots_tui.values import Desire, Value
 from logical_robots_tui.world import AreaState, Robot, RobotState, WorldState, list_levels
@@ -62,14 +62,14 @@ def after(past: Frame, done: list[Deed], won_at: int | None = None) -> Frame:
     return Frame(past.tick + 1, past.after, state, (), past.memories, decisions, memories, 1.25)
 
 
-def as_told(moment: TickState) -> str:
+def as_told(moment: Moment) -> str:
     """All of a moment but the distance and the weight; 1, 1.0 and true are told apart."""
     return repr(replace(moment, driven=0.0, weight=0))
 
 
-def moment_of(frame: Frame) -> TickState:
+def moment_of(frame: Frame) -> Moment:
     driven = frame.tick / 3
-    return TickState(frame.after, frame.memories, frame.decisions, frame.think_milliseconds, driven)
+    return Moment(frame.after, frame.memories, frame.decisions, frame.think_milliseconds, driven)
 
 
 def as_moment(frame: Frame) -> str:
@@ -137,8 +137,9 @@ class Histories(RuleBasedStateMachine):
         # The start needs no tick before it, so it is there beside as many ticks as there may be.
         assert self.history.last - max(self.history.first, 1) < LENGTH
         for tick in range(self.history.first, self.history.last + 1):
-            before, known = self.history.replay(tick)
-            assert as_told(known.moment) == as_moment(self.branch[tick])
+            _, before, moment = self.history.recorded(tick)
+            assert as_told(moment) == as_moment(self.branch[tick])
+            assert isinstance(before, Moment)
             assert as_told(before) == as_moment(self.branch[max(tick - 1, 0)])
 
     @invariant()
@@ -203,7 +204,7 @@ def test_bytes_are_bounded_and_the_other_branch_goes_first() -> None:
     assert history.other_ticks is None
     assert history.kept_bytes <= 4000 + 64 * 2000
     assert history.dropped == history.first
-    assert as_told(history.replay(last.tick)[1].moment) == as_moment(last)
+    assert as_told(history.moment(last.tick)) == as_moment(last)
 
 
 def test_of_two_branches_that_were_left_the_longer_one_is_kept() -> None:

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal
 
 import msgspec
 
@@ -19,7 +19,6 @@ from logical_robots_tui.mind import QueryError, Stopped
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import CompiledQuery, Mind
 
@@ -145,9 +144,6 @@ def _digest(name: str, body: bytes) -> bytes:
 _TOGETHER = 16  # ticks evaluated at once
 _ROBOTS = 200  # taken from history at once, so that the event loop is not blocked
 
-_Tick: TypeAlias = "tuple[TickState, RecordedTick]"
-"""The state after the previous tick, and the tick."""
-
 
 @dataclass(frozen=True, slots=True)
 class SearchResult:
@@ -179,11 +175,11 @@ async def search_ticks(
     thinker = Thinker("search")
 
     def ask(
-        question: CompiledQuery, batch: Sequence[_Tick], stop: threading.Event
+        question: CompiledQuery, batch: Sequence[RecordedTick], stop: threading.Event
     ) -> list[bool | str]:
         answers: list[bool | str] = []
-        for previous, stored_tick in batch:
-            frame, mind = thinker.replay(program, previous, stored_tick, game.limits)
+        for recorded in batch:
+            frame, mind = thinker.replay(program, recorded, game.limits)
             answers.append(_answer(question, frame, mind, stop))
             if stop.is_set():
                 raise Stopped
@@ -198,7 +194,7 @@ async def search_ticks(
         for offset in range(0, len(ticks), size):
             batch_ticks = ticks[offset : offset + size]
             try:
-                batch = [history.replay(tick) for tick in batch_ticks]
+                batch = [history.recorded(tick) for tick in batch_ticks]
             except NoSuchTickError:  # dropped in the meantime
                 break
             answers = await thinker.do(partial(ask, question, batch))

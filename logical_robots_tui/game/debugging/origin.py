@@ -345,16 +345,16 @@ class _GameTicks:
         self._report(tick)
         history = self._game.history
         try:
-            previous, stored_tick = history.replay(tick)
+            recorded = history.recorded(tick)
         except NoSuchTickError:
             raise QueryError(f"Tick {tick} is no longer in the timeline.") from None
-        if not stored_tick.moment.decisions:
+        if not recorded.moment.decisions:
             raise QueryError("No robot has decided in this tick.")
         program = history.program_at(tick) or self._game.program
-        program = program.for_team(stored_tick.level.team_of(robot))
+        program = program.for_team(recorded.level.team_of(robot))
 
         def work(stop: threading.Event) -> ValueSource:
-            frame, mind = self.thinker.replay(program, previous, stored_tick, self._game.limits)
+            frame, mind = self.thinker.replay(program, recorded, self._game.limits)
             return _source(robot, subject, frame, mind, stop)
 
         return await self.thinker.do(work)

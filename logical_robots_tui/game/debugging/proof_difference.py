@@ -51,8 +51,8 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
     history, tick, team = game.history, divergence.tick, game.level.team_of(robot)
     turns = history.turns
     branches = (
-        (history.program_at(tick), history.replay(tick)),
-        (history.program_in_other(tick), history.replay_other(tick)),
+        (history.program_at(tick), history.recorded(tick)),
+        history.recorded_in_other(tick),
     )
     thinker = Thinker("compare")
 
@@ -60,7 +60,7 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
         proofs = []
         for program, recorded in branches:
             program_of_team = (program or game.program).for_team(team)
-            frame, mind = thinker.replay(program_of_team, *recorded, game.limits)
+            frame, mind = thinker.replay(program_of_team, recorded, game.limits)
             explainer = explain.Explainer(
                 mind, robot, frame.sensors, frame.memories_before, stop=stop
             )

@@ -13,7 +13,7 @@ import numpy as np
 from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
-from logical_robots_tui.game.history.packing import Packed, TickState
+from logical_robots_tui.game.history.packing import Moment, Packed
 from logical_robots_tui.mind import Decision
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.walls import PackedBits
@@ -52,14 +52,14 @@ class Divergence:
         return Divergence(self.tick, tuple(swapped))
 
 
-def find_divergence(state: TickState, other_state: TickState) -> Divergence | None:
+def find_divergence(state: Moment, other_state: Moment) -> Divergence | None:
     if state.decisions == other_state.decisions and state.after == other_state.after:
         return None
     decisions = _decision_differences(state, other_state)
     return Divergence(state.after.tick, (*decisions, *_robot_differences(state, other_state)))
 
 
-def _decision_differences(state: TickState, other_state: TickState) -> Iterator[BranchDifference]:
+def _decision_differences(state: Moment, other_state: Moment) -> Iterator[BranchDifference]:
     other_decisions = {decision.robot_name: decision for decision in other_state.decisions}
     for decision in state.decisions:
         rival = other_decisions.get(decision.robot_name)
@@ -79,7 +79,7 @@ def _matters(decision: Decision) -> dict[Matter, object]:
     }
 
 
-def _robot_differences(state: TickState, other_state: TickState) -> Iterator[BranchDifference]:
+def _robot_differences(state: Moment, other_state: Moment) -> Iterator[BranchDifference]:
     other_robots = {robot.name: robot for robot in other_state.after.robots}
     for robot in state.after.robots:
         rival = other_robots.get(robot.name)
@@ -108,7 +108,7 @@ class HistoryBranch:
         self.hits: dict[int, tuple[Hit, ...]] = {}
         self._length = length
         self.packs: list[Packed] = []
-        self._loose = [TickState(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
+        self._loose = [Moment(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
         self._oldest = frame.tick  # that is kept, whether too old or not
         self._programs: list[tuple[int, Program]] = []
         self._unreliable_from: int | None = None
@@ -133,7 +133,7 @@ class HistoryBranch:
     def add(self, frame: Frame, program: Program) -> bool:
         """Store the next tick and the program that decided it; return whether ticks were packed."""
         previous = self._loose[-1]
-        self._loose.append(TickState.from_frame(frame, previous.driven + frame.distance))
+        self._loose.append(Moment.from_frame(frame, previous.driven + frame.distance))
         for kind, who in marks_of(frame, previous.decisions):
             self.marks.note(frame.tick, kind, who)
         counts_before, robots = self._blocked, frame.after.robots
@@ -167,7 +167,7 @@ class HistoryBranch:
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue from the last tick, which is never packed, in another level."""
-        self._loose[-1] = TickState.from_frame(frame, self._loose[-1].driven)
+        self._loose[-1] = Moment.from_frame(frame, self._loose[-1].driven)
         self.marks.refer_to(frame.after)
         if frame.tick > self._oldest:
             self.marks.note(frame.tick, "edit")
@@ -181,7 +181,7 @@ class HistoryBranch:
             self._forget_before(begin)
         return bool(self.packs)
 
-    def moment(self, tick: int) -> TickState:
+    def moment(self, tick: int) -> Moment:
         """Return the state after a tick, from the one before `first` to `last`."""
         begin = self._loose[0].after.tick
         if tick >= begin:
@@ -197,12 +197,9 @@ class HistoryBranch:
         pack = self.packs[bisect_right(self.packs, tick, key=_begin_of) - 1]
         return pack.memory(tick - pack.first, robot)
 
-    def stored_tick(self, tick: int) -> RecordedTick:
-        moment = self.moment(tick)
-        return RecordedTick(self.levels.level_at(tick - bool(moment.decisions)), moment)
-
-    def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
-        return self.moment(max(tick - 1, 0)), self.stored_tick(tick)
+    def recorded(self, tick: int, previous: Moment | None = None) -> RecordedTick:
+        moment, previous = self.moment(tick), previous or self.moment(max(tick - 1, 0))
+        return RecordedTick(self.levels.level_at(tick - bool(moment.decisions)), previous, moment)
 
     def up_to(self, tick: int) -> HistoryBranch:
         copy = HistoryBranch.__new__(HistoryBranch)

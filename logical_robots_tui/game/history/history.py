@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import takewhile
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from logical_robots_tui.game.advancing import RecordedTick, Worlds, frame_of
 from logical_robots_tui.game.frame import Frame, NoSuchTickError
 from logical_robots_tui.game.history.branch import Divergence, HistoryBranch, find_divergence
 from logical_robots_tui.game.history.marks import Marks
-from logical_robots_tui.game.history.packing import TickState
+from logical_robots_tui.game.history.packing import Moment
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
@@ -138,10 +137,15 @@ class History:
     def is_blocked_up_to(self, tick: int) -> bool:
         return self._branch.is_blocked_up_to(tick)
 
-    def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
-        """Return the moment before a tick, and the tick, or raise NoSuchTickError."""
+    def moment(self, tick: int) -> Moment:
+        """Return the state after a tick, or raise NoSuchTickError."""
         self._check(tick)
-        return self._branch.replay(tick)
+        return self._branch.moment(tick)
+
+    def recorded(self, tick: int) -> RecordedTick:
+        """Return all that is known of a tick, or raise NoSuchTickError."""
+        self._check(tick)
+        return self._branch.recorded(tick)
 
     def stored_ahead(
         self, tick: int, limit: int, texts: Texts, *, follow_branch: bool
@@ -151,11 +155,12 @@ class History:
         A branch that ends with it counts as a whole, until the player asks for the other branch.
         """
         is_on_branch = follow_branch and self._is_by(texts, self.last)
-        ticks = takewhile(
-            lambda t: is_on_branch or (self._is_by(texts, t) and not self.is_changed_in(t)),
-            range(tick + 1, min(tick + limit, self.last) + 1),
-        )
-        return [self._branch.stored_tick(t) for t in ticks]
+        ticks: list[RecordedTick] = []
+        for t in range(tick + 1, min(tick + limit, self.last) + 1):
+            if not is_on_branch and (not self._is_by(texts, t) or self.is_changed_in(t)):
+                break
+            ticks.append(self._branch.recorded(t, ticks[-1].moment if ticks else None))
+        return ticks
 
     def _is_by(self, texts: Texts, tick: int) -> bool:
         program = self.program_at(tick)
@@ -169,15 +174,12 @@ class History:
         """Return the program that decided a tick; None at the start."""
         return self._branch.program_at(tick)
 
-    def replay_other(self, tick: int) -> tuple[TickState, RecordedTick]:
-        """Return the moment before and a tick of the other branch, or raise NoSuchTickError."""
+    def recorded_in_other(self, tick: int) -> tuple[Program | None, RecordedTick]:
+        """Return a tick of the other branch and who decided it, or raise NoSuchTickError."""
         branch = self._other
         if branch is None or not branch.first <= tick <= branch.last:
             raise NoSuchTickError(f"The other branch does not hold tick {tick}.")
-        return branch.replay(tick)
-
-    def program_in_other(self, tick: int) -> Program | None:
-        return None if self._other is None else self._other.program_at(tick)
+        return branch.program_at(tick), branch.recorded(tick)
 
     def level_at(self, tick: int) -> Level:
         """Return the level from the end of a tick on."""
@@ -189,7 +191,7 @@ class History:
 
     def driven(self, tick: int) -> float:
         """Return the map units that all robots together have driven up to a tick."""
-        return self.replay(tick)[1].moment.driven
+        return self.moment(tick).driven
 
     def hits_at(self, tick: int) -> tuple[Hit, ...]:
         return self._branch.hits.get(tick, ())
@@ -218,6 +220,22 @@ class History:
             self.divergence = None
 
 
+class TickHistory(Protocol):
+    """Ticks that were computed, of a game or a run."""
+
+    @property
+    def first(self) -> int: ...
+    @property
+    def last(self) -> int: ...
+    @property
+    def turns(self) -> int: ...
+
+    def moment(self, tick: int, /) -> Moment: ...
+    def recorded(self, tick: int, /) -> RecordedTick: ...
+    def level_at(self, tick: int, /) -> Level: ...
+    def is_reliable_up_to(self, tick: int, /) -> bool: ...
+
+
 class Past:
     """Restores ticks of a history, on the event loop; the last one is cached."""
 
@@ -230,9 +248,9 @@ class Past:
     def frame(self, tick: int) -> Frame:
         """Return the exact frame of a tick, or raise NoSuchTickError."""
         history = self._history
-        previous, stored_tick = history.replay(tick)
+        recorded = history.recorded(tick)
         if self._last is None or self._last.tick != tick or self._turns != history.turns:
-            self._last = frame_of(self.worlds, previous, stored_tick)
+            self._last = frame_of(self.worlds, recorded)
             self._turns = history.turns
         return self._last
 

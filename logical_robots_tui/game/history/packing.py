@@ -30,7 +30,7 @@ _facts_of = attrgetter("think_milliseconds", "driven", "weight")
 
 
 @dataclass(frozen=True, slots=True)
-class TickState:
+class Moment:
     """The state after a finished tick, without sensors, because the world can sense again.
 
     `driven` is in map units of all robots since the start, `weight` the approximate bytes of
@@ -45,7 +45,7 @@ class TickState:
     weight: int = field(default=0, compare=False)
 
     @classmethod
-    def from_frame(cls, frame: Frame, driven: float) -> TickState:
+    def from_frame(cls, frame: Frame, driven: float) -> Moment:
         old_memories, decisions = frame.memories_before, frame.decisions
         weight = sum(d.weight for d in decisions if d.memory is not old_memories.get(d.robot_name))
         weight += sum(len(notice.message) for d in decisions for notice in d.notices)
@@ -67,7 +67,7 @@ class Packed:
 
     __slots__ = ("_bytes", "first", "weight")
 
-    def __init__(self, moments: Sequence[TickState]) -> None:
+    def __init__(self, moments: Sequence[Moment]) -> None:
         self.first = moments[0].after.tick
         self.weight = sum(moment.weight for moment in moments)
         self._bytes = zlib.compress(marshal.dumps(lay_out(moments)), _QUICKEST)
@@ -76,7 +76,7 @@ class Packed:
         """Return its size in bytes."""
         return len(self._bytes)
 
-    def moment(self, index: int) -> TickState:
+    def moment(self, index: int) -> Moment:
         return moment_in(_open_packs.runs(self), index)
 
     def memory(self, index: int, robot: str) -> Value:
@@ -113,13 +113,13 @@ class OpenPacks:
 _open_packs = OpenPacks(_HEAVIEST_OPEN)
 
 
-def lay_out(moments: Sequence[TickState]) -> list[Any]:
+def lay_out(moments: Sequence[Moment]) -> list[Any]:
     """Return moments as lists; equal parts of memories are there only once."""
     # Robots and areas may come and go when the level is edited.
     return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
 
 
-def moment_in(runs: Sequence[Any], index: int) -> TickState:
+def moment_in(runs: Sequence[Any], index: int) -> Moment:
     """Return one moment of this layout, which may have been through JSON."""
     iterator = iter(runs)
     begin, names, area_names, facts, areas, bodies, thoughts, values = next(iterator)
@@ -142,7 +142,7 @@ def moment_in(runs: Sequence[Any], index: int) -> TickState:
             desire = None if engines is None else Desire(*engines)
             decision_notices = tuple([Notice(*notice) for notice in notices])
             decisions.append(Decision(name, desire, memory, decision_notices))
-    return TickState(state, memories, tuple(decisions), milliseconds, driven, weight)
+    return Moment(state, memories, tuple(decisions), milliseconds, driven, weight)
 
 
 def memory_in(runs: Sequence[Any], index: int, robot: str) -> Value:
@@ -161,12 +161,12 @@ def _memory(places: Any, values: Sequence[Value]) -> Value:
     return memory
 
 
-def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
+def _names_of(moment: Moment) -> tuple[list[str], list[str]]:
     state = moment.after
     return [robot.name for robot in state.robots], [area.name for area in state.areas]
 
 
-def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
+def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
     first, values = moments[0].after, _Values()
     facts = [(m.after.won_at, m.after.tallies, *_facts_of(m), bool(m.decisions)) for m in moments]
     areas = [[(area.active, area.visitors) for area in m.after.areas] for m in moments]
@@ -196,7 +196,7 @@ class _Values:
         return place
 
 
-def _thought_of(moment: TickState, index: int, name: str, values: _Values) -> tuple[object, ...]:
+def _thought_of(moment: Moment, index: int, name: str, values: _Values) -> tuple[object, ...]:
     if not moment.decisions:
         return values.places(moment.memories[name]), None, ()
     decision = moment.decisions[index]
@@ -208,7 +208,7 @@ def _thought_of(moment: TickState, index: int, name: str, values: _Values) -> tu
     )
 
 
-def is_moment(moment: TickState, tick: int, level: Level) -> bool:
+def is_moment(moment: Moment, tick: int, level: Level) -> bool:
     """Return whether a moment from a file is valid, but for the depth of its memories.
 
     Raises TypeError for a list as a name.

@@ -21,8 +21,8 @@ import orjson
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.history.packing import (
+    Moment,
     OpenPacks,
-    TickState,
     is_moment,
     lay_out,
     memory_in,
@@ -59,7 +59,7 @@ class Recording:
     everything on which the run depends, names the file.
     """
 
-    def __init__(self, key: str, level: Level, start: TickState) -> None:
+    def __init__(self, key: str, level: Level, start: Moment) -> None:
         self._key = key
         self._level = level
         self._start = start
@@ -98,7 +98,7 @@ class Recording:
         if len(pieces) < len(self._pieces):
             self._pieces, self._loose = pieces, []
 
-    def moment(self, tick: int) -> TickState:
+    def moment(self, tick: int) -> Moment:
         """Return the state after a stored tick; raises DamagedRunError if its file is invalid."""
         if tick >= self._packed:
             return self._loose[tick - self._packed]
@@ -117,7 +117,7 @@ class Recording:
         with _damage_errors():
             return memory_in(self._open_packs.runs(piece), tick - piece.first, robot)
 
-    def add(self, moment: TickState) -> None:
+    def add(self, moment: Moment) -> None:
         """Store the state after the next tick; not on disk once the clock has cut off a thought."""
         self._loose.append(moment)
         self._is_new = True
@@ -248,7 +248,7 @@ def _contiguous_prefix(pieces: Sequence[_RecordedPiece]) -> Iterator[_RecordedPi
         yield piece
 
 
-def _pieces_of(moments: Sequence[TickState]) -> Iterator[_RecordedPiece]:
+def _pieces_of(moments: Sequence[Moment]) -> Iterator[_RecordedPiece]:
     if not moments:
         return
     text = json.dumps(lay_out(moments), separators=(",", ":"))

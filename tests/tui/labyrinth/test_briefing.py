@@ -91,7 +91,7 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
         await game.press("left_curly_bracket", sees="⊘ Pip is stuck")
         first = game.tick
         ticks = range(first - 99, first + 1)
-        assert all(history.replay(tick)[1].moment.after.robots[0].blocked for tick in ticks)
+        assert all(history.moment(tick).after.robots[0].blocked for tick in ticks)
         game.session.go_to(first - 50)
         await game.until(lambda: game.tick == first - 50)
         await game.write(backwards.replace("memory: 1", "memory: 2"))
