@@ -113,6 +113,7 @@ def test_a_changed_line_makes_another_verdict_where_it_plays_a_part(
     playing = ("world/a.py", "world/levels/a.py", "language/a.py", "mind/a.py", "game/run.py")
     others = ("tui/a.py", "cli/a.py", "player/a.py", "game/findings.py")
     files = [tmp_path / name for name in (*playing, "schema.py", *others)]
+    (tmp_path / "game" / "history").mkdir(parents=True)
     for file in (*files, *(tmp_path / part for part in run.SIMULATION if part.endswith(".py"))):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text("one = 1\n")
