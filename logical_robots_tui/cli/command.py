@@ -24,9 +24,10 @@ from logical_robots_tui.errors import InputError, LogicalRobotsError, is_out_of_
 from logical_robots_tui.wording import align
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
+    import rich.progress
 
     from logical_robots_tui.mind import Diagnostic, ProgramError
+    from logical_robots_tui.progress import Progress
 
 Part: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
 """Adds something to a command's parser."""
@@ -214,6 +215,14 @@ def own_programs(options: argparse.Namespace) -> Path:
     return folder / "programs"
 
 
+def open_progress(options: argparse.Namespace) -> Progress:
+    """Open the player's record of progress; what is wrong with it goes to standard error."""
+    from logical_robots_tui.progress import FILE_NAME, Progress
+
+    file = folder_of(options.data_dir) / FILE_NAME
+    return Progress(file, lambda message: print(harmless(message), file=sys.stderr))
+
+
 def prefers_json(options: argparse.Namespace) -> bool:
     """Return whether to print JSON: on request, or if standard output is not a terminal."""
     return bool(options.json) or not sys.stdout.isatty()
@@ -288,7 +297,7 @@ _REDRAW_SECONDS = 0.1
 def drawn_bar(title: str, delay: float = 0.0) -> Iterator[Callable[[int, int, str, str], None]]:
     """Yield a function that draws a bar: part, whole, two texts beside it; none in a pipe."""
     next_time = monotonic() + delay if sys.stderr.isatty() else float("inf")
-    bar: Progress | None = None
+    bar: rich.progress.Progress | None = None
     with ExitStack() as stack:
 
         def draw(part: int, whole: int, count: str, note: str) -> None:
@@ -306,7 +315,7 @@ def drawn_bar(title: str, delay: float = 0.0) -> Iterator[Callable[[int, int, st
         yield draw
 
 
-def _new_bar() -> Progress:
+def _new_bar() -> rich.progress.Progress:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 
@@ -338,9 +347,25 @@ class ProgramFileError(LogicalRobotsError):
 
 def report(error: LogicalRobotsError, *, as_json: bool) -> int:
     """Report an error on standard error, with `as_json` also on standard output."""
+    document: dict[str, Any] = {"kind": "other", "message": str(error)}
+    lines = [str(error)]
+    if isinstance(error, ProgramFileError):
+        from dataclasses import asdict  # slow to load
+
+        diagnostics, lines = [], []
+        for diagnostic in error.diagnostics:
+            place = f"{error.place}:{diagnostic.line}:{diagnostic.column}"
+            texts = diagnostic.excerpt.strip(), diagnostic.hint
+            lines += [f"{place}: {diagnostic.message}", *(f"    {text}" for text in texts if text)]
+            diagnostics.append(asdict(diagnostic))
+            del diagnostics[-1]["severity"]
+        document = {"kind": "program", "place": error.place, "diagnostics": diagnostics}
+    elif isinstance(error, InputError):
+        document = {"kind": "input", "place": error.place, "message": error.message}
+        document["hint"] = error.hint
     if as_json:
-        print_json({"error": _as_data(error)})
-    _say(*_lines(error))
+        print_json({"error": document})
+    _say(*lines)
     return BAD_INPUT
 
 
@@ -362,33 +387,6 @@ def report_bug(error: Exception, *, as_json: bool) -> int:
     else:
         _say(f"This is a bug in the game, not your mistake ({name}). {advice}.")
     return BUG
-
-
-def _as_data(error: LogicalRobotsError) -> dict[str, Any]:
-    if isinstance(error, ProgramFileError):
-        from dataclasses import asdict  # slow to load
-
-        return {
-            "kind": "program",
-            "place": error.place,
-            "diagnostics": [
-                {key: value for key, value in asdict(diagnostic).items() if key != "severity"}
-                for diagnostic in error.diagnostics
-            ],
-        }
-    if isinstance(error, InputError):
-        return {"kind": "input", "place": error.place, "message": error.message, "hint": error.hint}
-    return {"kind": "other", "message": str(error)}
-
-
-def _lines(error: LogicalRobotsError) -> list[str]:
-    if not isinstance(error, ProgramFileError):
-        return [str(error)]
-    lines = []
-    for diagnostic in error.diagnostics:
-        lines.append(f"{error.place}:{diagnostic.line}:{diagnostic.column}: {diagnostic.message}")
-        lines += [f"    {text}" for text in (diagnostic.excerpt.strip(), diagnostic.hint) if text]
-    return lines
 
 
 def _say(head: str, *details: str) -> None:

@@ -117,7 +117,8 @@ def _terminal() -> Iterator[Fact]:
         problem = f"at least {LEAST_WIDTH}x{LEAST_HEIGHT} needed" if is_small else ""
         yield "size", f"{columns}x{lines}", problem
     colourless = "NO_COLOR" in environ
-    colours = "none (NO_COLOR)" if colourless else _colours(console.color_system)
+    counts = {"truecolor": "16 million", "256": "256", "standard": "16", "windows": "16"}
+    colours = "none (NO_COLOR)" if colourless else counts.get(console.color_system or "", "none")
     yield "colours", colours, ""
     encoding = console.encoding
     limitation = "" if writes_utf_8(encoding) else "ASCII only; set LANG to a UTF-8 locale"
@@ -129,11 +130,6 @@ def _terminal() -> Iterator[Fact]:
     yield "inside", ", ".join(words[name] for name in variables) or "neither tmux nor ssh", ""
     yield "mouse", "used" if may_use_mouse(environ) else "off in GNU screen", ""
     yield "editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi", ""
-
-
-def _colours(system: str | None) -> str:
-    counts = {"truecolor": "16 million", "256": "256", "standard": "16", "windows": "16"}
-    return counts.get(system or "", "none")
 
 
 def _versions() -> Iterator[Fact]:

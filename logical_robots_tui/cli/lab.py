@@ -294,11 +294,15 @@ def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
 
 
 def _work(options: argparse.Namespace, folder: Folder, first_manifest: Manifest) -> int:
-    from logical_robots_tui.lab import closing_engine, engine_for, rounds
+    from msgspec.structs import replace
 
-    student = getattr(options, "student", None)
-    if student:
-        first_manifest = _for_student(first_manifest, student)
+    from logical_robots_tui.lab import closing_engine, engine_for, rounds
+    from logical_robots_tui.lab.classroom import student_of
+
+    if name := getattr(options, "student", None):
+        student = student_of(first_manifest, name)
+        cells = tuple(cell for cell in first_manifest.cells if cell.student == student.id)
+        first_manifest = replace(first_manifest, students=(student,), cells=cells)
     with folder.ledger(mixed=options.mixed) as ledger:
         ledger.forget_failures()
         work = rounds(folder, first_manifest, ledger)
@@ -318,27 +322,16 @@ def _work(options: argparse.Namespace, folder: Folder, first_manifest: Manifest)
                 print(harmless(str(error)), file=sys.stderr)
                 return INCOMPLETE
         status = _tell(folder, manifest, ledger, coordinator)
-        if student:
+        if name:
             from logical_robots_tui.lab.grading import feedback_of
 
-            text = feedback_of(manifest, ledger, manifest.students[0].id)
+            text = feedback_of(manifest, ledger, student.id)
             print("", *map(harmless, text.splitlines()), sep="\n")
         elif status == COMPLETE or manifest.kind == "grade":
             _export(folder, manifest, ledger)
             if manifest.kind == "tournament":
                 _print_summary(manifest, ledger)
         return status
-
-
-def _for_student(manifest: Manifest, name: str) -> Manifest:
-    """Return the part of a manifest for one student."""
-    from msgspec.structs import replace
-
-    from logical_robots_tui.lab.classroom import student_of
-
-    student = student_of(manifest, name)
-    cells = tuple(cell for cell in manifest.cells if cell.student == student.id)
-    return replace(manifest, students=(student,), cells=cells)
 
 
 def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:

@@ -9,16 +9,16 @@ import sys
 import textwrap
 from collections.abc import Iterator
 from contextlib import closing
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from logical_robots_tui import mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import (
     BAD_INPUT,
     ProgramFileError,
-    folder_of,
     harmless,
     line_of_json,
+    open_progress,
     progress_bar,
     say,
 )
@@ -33,7 +33,7 @@ from logical_robots_tui.game.level_questions import (
     ticks_in_words,
 )
 from logical_robots_tui.game.victory import level_key
-from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.progress import Progress
 from logical_robots_tui.world.level import LevelQuestion
 
 if TYPE_CHECKING:
@@ -71,17 +71,15 @@ def learn(options: argparse.Namespace) -> int:
     if number is not None and number > len(level.questions):
         count = len(level.questions)
         raise InputError(f"There is no question {number}.", hint=f"{level.title} has {count}.")
-    file = folder_of(options.data_dir) / FILE_NAME
-    with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as db:
-        lesson = _Lesson(level, db, is_silent=options.json)
-        try:
-            if options.answer is None:
-                return lesson.present(number)
-            if number is None and len(level.questions) != 1:
-                raise InputError("Which question does it answer?", hint="Add --question N.")
-            return lesson.grade(number or 1, options.answer)
-        finally:
-            lesson.close()
+    with (
+        closing(open_progress(options)) as progress,
+        closing(_Lesson(level, progress, is_silent=options.json)) as lesson,
+    ):
+        if options.answer is None:
+            return lesson.present(number)
+        if number is None and len(level.questions) != 1:
+            raise InputError("Which question does it answer?", hint="Add --question N.")
+        return lesson.grade(number or 1, options.answer)
 
 
 class _Lesson:
@@ -99,10 +97,17 @@ class _Lesson:
         level = self._level
         if self._is_silent:
             answers = self._answers()
-            questions = [self._data(question, answers) for question in level.questions]
-            print(
-                line_of_json({"level": level.name, "lesson": level.lesson, "questions": questions})
-            )
+            questions = [
+                {
+                    "ask": question.ask,
+                    "ticks": question.ticks,
+                    "program": program_of(level, question),
+                    "answered_by": answers.get(question.ask),
+                }
+                for question in level.questions
+            ]
+            document = {"level": level.name, "lesson": level.lesson, "questions": questions}
+            print(line_of_json(document))
             return DONE
         if number is None:
             say(level.title)
@@ -166,14 +171,6 @@ class _Lesson:
 
     def _answers(self) -> dict[str, str]:
         return dict(self._progress.record(level_key(self._level)).answers)
-
-    def _data(self, question: LevelQuestion, answers: dict[str, str]) -> dict[str, Any]:
-        return {
-            "ask": question.ask,
-            "ticks": question.ticks,
-            "program": program_of(self._level, question),
-            "answered_by": answers.get(question.ask),
-        }
 
 
 async def answer_in_game(level: world.Level, learning: Learning, number: int, query: str) -> None:

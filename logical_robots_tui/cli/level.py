@@ -8,7 +8,6 @@ import shutil
 import sys
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from logical_robots_tui import world
 from logical_robots_tui.cli import command
@@ -16,9 +15,6 @@ from logical_robots_tui.cli.command import columns, harmless, print_json
 from logical_robots_tui.errors import InputError, joined
 from logical_robots_tui.paths import is_file, is_folder
 from logical_robots_tui.wording import join_names
-
-if TYPE_CHECKING:
-    from logical_robots_tui.editing.checks import LevelFinding
 
 FINE, WRONG = 0, 2
 
@@ -110,10 +106,22 @@ def _new(options: argparse.Namespace) -> int:
     """
     from logical_robots_tui.editing.entities import set_words
     from logical_robots_tui.editing.files import save_level
+    from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
     from logical_robots_tui.world.levels.load import read_text
 
     refuse_existing(options.file, force=options.force)
-    level = world.load_level(options.copy) if options.copy else _create(options)
+    if options.copy:
+        level = world.load_level(options.copy)
+    elif options.labyrinth is None:
+        level = empty_room(*(options.room or (600, 400)), wall=options.wall)
+    else:
+        level = labyrinth(
+            *options.labyrinth,
+            seed=options.seed,
+            loops=options.loops,
+            corridor=options.corridor,
+            wall=options.wall,
+        )
     words = {} if options.title is None else {"title": options.title}
     new_level = set_words(level, **words)
     file = Path(level.source)
@@ -127,20 +135,6 @@ def _new(options: argparse.Namespace) -> int:
     print(harmless(f"{options.file}: {new_level.title}, {size}."))
     print(harmless(f"Play it: logical-robots play {options.file}"))
     return 0
-
-
-def _create(options: argparse.Namespace) -> world.Level:
-    from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
-
-    if options.labyrinth is None:
-        return empty_room(*(options.room or (600, 400)), wall=options.wall)
-    return labyrinth(
-        *options.labyrinth,
-        seed=options.seed,
-        loops=options.loops,
-        corridor=options.corridor,
-        wall=options.wall,
-    )
 
 
 @command.declare("level check", command.LEVELS, command.JSON)
@@ -159,35 +153,27 @@ def _check(options: argparse.Namespace) -> int:
 
     exit status: 0 no errors (there may be warnings), 2 a level can't be loaded
     """
+    from logical_robots_tui.editing.checks import LevelFinding, check
+
     results = []
     status = FINE
     for name in options.levels:
-        findings = _findings(name)
+        try:
+            findings = check(world.load_level(name))
+        except world.LevelError as error:
+            inner = error.place.removeprefix(name).lstrip(":, ")
+            text = f"{joined(inner, error.message)} {error.hint}".rstrip()
+            findings = [LevelFinding(text, forbids=True)]
         if any(finding.forbids for finding in findings):
             status = WRONG
         results.append({"file": name, "findings": [asdict(finding) for finding in findings]})
-        if not options.json:
-            for finding in findings:
-                print(harmless(_line(name, finding)))
+        for finding in findings if not options.json else ():
+            place = "" if finding.x is None else f": at {finding.x:.0f}, {finding.y:.0f}"
+            severity = "error" if finding.forbids else "warning"
+            print(harmless(f"{name}{place}: {severity}: {finding.text}"))
     if options.json:
         print_json({"ok": status == FINE, "levels": results})
     return status
-
-
-def _findings(name: str) -> list[LevelFinding]:
-    from logical_robots_tui.editing.checks import LevelFinding, check
-
-    try:
-        return check(world.load_level(name))
-    except world.LevelError as error:
-        inner = error.place.removeprefix(name).lstrip(":, ")
-        text = f"{joined(inner, error.message)} {error.hint}".rstrip()
-        return [LevelFinding(text, forbids=True)]
-
-
-def _line(name: str, finding: LevelFinding) -> str:
-    place = "" if finding.x is None else f": at {finding.x:.0f}, {finding.y:.0f}"
-    return f"{name}{place}: {'error' if finding.forbids else 'warning'}: {finding.text}"
 
 
 @command.declare("level convert", command.LEVEL, _FILE, command.FORCE)

@@ -98,7 +98,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
     logging.getLogger("logical_robots_tui").handlers = [CrashLog(logging.ERROR)]
-    words = _with_command(sys.argv[1:] if arguments is None else arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    first = words[0] if words else ""
+    if not first or (first.startswith("-") and first not in {"-h", "--help", "--version"}):
+        words.insert(0, "play")
     options = parser(words[0]).parse_args(words)
     try:
         status = _start(options)
@@ -151,18 +154,8 @@ def _open_missing_streams() -> None:
             setattr(sys, name, null)
 
 
-def _with_command(arguments: Sequence[str]) -> list[str]:
-    """Insert ``play`` if there is no command."""
-    first = arguments[0] if arguments else ""
-    is_global = first in {"-h", "--help", "--version"}
-    if not first or (first.startswith("-") and not is_global):
-        return ["play", *arguments]
-    return list(arguments)
-
-
 SHELLS = ("bash", "zsh", "fish")
 NAMES = ("levels", "programs")
-FILES, FOLDERS = "file", "directory"  # shtab's names
 
 
 @command.declare(
@@ -201,9 +194,14 @@ def complete(options: argparse.Namespace) -> int:
         import shtab
 
         top = parser()
+        completions: dict[str, object] = {
+            "FILE": "file",
+            "FOLDER": "directory",
+            "LEVEL": _names_or_files("levels", ("toml", "json")),
+            "PROGRAM": _names_or_files("programs", ("l",)),
+        }
         for action in _arguments(top):
-            completion = _completion(str(action.metavar))
-            if completion:
+            if completion := completions.get(str(action.metavar)):
                 action.complete = completion  # type: ignore[attr-defined] # read by shtab
         print(shtab.complete(top, options.what))
     return 0
@@ -215,14 +213,6 @@ def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
         if isinstance(action, argparse._SubParsersAction):
             for inner in dict.fromkeys(action.choices.values()):
                 yield from _arguments(inner)
-
-
-def _completion(metavar: str) -> dict[str, object] | str | None:
-    if metavar == "LEVEL":
-        return _names_or_files("levels", ("toml", "json"))
-    if metavar == "PROGRAM":
-        return _names_or_files("programs", ("l",))
-    return {"FILE": FILES, "FOLDER": FOLDERS}.get(metavar)
 
 
 def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:

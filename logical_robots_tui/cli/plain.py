@@ -23,7 +23,6 @@ from logical_robots_tui.player.opening import LocalPlayer, Opening
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.player.surroundings import surroundings
-from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import Level, list_shipped, load_level
 
 if TYPE_CHECKING:
@@ -51,7 +50,11 @@ class LineGame(SessionListener):
         self._victory: Victory | None = None
         self._reported_mistakes: tuple[Diagnostic, ...] = ()
         self._is_running = True
-        recorder.attach(self._ui, on_change=lambda: None, on_measured=self._tell_measures)
+        recorder.attach(
+            self._ui,
+            on_change=lambda: None,
+            on_measured=lambda level, measures, _: say(robustness_line(level, measures)),
+        )
         self.session.listeners += [recorder, self]
 
     async def play(self) -> int:
@@ -151,9 +154,6 @@ class LineGame(SessionListener):
     def stopped(self, hits: tuple[Hit, ...]) -> None:
         for hit in hits:
             say(f"Stopped: {hit.breakpoint.words}. {hit.values}")
-
-    def _tell_measures(self, level: Level, measures: Measures, _is_here: bool) -> None:
-        say(robustness_line(level, measures))
 
     async def go_on(self, ticks: int) -> None:
         """Run for some ticks; ^C ends it sooner."""

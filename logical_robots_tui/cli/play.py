@@ -105,7 +105,13 @@ def play(options: argparse.Namespace) -> int:
     if not options.plain:
         _prepare_screen()
     if options.restricted and not options.player:
-        _refuse_shared_folder(folder_of(options.data_dir))
+        folder = folder_of(options.data_dir)
+        if is_folder(folder_of(folder, ".")):
+            raise InputError(
+                "No player is named, and this folder contains the folders of players",
+                place=str(folder),
+                hint="Add --player NAME, or set LOGICAL_ROBOTS_PLAYER=NAME in the environment.",
+            )
     options.data_dir = folder_of(options.data_dir, options.player)
     if options.daily is not None:
         _choose_daily(options)
@@ -168,16 +174,6 @@ def _choose_daily(options: argparse.Namespace) -> None:
         level = daily_level(progress, options.daily, options.size)
     options.programs = [options.level] if options.level else []
     options.level = level.name
-
-
-def _refuse_shared_folder(folder: Path) -> None:
-    """Raise InputError if the folder contains folders of named players."""
-    if is_folder(folder_of(folder, ".")):
-        raise InputError(
-            "No player is named, and this folder contains the folders of players",
-            place=str(folder),
-            hint="Add --player NAME, or set LOGICAL_ROBOTS_PLAYER=NAME in the environment.",
-        )
 
 
 def _prepare_screen() -> None:
@@ -263,14 +259,11 @@ def restrict(folder: Path) -> OpenGames:
     os.environ["HOME"] = str(folder)
     os.chdir(folder)
     for name, bound in LIMITS.items():
-        _limit(getattr(resource, name), bound, grace=_GRACE if name == "RLIMIT_CPU" else 0)
+        kind, maximum = getattr(resource, name), bound + _GRACE * (name == "RLIMIT_CPU")
+        _, hard = resource.getrlimit(kind)
+        if hard != resource.RLIM_INFINITY:
+            maximum = min(maximum, hard)
+        resource.setrlimit(kind, (min(bound, maximum), maximum))
     confine(folder, shipped_folder("levels"), shipped_folder("programs"))
     allow_only(folder, is_helper)
     return games
-
-
-def _limit(kind: int, bound: int, grace: int) -> None:
-    """Lower the soft and hard limit, unless they are already lower."""
-    _, hard = resource.getrlimit(kind)
-    maximum = bound + grace if hard == resource.RLIM_INFINITY else min(bound + grace, hard)
-    resource.setrlimit(kind, (min(bound, maximum), maximum))

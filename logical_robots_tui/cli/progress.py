@@ -16,12 +16,12 @@ import msgspec
 
 from logical_robots_tui import mind, world
 from logical_robots_tui.cli import command
-from logical_robots_tui.cli.command import columns, drawn_bar, folder_of, harmless, print_json
+from logical_robots_tui.cli.command import columns, drawn_bar, harmless, open_progress, print_json
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.verification import SECONDS, FileBudget, OverBudgetError, check_size
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import read_text
-from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
+from logical_robots_tui.progress import LevelRecord, Measures, Progress
 
 FORMAT = 1
 """The version of the exported document."""
@@ -60,46 +60,43 @@ def progress(options: argparse.Namespace) -> int:
     """
     if options.check is not None:
         return _check(options.check, options.seconds, as_json=options.json)
-    file = folder_of(options.data_dir) / FILE_NAME
-    with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as db:
-        _list(db, options)
+    with closing(open_progress(options)) as record:
+        _list(record, options)
     return CONFIRMED
 
 
 def _list(progress: Progress, options: argparse.Namespace) -> None:
-    records = {level: progress.record(level) for level in _levels(progress)}
+    levels = dict.fromkeys([*world.list_levels(), *progress.levels()])
+    records = {level: progress.record(level) for level in levels}
     if options.json:
-        levels = [_as_data(progress, level, record) for level, record in records.items()]
-        print_json({"format": FORMAT, "levels": levels})
+        documents = [_as_data(progress, level, record) for level, record in records.items()]
+        print_json({"format": FORMAT, "levels": documents})
     elif options.csv:
         table = csv.writer(sys.stdout, lineterminator="\n")
         table.writerow(["level", *CELLS])
         for level, record in records.items():
-            bests = {**record.bests._asdict(), "goals": "; ".join(record.bests.goals)}
-            cells = (record.state, record.hints, *bests.values())
+            values = {**record.bests._asdict(), "goals": "; ".join(record.bests.goals)}
+            cells = (record.state, record.hints, *values.values())
             table.writerow([level, *("" if cell is None else cell for cell in cells)])
     else:
-        head = ("LEVEL", "STATE", "HINTS", "TICKS", "SIZE", "DISTANCE", "ROBUST", "GOALS")
-        rows = [(level, *_row(record)) for level, record in records.items()]
-        print(*columns([head, *rows]), sep="\n")
-
-
-def _levels(progress: Progress) -> list[str]:
-    shipped = world.list_levels()
-    return [*shipped, *(level for level in progress.levels() if level not in shipped)]
-
-
-def _row(record: LevelRecord) -> tuple[str, ...]:
-    bests = record.bests
-    robust = "" if bests.wins is None else f"{bests.wins} of {bests.starts}"
-    distance = "" if bests.distance is None else f"{bests.distance:,.0f}"
-    numbers = (bests.ticks, bests.size)
-    texts = ("" if number is None else str(number) for number in numbers)
-    goals = str(len(bests.goals) or "")
-    return record.state, str(record.hints or ""), *texts, distance, robust, goals
+        rows: list[tuple[str, ...]] = [
+            ("LEVEL", "STATE", "HINTS", "TICKS", "SIZE", "DISTANCE", "ROBUST", "GOALS")
+        ]
+        for level, record in records.items():
+            bests = record.bests
+            robust = "" if bests.wins is None else f"{bests.wins} of {bests.starts}"
+            distance = "" if bests.distance is None else f"{bests.distance:,.0f}"
+            texts = ("" if n is None else str(n) for n in (bests.ticks, bests.size))
+            counts = str(record.hints or ""), str(len(bests.goals) or "")
+            rows.append((level, record.state, counts[0], *texts, distance, robust, counts[1]))
+        print(*columns(rows), sep="\n")
 
 
 def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, Any]:
+    def is_best(measures: Measures) -> bool:
+        pairs = zip(measures[:4], record.bests[:4], strict=True)
+        return bool(measures.goals) or any(n is not None and n == best for n, best in pairs)
+
     return {
         "level": level,
         "state": record.state,
@@ -108,15 +105,9 @@ def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, A
         "victories": [
             {"program": version.text, **version.measures._asdict()}
             for version in progress.versions(level)
-            if version.measures is not None and _is_best(version.measures, record.bests)
+            if version.measures is not None and is_best(version.measures)
         ],
     }
-
-
-def _is_best(measures: Measures, bests: Bests) -> bool:
-    return bool(measures.goals) or any(
-        n is not None and n == best for n, best in zip(measures[:4], bests[:4], strict=True)
-    )
 
 
 _MOST_BYTES = 20_000_000

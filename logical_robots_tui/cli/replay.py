@@ -198,21 +198,17 @@ def _show(options: argparse.Namespace) -> int:
     if options.svg is not None:
         from logical_robots_tui.tui.labyrinth.svg import svg
 
-        write(options.svg, svg(replay.levels[-1], paths=_paths(replay)))
+        paths: dict[str, list[tuple[float, float]]] = {}
+        for state in replay.states():
+            for robot in state.robots:
+                paths.setdefault(robot.name, []).append((robot.x, robot.y))
+        write(options.svg, svg(replay.levels[-1], paths=paths))
         print(harmless(f"Wrote {options.svg}."))
     elif options.json:
         print_json(_as_json(replay))
     else:
         print(*(harmless(line) for line in _lines(replay)), sep="\n")
     return SAME
-
-
-def _paths(replay: Replay) -> dict[str, list[tuple[float, float]]]:
-    paths: dict[str, list[tuple[float, float]]] = {}
-    for state in replay.states():
-        for robot in state.robots:
-            paths.setdefault(robot.name, []).append((robot.x, robot.y))
-    return paths
 
 
 def _as_json(replay: Replay) -> dict[str, Any]:
