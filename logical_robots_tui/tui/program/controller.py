@@ -49,29 +49,30 @@ class ProgramController:
     ) -> None:
         self._pane, self._session, self._ui, self._copies = pane, session, ui, copies
         self._permissions, self._enter, self._suspend = permissions, enter, suspend
-        self._wanted = ""
-        self._is_copy_told = False
+        self._pattern = ""
+        self._has_told_copy = False
         self._check: asyncio.TimerHandle | None = None
 
     def edited(self) -> None:
         """Check the text soon after the last key."""
         if self._check is not None:
             self._check.cancel()
-        self._check = asyncio.get_running_loop().call_later(_RESTING, self._check_now)
 
-    def _check_now(self) -> None:
-        if self._pane.is_attached:
-            self._session.check(self._pane.text)
+        def check() -> None:
+            if self._pane.is_attached:
+                self._session.check(self._pane.text)
+
+        self._check = asyncio.get_running_loop().call_later(_RESTING, check)
 
     def keep_copy(self, text: str) -> None:
         """Also write copied text to a file, because terminals don't confirm a copy."""
         if not self._write_copy(text):
             return
-        if not self._is_copy_told:
+        if not self._has_told_copy:
             sent = "Sent to your terminal's clipboard, and into"
             head = sent if self._permissions().clipboard else "Kept in"
             self._ui.tell(f"{head} {self._copies}.")
-        self._is_copy_told = True
+        self._has_told_copy = True
 
     def _write_copy(self, text: str) -> bool:
         try:
@@ -84,12 +85,12 @@ class ProgramController:
 
     async def find(self) -> None:
         editor = self._pane.editor
-        chosen = editor.selected_text
-        begin = chosen if chosen and "\n" not in chosen else self._wanted
-        wish = await self._ui.ask(Find(begin))
+        selected = editor.selected_text
+        pattern = selected if selected and "\n" not in selected else self._pattern
+        wish = await self._ui.ask(Find(pattern))
         if wish is None:
             return
-        self._wanted = wish.text
+        self._pattern = wish.text
         if wish.replacement is None:
             self.find_next()
             return
@@ -107,19 +108,18 @@ class ProgramController:
 
     def find_next(self) -> None:
         editor = self._pane.editor
-        if not self._wanted:
+        if not self._pattern:
             self._ui.spawn(self.find, "dialog", exclusive=True)
             return
-        selection, begin = editor.selection, min(editor.selection)
-        found = find_after(editor.text, self._wanted, begin, inclusive=True)
-        if found == begin and max(selection) == self._end_of(found):
-            found = find_after(editor.text, self._wanted, begin)  # the current match does not count
-        if found is None:
+        is_match = editor.selected_text.lower() == self._pattern.lower()
+        start = min(editor.selection)
+        place = find_after(editor.text, self._pattern, start, inclusive=not is_match)
+        if place is None:
             self._ui.tell(self._nowhere())
             return
         self._enter()
-        editor.move_cursor(found, center=True)
-        editor.selection = Selection(self._end_of(found), found)
+        editor.move_cursor(place, center=True)
+        editor.selection = Selection((place[0], place[1] + len(self._pattern)), place)
 
     async def rename(self) -> None:
         old = self._pane.editor.word
@@ -154,18 +154,15 @@ class ProgramController:
         except (OSError, ValueError, subprocess.CalledProcessError) as error:
             self._ui.warn(f"The editor failed: {error}. The text is unchanged.")
         else:
-            if len(text) > (most := Limits().program_characters):
-                kept = f" It is kept in {self._copies}." if self._write_copy(text) else ""
-                self._ui.warn(f"A program may have {most:,} characters, not {len(text):,}.{kept}")
+            if len(text) > (limit := Limits().program_characters):
+                hint = f" It is kept in {self._copies}." if self._write_copy(text) else ""
+                self._ui.warn(f"A program may have {limit:,} characters, not {len(text):,}.{hint}")
             elif text != self._pane.text:
                 self._pane.put(text)
                 self._session.apply(text)
 
-    def _end_of(self, found: tuple[int, int]) -> tuple[int, int]:
-        return found[0], found[1] + len(self._wanted)
-
     def _nowhere(self) -> str:
-        return f"{clip(one_line(self._wanted), _LONGEST)} is not in this program."
+        return f"{clip(one_line(self._pattern), _LONGEST)} is not in this program."
 
 
 def edit_outside(text: str, environ: Mapping[str, str]) -> str:
@@ -182,11 +179,11 @@ def edit_outside(text: str, environ: Mapping[str, str]) -> str:
     with tempfile.TemporaryDirectory(prefix="logical-robots-") as folder:
         path = Path(folder) / f"program{SUFFIX}"
         path.write_text(text, "utf-8")
-        ended = subprocess.run([*command, str(path)], check=False)  # noqa: S603 - named by the player
-        left = path.read_text("utf-8", errors="replace")
-        if left == text:
-            ended.check_returncode()
-        return left
+        result = subprocess.run([*command, str(path)], check=False)  # noqa: S603 - named by the player
+        edited_text = path.read_text("utf-8", errors="replace")
+        if edited_text == text:
+            result.check_returncode()
+        return edited_text
 
 
 _PAUSE = 0.25  # seconds between two checks
@@ -208,28 +205,21 @@ class FileWatch:
             source = self._current()
             if source.shipped:
                 continue
-            found = await asyncio.to_thread(self.newer, source)
-            if found is not None and self._current() is source:
-                self._changed(found)
+            newer_source = await asyncio.to_thread(self.newer, source)
+            if newer_source is not None and self._current() is source:
+                self._changed(newer_source)
 
     def newer(self, source: ProgramSource) -> ProgramSource | None:
         """Return the program on disk if changed since the last check; the first compares texts."""
-        stamp = _stamp(source)
         if source is not self._source:
             self._source, self._stamp = source, None
-        if source.shipped or stamp is None or stamp == self._stamp:
-            return None
-        self._stamp = stamp
         try:
-            found = load_program(source.path)
-        except InputError:
+            status = source.path.stat()
+            stamp = status.st_mtime_ns, status.st_size
+            if source.shipped or stamp == self._stamp:
+                return None
+            self._stamp = stamp
+            newer_source = load_program(source.path)
+        except (OSError, InputError):
             return None  # half written, or not text; a later check may succeed
-        return found if found.text != source.text else None
-
-
-def _stamp(source: ProgramSource) -> tuple[int, int] | None:
-    try:
-        status = source.path.stat()
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size
+        return newer_source if newer_source.text != source.text else None

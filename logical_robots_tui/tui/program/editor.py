@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from rich.segment import Segment
 from rich.style import Style
 from rich.text import Text
-from textual import events
+from textual import events, on
 from textual.binding import Binding
 from textual.geometry import Offset
 from textual.message import Message
@@ -31,7 +31,7 @@ from logical_robots_tui.language.services.lexer import LineStates, pieces
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.program.completion import Completion
-from logical_robots_tui.tui.program.mistakes import Mark, sign
+from logical_robots_tui.tui.program.mistakes import Underline, sign
 from logical_robots_tui.tui.terminal.textual_internals import HangingDocument, hang_wrapped_lines
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
 from logical_robots_tui.wording import visible
@@ -42,8 +42,7 @@ _LOOKED_BACK = 200  # characters before the cursor that may begin the list of wo
 _LONGEST_CLUSTER = 64  # code points of what is seen as one character
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
-_UNFINISHED = re.compile(r"(?:\w|\w\.)$")
-_WORD_AFTER = re.compile(r"\w*")
+_WORD_END = re.compile(r"(?:(?<=\w)|(?<=\w\.))(?!\w)")
 _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
 """Comments and empty lines at the start of a program, if anything follows."""
 
@@ -80,12 +79,12 @@ class Editor(TextArea):
         )
         self.cursor_blink = False
         self.indent_width = WIDTH
-        own = Binding.make_bindings([*TextArea.BINDINGS, *self.BINDINGS])
-        self._actions = {binding.key: binding.action for binding in own}
+        bindings = Binding.make_bindings([*TextArea.BINDINGS, *self.BINDINGS])
+        self._actions = {binding.key: binding.action for binding in bindings}
         self._states = LineStates()
         self._last_key_at = float("-inf")
         self._syntax: dict[str, Style] = {}
-        self._marks: Mapping[int, Sequence[Mark]] = {}
+        self._underlines: Mapping[int, Sequence[Underline]] = {}
         self._pointed_out: Selection | None = None
         self.completion = Completion()
         self.completes = True
@@ -127,8 +126,8 @@ class Editor(TextArea):
         """Make a change, unless a paste makes the program too long to compile."""
         replaced = len(self.get_text_range(edit.top, edit.bottom))
         length = len(self.text) - replaced + len(edit.text)
-        if len(edit.text) > 1 and length > (most := Limits().program_characters):
-            self.notify(f"A program may have {most:,} characters, not {length:,}.")
+        if len(edit.text) > 1 and length > (limit := Limits().program_characters):
+            self.notify(f"A program may have {limit:,} characters, not {length:,}.")
             return EditResult(self.cursor_location, "")
         self._states.forget(edit.top[0])
         return super().edit(edit)
@@ -141,10 +140,10 @@ class Editor(TextArea):
         self._states.forget()
         super().redo()
 
-    def mark(self, marks: Mapping[int, Sequence[Mark]]) -> None:
-        """Underline places, and mark their lines, numbered from 0."""
-        if marks != self._marks:
-            self._marks = marks
+    def underline(self, underlines: Mapping[int, Sequence[Underline]]) -> None:
+        """Underline places, and put signs beside their lines, numbered from 0."""
+        if underlines != self._underlines:
+            self._underlines = underlines
             self.notify_style_update()
             self.refresh()
 
@@ -171,8 +170,10 @@ class Editor(TextArea):
             event.stop()
             event.prevent_default()  # Alt types no letter
             return
-        if action == "indent" and not hurried and self._can_complete():
-            action = "complete_or_take"
+        if action == "indent" and not hurried and self.selection.is_empty:
+            row, column = self.cursor_location
+            if _WORD_END.match(self.document.get_line(row), column):
+                action = "complete_or_take"
         if event.key not in ("escape", "enter", "ctrl+j") and action is None:
             return
         if action == "copy" and not self.selected_text:
@@ -189,8 +190,8 @@ class Editor(TextArea):
     def _end_line(self, *, as_it_is: bool) -> None:
         """Start a line with matching indentation; unmarked pastes, as keys, bring their own."""
         start, end = sorted(self.selection)
-        before = self.document.get_line(start[0])[: start[1]]
-        indentation = "" if as_it_is else indentation_after(before)
+        line = self.document.get_line(start[0])[: start[1]]
+        indentation = "" if as_it_is else indentation_after(line)
         self.replace(f"\n{indentation}", start, end, maintain_selection_offset=False)
 
     @property
@@ -202,16 +203,6 @@ class Editor(TextArea):
     def word(self) -> str:
         row, column = self.cursor_location
         return word_around(self.document.get_line(row), column)
-
-    def _can_complete(self) -> bool:
-        is_within = self.selection.is_empty and not self.word_after
-        return is_within and _UNFINISHED.search(self.before_cursor) is not None
-
-    @property
-    def word_after(self) -> str:
-        """What follows the cursor in its word."""
-        row, column = self.cursor_location
-        return _WORD_AFTER.match(self.document.get_line(row), column)[0]  # type: ignore[index] # it may be empty
 
     def action_complete_or_take(self) -> None:
         """Offer words for what is begun; take the only one, and indent if there is none."""
@@ -243,9 +234,7 @@ class Editor(TextArea):
         self.selection = self._pointed_out = Selection(stop, start)
         self.scroll_cursor_visible(center=True)
 
-    def on_focus(self) -> None:
-        self.unpoint()
-
+    @on(events.Focus)
     def unpoint(self) -> None:
         """Clear a selection that was only a highlight."""
         if self.selection == self._pointed_out:
@@ -288,30 +277,30 @@ class Editor(TextArea):
         self.post_message(self.Copied(self.app.clipboard))
 
     def action_toggle_comment(self) -> None:
-        self._change_lines(toggle_comments(self._chosen_lines()))
+        self._change_lines(toggle_comments(self._selected_lines()))
 
     def get_cursor_left_location(self) -> tuple[int, int]:
         row, column = self.cursor_location
-        before = self.document.get_line(row)[max(0, column - _LONGEST_CLUSTER) : column]
-        *_, last = ["", *iter_graphemes(before)]
+        text = self.document.get_line(row)[max(0, column - _LONGEST_CLUSTER) : column]
+        *_, last = ["", *iter_graphemes(text)]
         return (row, column - len(last)) if last else super().get_cursor_left_location()
 
     def get_cursor_right_location(self) -> tuple[int, int]:
         row, column = self.cursor_location
-        after = self.document.get_line(row)[column : column + _LONGEST_CLUSTER]
-        first = next(iter_graphemes(after), "")
+        text = self.document.get_line(row)[column : column + _LONGEST_CLUSTER]
+        first = next(iter_graphemes(text), "")
         return (row, column + len(first)) if first else super().get_cursor_right_location()
 
     def action_indent(self) -> None:
         start, end = self.selection
         if start[0] != end[0]:
-            self._change_lines(shift_lines(self._chosen_lines(), back=False))
+            self._change_lines(shift_lines(self._selected_lines(), back=False))
         else:
             spaces = " " * (WIDTH - min(start, end)[1] % WIDTH)
             self.replace(spaces, start, end, maintain_selection_offset=False)
 
     def action_dedent(self) -> None:
-        self._change_lines(shift_lines(self._chosen_lines(), back=True))
+        self._change_lines(shift_lines(self._selected_lines(), back=True))
 
     def action_cursor_line_end(self, select: bool = False) -> None:
         """Move to the end of the row, and from there to that of the line."""
@@ -331,28 +320,31 @@ class Editor(TextArea):
             row_start = 0 if column == first else first
         self.move_cursor((row, row_start), select=select)
 
-    def action_move_lines(self, by: int) -> None:
-        """Move the chosen lines up or down by one."""
-        first, last = self._chosen_rows()
-        other = first - 1 if by < 0 else last + 1
-        if not 0 <= other < self.document.line_count:
+    def action_move_lines(self, rows: int) -> None:
+        """Move the selected lines up or down by one."""
+        first, last = self._selected_rows()
+        neighbour = first - 1 if rows < 0 else last + 1
+        if not 0 <= neighbour < self.document.line_count:
             return
-        chosen, passed = self._chosen_lines(), self.document.get_line(other)
-        lines = [*chosen, passed] if by < 0 else [passed, *chosen]
-        start, end = self.selection
-        top, bottom = min(first, other), max(last, other)
-        end_of_text = (bottom, len(self.document.get_line(bottom)))
-        self.replace("\n".join(lines), (top, 0), end_of_text)
-        self.selection = Selection((start[0] + by, start[1]), (end[0] + by, end[1]))
+        lines, passed = self._selected_lines(), self.document.get_line(neighbour)
+        lines = [*lines, passed] if rows < 0 else [passed, *lines]
+        bottom = max(last, neighbour)
+        stop = (bottom, len(self.document.get_line(bottom)))
+        self._replace_lines(lines, (min(first, neighbour), 0), stop, rows)
 
     def action_duplicate_lines(self) -> None:
-        """Insert the chosen lines once more, below; the cursor goes with them."""
-        _, last = self._chosen_rows()
-        chosen, (start, end) = self._chosen_lines(), self.selection
-        below = (last, len(self.document.get_line(last)))
-        self.replace("\n".join(["", *chosen]), below, below)
-        by = len(chosen)
-        self.selection = Selection((start[0] + by, start[1]), (end[0] + by, end[1]))
+        """Insert the selected lines once more, below; the cursor goes with them."""
+        last, lines = self._selected_rows()[1], self._selected_lines()
+        stop = (last, len(self.document.get_line(last)))
+        self._replace_lines(["", *lines], stop, stop, len(lines))
+
+    def _replace_lines(
+        self, lines: list[str], start: tuple[int, int], stop: tuple[int, int], rows: int
+    ) -> None:
+        """Replace a range by lines; the selection goes some rows down."""
+        places = [(row + rows, column) for row, column in self.selection]
+        self.replace("\n".join(lines), start, stop)
+        self.selection = Selection(*places)
 
     def action_go_to_start(self) -> None:
         self.move_cursor(self.document.start)
@@ -360,27 +352,27 @@ class Editor(TextArea):
     def action_go_to_end(self) -> None:
         self.move_cursor(self.document.end)
 
-    def _chosen_rows(self) -> tuple[int, int]:
+    def _selected_rows(self) -> tuple[int, int]:
         (first, _), (last, column) = sorted(self.selection)
         return first, last - (last > first and column == 0)
 
-    def _chosen_lines(self) -> list[str]:
-        first, last = self._chosen_rows()
+    def _selected_lines(self) -> list[str]:
+        first, last = self._selected_rows()
         return [self.document.get_line(number) for number in range(first, last + 1)]
 
     def _change_lines(self, changed: list[str]) -> None:
-        first, last = self._chosen_rows()
-        before, selection = self._chosen_lines(), self.selection
-        if changed == before:
+        first, last = self._selected_rows()
+        lines, selection = self._selected_lines(), self.selection
+        if changed == lines:
             return
-        self.replace("\n".join(changed), (first, 0), (last, len(before[-1])))
+        self.replace("\n".join(changed), (first, 0), (last, len(lines[-1])))
 
         def moved(place: tuple[int, int]) -> tuple[int, int]:
             row, column = place
             if not first <= row <= last:
                 return place
-            longer = len(changed[row - first]) - len(before[row - first])
-            return row, max(column + longer, 0) if column else 0
+            growth = len(changed[row - first]) - len(lines[row - first])
+            return row, max(column + growth, 0) if column else 0
 
         self.selection = Selection(moved(selection.start), moved(selection.end))
 
@@ -403,7 +395,7 @@ class Editor(TextArea):
         state = self._states.at(line_index, self.document.get_line)
         for start, end, kind in pieces(line, state):
             text.stylize(self._syntax[kind], start, end)
-        for start, end, is_wrong in self._marks.get(line_index, ()):
+        for start, end, is_wrong in self._underlines.get(line_index, ()):
             text.stylize(self._syntax["mistake" if is_wrong else "odd"], start, end)
         return text
 
@@ -415,17 +407,12 @@ class Editor(TextArea):
         assert isinstance(document, HangingDocument)
         row, section = document.row_at(place)
         if section and self.soft_wrap and (hang := document.hang(row, section)):
-            strip = _shifted(strip, self.gutter_width, hang)
-        if row not in self._marks:
+            *_, last = strip
+            room = Strip([Segment(" " * hang, last.style)])
+            gutter, stop = self.gutter_width, strip.cell_length - hang
+            strip = Strip.join([strip.crop(0, gutter), room, strip.crop(gutter, stop)])
+        if row not in self._underlines:
             return strip
-        begins = None if section else row
-        is_wrong = any(mark.is_wrong for mark in self._marks[row])
-        return sign(strip, begins, self.gutter_width, self._syntax, is_wrong=is_wrong)
-
-
-def _shifted(strip: Strip, gutter: int, columns: int) -> Strip:
-    """Return a row whose text stands further to the right."""
-    *_, last = strip
-    room = Strip([Segment(" " * columns, last.style)])
-    width = strip.cell_length
-    return Strip.join([strip.crop(0, gutter), room, strip.crop(gutter, width - columns)])
+        number = None if section else row
+        is_wrong = any(underline.is_wrong for underline in self._underlines[row])
+        return sign(strip, number, self.gutter_width, self._syntax, is_wrong=is_wrong)

@@ -28,7 +28,7 @@ _LONGEST = 400
 _WORD = re.compile(r"\w+")
 
 
-class Mark(NamedTuple):
+class Underline(NamedTuple):
     """A wrong or odd place in a line, from its first column to before the last."""
 
     start: int
@@ -36,7 +36,7 @@ class Mark(NamedTuple):
     is_wrong: bool
 
 
-def mark_of(mistake: Diagnostic, line: str) -> Mark:
+def underline_of(mistake: Diagnostic, line: str) -> Underline:
     """Return the place of an error: its excerpt if it is there, or else a word or a character."""
     start = min(mistake.column - 1, max(len(line) - 1, 0))
     if mistake.excerpt and line.startswith(mistake.excerpt, start):
@@ -44,7 +44,7 @@ def mark_of(mistake: Diagnostic, line: str) -> Mark:
     else:
         word = _WORD.match(line, start)
         length = len(word.group()) if word else 1
-    return Mark(start, start + length, mistake.severity == "error")
+    return Underline(start, start + length, mistake.severity == "error")
 
 
 class MistakeStrip(Static):
@@ -76,26 +76,21 @@ class MistakeStrip(Static):
         self.set_class(all(mistake.severity == "warning" for mistake in mistakes), "-odd")
         lines = [_describe(mistake) for mistake in mistakes[:_MOST_SHOWN]]
         if len(mistakes) > 1:
-            lines.insert(0, _count(mistakes))
+            errors = sum(mistake.severity == "error" for mistake in mistakes)
+            counts = {"error": errors, "warning": len(mistakes) - errors}
+            words = ", ".join(count_of(number, noun) for noun, number in counts.items() if number)
+            head = (words, f"bold {INK.bad if errors else INK.warn}")
+            hint = (f"   {command('error').key_name} goes to the next one", INK.dim)
+            lines.insert(0, Content.assemble(head, hint))
         self.update(Content("\n").join(lines))
 
     def on_click(self, event: events.Click) -> None:
-        place = event.style.meta.get("place") or next(map(_place, self._shown), None)
-        if place is not None:
+        if self._shown:
+            place = event.style.meta.get("place", place_of(self._shown[0]))
             self.post_message(self.Chosen(place))
 
 
-def _count(mistakes: tuple[Diagnostic, ...]) -> Content:
-    wrong = sum(mistake.severity == "error" for mistake in mistakes)
-    told = [(wrong, "error"), (len(mistakes) - wrong, "warning")]
-    words = ", ".join(count_of(number, what) for number, what in told if number)
-    return Content.assemble(
-        (words, f"bold {INK.bad if wrong else INK.warn}"),
-        (f"   {command('error').key_name} goes to the next one", INK.dim),
-    )
-
-
-def _place(mistake: Diagnostic) -> tuple[int, int]:
+def place_of(mistake: Diagnostic) -> tuple[int, int]:
     return mistake.line - 1, mistake.column - 1
 
 
@@ -109,7 +104,7 @@ def _describe(mistake: Diagnostic) -> Content:
         content = content.append("\n  ").append(
             Content.styled(clip(one_line(mistake.hint), _LONGEST), INK.warn)
         )
-    return content.stylize(Style.from_meta({"place": _place(mistake)}))
+    return content.stylize(Style.from_meta({"place": place_of(mistake)}))
 
 
 def sign(
@@ -117,5 +112,5 @@ def sign(
 ) -> Strip:
     """Put a sign into the gutter of a line; row None continues a wrapped line."""
     label, ink = ("✗", "mistake-gutter") if is_wrong else ("!", "odd-gutter")
-    told = " " * gutter if row is None else f"{row + 1:>{gutter - 2}}{label} "
-    return Strip([Segment(told, styles[ink]), *strip.crop(gutter)])
+    text = " " * gutter if row is None else f"{row + 1:>{gutter - 2}}{label} "
+    return Strip([Segment(text, styles[ink]), *strip.crop(gutter)])

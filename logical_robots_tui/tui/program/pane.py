@@ -11,12 +11,17 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import Static, TextArea
 
-from logical_robots_tui.language.services.completion import call_before, definitions, help_on
+from logical_robots_tui.language.services.completion import (
+    WordHelp,
+    call_before,
+    definitions,
+    help_on,
+)
 from logical_robots_tui.language.services.editing import follow_rows
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.layout.command_bar import Labels, RobotChosen
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.program.mistakes import Mark, MistakeStrip, mark_of
+from logical_robots_tui.tui.program.mistakes import MistakeStrip, Underline, place_of, underline_of
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level
@@ -45,7 +50,8 @@ class TeamTabs(Labels):
 
     def show(self, level: Level, team: str) -> None:
         robots = {robot.team: robot.name for robot in reversed(level.robots)} if team else {}
-        robots = {each.name: robots[each.name] for each in level.teams if each.name in robots}
+        names = (team.name for team in level.teams)
+        robots = {name: robots[name] for name in names if name in robots}
         if (robots, team) != (self._robots, self._team):
             self._robots, self._team = robots, team
             self.display = bool(robots)
@@ -98,8 +104,8 @@ class TeamChoice:
             self._tell("This level has no teams.")
             return
         sources.hides_others = not sources.hides_others
-        done = "hidden" if sources.hides_others else "shown again"
-        self._tell(f"What the other teams think is {done}.")
+        state = "hidden" if sources.hides_others else "shown again"
+        self._tell(f"What the other teams think is {state}.")
 
 
 class ProgramPane(Pane):
@@ -116,12 +122,12 @@ class ProgramPane(Pane):
         self.editor, self.teams = Editor(), TeamTabs()
         self._strip = MistakeStrip()
         self._state: ProgramState | None = None
-        # Each error as found, and with the current place of its line.
+        # Each error of the text that was tried, and the same in the current place of its line.
         self._mistakes: dict[Diagnostic, Diagnostic] = {}
         self._lines: list[str] = []
         self._tried: list[str] = []
         self._help = Static(id="help-line", markup=False)
-        self._said = ""
+        self._word: WordHelp | None = None
         parts = (self.teams, self.editor, self.editor.completion, self._help, self._strip)
         super().__init__(*parts, title="Program")
 
@@ -142,7 +148,7 @@ class ProgramPane(Pane):
         if state != self._state:
             self._state = state
             tried, mistakes = state.newest
-            self._mistakes = {found: found for found in mistakes}
+            self._mistakes = {mistake: mistake for mistake in mistakes}
             self._tried = self._lines = tried.split("\n")
             self._follow_text(mistakes)
 
@@ -155,36 +161,36 @@ class ProgramPane(Pane):
         """Show the errors where their lines are now; a changed line shows none."""
         lines = self.text.split("\n")
         if lines == self._tried:
-            self._mistakes = {found: found for found in mistakes}
+            self._mistakes = {mistake: mistake for mistake in mistakes}
         else:
-            now = self._mistakes.values()
-            rows = follow_rows([mistake.line - 1 for mistake in now], self._lines, lines)
+            rows = [mistake.line - 1 for mistake in self._mistakes.values()]
+            rows_now = follow_rows(rows, self._lines, lines)
             self._mistakes = {
-                found: replace(found, line=row + 1)
-                for found, row in zip(self._mistakes, rows, strict=True)
+                mistake: replace(mistake, line=row + 1)
+                for mistake, row in zip(self._mistakes, rows_now, strict=True)
                 if row is not None
             }
         self._lines = lines
-        marks: dict[int, list[Mark]] = {}
+        underlines: dict[int, list[Underline]] = {}
         for mistake in self._untouched():
             row = mistake.line - 1
-            marks.setdefault(row, []).append(mark_of(mistake, lines[row]))
-        self.editor.mark(marks)
-        self._tell()
+            underlines.setdefault(row, []).append(underline_of(mistake, lines[row]))
+        self.editor.underline(underlines)
+        self._show_help()
 
     def _untouched(self) -> tuple[Diagnostic, ...]:
         return tuple(
-            now
-            for found, now in self._mistakes.items()
-            if self._lines[now.line - 1] == self._tried[found.line - 1]
+            mistake
+            for original, mistake in self._mistakes.items()
+            if self._lines[mistake.line - 1] == self._tried[original.line - 1]
         )
 
     def go_to_mistake(self) -> None:
         """Move to the next error, after the last one to the first."""
-        places = sorted((each.line - 1, each.column - 1) for each in self._mistakes.values())
-        here = self.editor.cursor_location
+        places = sorted(map(place_of, self._mistakes.values()))
+        cursor = self.editor.cursor_location
         if places:
-            self.go_to(next((place for place in places if place > here), places[0]))
+            self.go_to(next((place for place in places if place > cursor), places[0]))
         self.enter()
 
     def go_to(self, place: tuple[int, int]) -> None:
@@ -195,8 +201,8 @@ class ProgramPane(Pane):
         """Highlight a piece of the text between two offsets, and scroll to it."""
         places = []
         for offset in (start, stop):
-            before = self.text[:offset]
-            places.append((before.count("\n"), offset - before.rfind("\n") - 1))
+            line_start = self.text.rfind("\n", 0, offset) + 1
+            places.append((self.text.count("\n", 0, offset), offset - line_start))
         self.editor.point_out(*places)
 
     def go_to_definition(self) -> str:
@@ -209,19 +215,14 @@ class ProgramPane(Pane):
         return word if definition is None else ""
 
     @on(TextArea.SelectionChanged)
-    def _cursor_moved(self) -> None:
-        self._tell()
-
-    def _tell(self) -> None:
+    def _show_help(self) -> None:
         self._strip.show(self._untouched(), self.editor.cursor_location[0])
         call = call_before(self.editor.before_cursor)
         word = help_on(self.text, self.editor.word, call)
-        self._say("" if word is None else f"{word.shape}  {word.meaning}")
-
-    def _say(self, words: str) -> None:
-        if words != self._said:
-            self._said = words
-            self._help.update(Content(one_line(words)), layout=False)
+        if word != self._word:
+            self._word = word
+            help_line = "" if word is None else f"{word.shape}  {word.meaning}"
+            self._help.update(Content(one_line(help_line)), layout=False)
 
     def enter(self) -> None:
         self.screen.set_focus(self.editor)
@@ -232,14 +233,17 @@ class ProgramPane(Pane):
 
     def _verdict(self, state: ProgramState) -> str:
         if state.phase in ("fresh", "compiling"):
-            done, of_all = state.compiled
-            return f"compiling… {done} of {of_all}" if of_all else "compiling…"
+            compiled, total = state.compiled
+            return f"compiling… {compiled} of {total}" if total else "compiling…"
         text = self.text
         if state.phase == "mistake" and text == state.tried:
-            found = count_of(len(state.mistakes), "error")
-            return found if state.applied is None else f"{found}, the old version is still running"
+            errors = count_of(len(state.mistakes), "error")
+            return (
+                errors if state.applied is None else f"{errors}, the old version is still running"
+            )
         if text != state.applied:
-            found = count_of(len(state.diagnostics), "error") if text == state.checked else ""
-            return f"not applied, {found}" if state.diagnostics and found else "not applied"
+            if text != state.checked or not state.diagnostics:
+                return "not applied"
+            return f"not applied, {count_of(len(state.diagnostics), 'error')}"
         warnings = len(state.mistakes)
         return f"applied, {count_of(warnings, 'warning')}" if warnings else "applied"

@@ -24,7 +24,7 @@ from logical_robots_tui.language.services.editing import (
 from logical_robots_tui.mind import Diagnostic
 from logical_robots_tui.player.settings import Settings
 from logical_robots_tui.tui.program.controller import edit_outside
-from logical_robots_tui.tui.program.mistakes import mark_of, sign
+from logical_robots_tui.tui.program.mistakes import sign, underline_of
 from tests.mind.hostile.bounds import bounded_work
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, opened
@@ -285,9 +285,9 @@ def test_a_wrapped_line_has_its_sign_only_where_it_begins(row: int | None, told:
 def test_what_is_wrong_is_underlined() -> None:
     line = "a Bat(x)"
     for column, text, marked in ((3, "Bat", "Bat"), (3, "", "Bat"), (6, "gone", "("), (9, "", ")")):
-        mark = mark_of(Diagnostic(1, column, "wrong", excerpt=text), line)
-        assert line[mark.start : mark.stop] == marked
-        assert mark.is_wrong
+        underline = underline_of(Diagnostic(1, column, "wrong", excerpt=text), line)
+        assert line[underline.start : underline.stop] == marked
+        assert underline.is_wrong
 
 
 def test_a_predicate_is_renamed_where_it_is_used_and_nowhere_else() -> None:
