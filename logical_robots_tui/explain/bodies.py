@@ -96,7 +96,13 @@ class Scope:
         The value of a call is bound by the call, by other parts only if `binds_calls`.
         """
         if isinstance(part, tree.Disjunction):
-            return self._disjunction(part, bound)
+            branch_bounds = []
+            for branch in part.alternatives:
+                ordered, unordered = order_parts(tree.conjuncts(branch), self, bound)
+                if unordered:
+                    return None
+                branch_bounds.append(ordered[-1][1] if ordered else bound)
+            return frozenset.intersection(*branch_bounds)
         if isinstance(part, tree.Membership):
             if not self.variables_in(part.collection) <= bound:
                 return None
@@ -145,15 +151,6 @@ class Scope:
                 if new_bound is not None:
                     return new_bound
         return None
-
-    def _disjunction(self, part: tree.Disjunction, bound: frozenset[str]) -> frozenset[str] | None:
-        branch_bounds = []
-        for branch in part.alternatives:
-            ordered, unordered = order_parts(tree.conjuncts(branch), self, bound)
-            if unordered:
-                return None
-            branch_bounds.append(ordered[-1][1] if ordered else bound)
-        return frozenset.intersection(*branch_bounds)
 
 
 def order_parts(

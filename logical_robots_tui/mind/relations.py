@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 from logical_robots_tui.language.diagnostics import Stopped
@@ -71,10 +72,15 @@ class Relations:
         self._loaded_rows: dict[str, Sequence[Mapping[str, Value]]] = {}
         self._cut_off: list[tuple[str, int]] | None = None
 
-    def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
-        """Return a predicate's rows, by default with the program's query; raise FailureError."""
+    def rows(
+        self, predicate: str, sources: Mapping[str, str] = MappingProxyType({})
+    ) -> tuple[dict[str, Value], ...]:
+        """Return a predicate's rows; raise FailureError.
+
+        `sources` has the SQL of predicates for which the program has none.
+        """
         if predicate not in self._rows:
-            if sql:
+            if sql := sources.get(predicate):
                 columns, rows = self._databases.plain_rows(sql, *self._query_arguments)
             else:
                 columns, rows = self._databases.rows(
@@ -102,7 +108,7 @@ class Relations:
 
     def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
         """Return a question's rows, about any program; raise ProgramError or FailureError."""
-        self.renew()
+        self.budget.renew()
         question = program.question(query, stop=self.budget.stop, limits=limits)
         columns, rows = self._databases.plain_rows(question.sql, *self._query_arguments)
         return [dict(zip(columns, row, strict=True)) for row in rows]
@@ -119,9 +125,6 @@ class Relations:
         first, last = self._view.memories
         visible_names = [name for n, name in self._inputs.memory_rows if first <= n <= last]
         return [name for name in visible_names if same(self._inputs.memory_values.get(name), value)]
-
-    def renew(self) -> None:
-        self.budget.renew()
 
     @property
     def _query_arguments(self) -> tuple[Inputs, View, QueryBudget]:

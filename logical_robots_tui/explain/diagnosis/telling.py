@@ -109,7 +109,12 @@ class _Reporter:
         self._tick_count, self._first_tick = len(tally.ticks), min(tally.ticks, default=0)
 
     def findings(self) -> Iterator[Finding]:
-        silent = self._silent()
+        silent = {}
+        for number, rule in enumerate(self._checkup.rules):
+            count = self._tally.rules[number]
+            was_asked = count.first_examined is not None and count.first_row is None
+            if rule.is_needed and not rule.is_function and was_asked:
+                silent[number] = self._tally.stopping_site(number)
         for number in sorted(silent, key=lambda n: self._is_consequence(n, silent)):
             finding = self._rule_finding(number, silent)
             if finding is not None:
@@ -125,15 +130,6 @@ class _Reporter:
                 is_often = len(self._tally.sites[number].ticks) > 1 or self._tick_count < _RARE
                 if finding is not None and (finding.severity == "warning" or is_often):
                     yield finding
-
-    def _silent(self) -> dict[int, int | None]:
-        silent = {}
-        for number, rule in enumerate(self._checkup.rules):
-            count = self._tally.rules[number]
-            was_asked = count.first_examined is not None and count.first_row is None
-            if rule.is_needed and not rule.is_function and was_asked:
-                silent[number] = self._tally.stopping_site(number)
-        return silent
 
     def _is_consequence(self, rule: int, silent: dict[int, int | None]) -> bool:
         stop = silent[rule]

@@ -66,13 +66,22 @@ class Tracer(Watching):
                 for value in arguments[:1] if name in _NOT_VALUES else arguments:
                     self._value(value, env)
                 for value, default in pairwise(arguments) if name == "Coalesce" else ():
-                    self._fallback(value, default, env)
+                    if not isinstance(default, tree.Literal) and not self._relations(value):
+                        null_test = tree.call("IsNull", tree.substitute(value, env.bindings))
+                        site = self._site(
+                            "fallback", value, env, counterpart=self._span(default).text
+                        )
+                        self._add(env, site, (null_test,), "truth", null_test)
                 if name in self._functions:
                     self._function(node, env, is_leaf=is_leaf)
             case tree.Aggregate():
                 self._aggregate(node, env)
             case tree.FieldAccess():
-                self._field_access(node, env)
+                if self._is_memory(node.record, env):
+                    name, span = str(node.field), self._span(node)
+                    self.reads.setdefault((name, span.start), NamedPlace(name, span))
+                else:
+                    self._value(node.record, env)
             case tree.Record():
                 for value in tree.operands(node.arguments):
                     self._value(value, env)
@@ -94,13 +103,6 @@ class Tracer(Watching):
                 isinstance(node, Call) and node.name not in _NOT_VALUES
             ):
                 queue += tree.operands(node.arguments)
-
-    def _fallback(self, value: Expression, default: Expression, env: Environment) -> None:
-        """Watch whether a value is ever null, so that a computed default is used."""
-        if not isinstance(default, tree.Literal) and not self._relations(value):
-            null_test = tree.call("IsNull", tree.substitute(value, env.bindings))
-            site = self._site("fallback", value, env, counterpart=self._span(default).text)
-            self._add(env, site, (null_test,), "truth", null_test)
 
     def _truth(self, condition: Expression, env: Environment, kind: Any) -> int:
         """Watch a condition; return its column, or -1 if there are too many."""
@@ -182,13 +184,6 @@ class Tracer(Watching):
                 )
             else:
                 self._value(rule.value, inner_env, is_leaf=is_leaf)
-
-    def _field_access(self, node: tree.FieldAccess, env: Environment) -> None:
-        if self._is_memory(node.record, env):
-            name, span = str(node.field), self._span(node)
-            self.reads.setdefault((name, span.start), NamedPlace(name, span))
-        else:
-            self._value(node.record, env)
 
     def _is_memory(self, value: Expression, env: Environment) -> bool:
         """Return whether an expression is a memory, perhaps cast or with a default."""

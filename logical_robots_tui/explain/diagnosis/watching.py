@@ -184,8 +184,8 @@ class Watching:
             places = self._sources.of(node, rule) if kind in _EXPLAINED else ()
             if kind == "leaf" and env.choice is not None:
                 condition, number = env.choice
-                condition_places = self._sources.of_condition(condition, self._rules[number])
-                places = _alternate(places, condition_places, span.line)
+                origins = self._sources.of(condition, self._rules[number])
+                places = _alternate(places, (self._span(condition), *origins), span.line)
             attributes = {"within": self._within, "places": places, "position": env.position}
             details = attributes | details
             self.sites.append(Site(kind, span, env.rule, owner=owner, **details))
@@ -294,10 +294,6 @@ class Sources:
             place.name == "Sensor"
             or any(rule.body for rule in self._predicates.get(place.name, ()))
         )
-
-    def of_condition(self, node: Tree, rule: Rule) -> tuple[SourceSpan, ...]:
-        """Return the place of a condition, and where its values come from."""
-        return span_of(node, self._source), *self.of(node, rule)
 
     def _direct_places(
         self, node: Tree, rule: Rule, visited: set[tuple[int, str]]

@@ -60,8 +60,7 @@ class Derivations:
                 for match in matches
             ]
         else:
-            name = probing.name
-            rows = self.relations.rows(name, probing.sources.get(name, ""))
+            rows = self.relations.rows(probing.name, probing.sources)
         return [row for row in rows if all(same(row[c], v) for c, v in values.items())]
 
     def first_row(self, query: Ask) -> DerivedRow:
@@ -79,10 +78,10 @@ class Derivations:
         self.prepare(probing, row)
         matches: list[tuple[SourceSpan, Clause, Way]] = []
         for rule in probing.rules:
-            limit = MOST_ELEMENTS if is_aggregated(rule) else 1
+            limit = MOST_ELEMENTS if rule.is_aggregated else 1
             rule_matches = self.matches(rule, probing, row, probing.arguments(values), limit)
             matches += [(rule.span, clause, match) for clause, match in rule_matches]
-            if matches and not is_aggregated(rule):
+            if matches and not rule.is_aggregated:
                 break
         if not matches:
             raise QueryError(f"The rule that gives {query.predicate} this row can't be determined.")
@@ -126,7 +125,7 @@ class Derivations:
     def prepare(self, probing: Probing, row: Row | None = None) -> None:
         """Fill the tables that queries read; for a recursion's `row`, only with earlier rows."""
         for name, table in probing.tables.items():
-            rows: Sequence[Row] = self.relations.rows(name, probing.sources.get(name, ""))
+            rows: Sequence[Row] = self.relations.rows(name, probing.sources)
             if name in probing.recursive and row is not None:
                 rows = self.stage(probing).earlier_rows(name, probing, row, rows)
             self.relations.fill(table, name, rows)
@@ -157,10 +156,6 @@ def check_given(query: Ask, probing: Probing, label: Callable[[str, str], str]) 
     if missing := [label(name, column) for column in probing.parameters if column not in values]:
         raise QueryError(f"{name} is a function of {', '.join(missing)}: give a value for it.")
     return values
-
-
-def is_aggregated(rule: RuleParts) -> bool:
-    return any(clause.aggregates for clause in rule.clauses)
 
 
 _MOST_STAGES = 250
@@ -199,7 +194,7 @@ class Stages:
 
     def _compute_stages(self) -> dict[tuple[str, str], int]:
         rows = {
-            name: {_key(row): row for row in self._rows(name, probing)}
+            name: {_key(row): row for row in self._relations.rows(name, probing.sources)}
             for name, probing in self._members.items()
         }
         stages: dict[tuple[str, str], int] = {}
@@ -207,12 +202,11 @@ class Stages:
             for probing in self._members.values():
                 for name, table in probing.tables.items():
                     if name in self._members:
-                        earlier_rows = [
-                            row for key, row in rows[name].items() if (name, key) in stages
-                        ]
-                        self._relations.fill(table, name, earlier_rows)
+                        pairs = rows[name].items()
+                        table_rows: Sequence[Row] = [r for key, r in pairs if (name, key) in stages]
                     else:
-                        self._relations.fill(table, name, self._rows(name, probing))
+                        table_rows = self._relations.rows(name, probing.sources)
+                    self._relations.fill(table, name, table_rows)
             new = {
                 (name, key): stage
                 for name, probing in self._members.items()
@@ -223,9 +217,6 @@ class Stages:
                 break
             stages |= new
         return stages
-
-    def _rows(self, name: str, probing: Probing) -> Sequence[Row]:
-        return self._relations.rows(name, probing.sources.get(name, ""))
 
     def _derivable(self, probing: Probing, rows: Mapping[str, Row]) -> Iterator[str]:
         aggregated = {c.column for r in probing.rules for k in r.clauses for c in k.aggregates}

@@ -83,7 +83,7 @@ class Nearest:
 
         To remove a condition is suggested only where nothing else helps.
         """
-        self._relations.renew()
+        self._relations.budget.renew()
         stop = self._stop(probing, rule, self._values)
         candidates = sorted(self._step_changes(rule, stop, 0), key=itemgetter(0)) if stop else ()
         distinct: dict[tuple[int, int, str], _Sized] = {}

@@ -215,6 +215,10 @@ class RuleParts:
     span: SourceSpan
     clauses: tuple[Clause, ...]
 
+    @property
+    def is_aggregated(self) -> bool:
+        return any(clause.aggregates for clause in self.clauses)
+
 
 @dataclass(frozen=True, slots=True)
 class Probing:

@@ -13,7 +13,6 @@ from logical_robots_tui.explain.why.derivations import (
     Derivations,
     Row,
     check_given,
-    is_aggregated,
 )
 from logical_robots_tui.explain.why.deriving import (
     AGGREGATES_NO_ROWS,
@@ -125,11 +124,11 @@ class _Prover:
                     rule.span, count, None, None, _heading(rule, remark, True, nodes)
                 )
             is_unrelated, stop, children = self._refuting.rule(rule)
-            if row is None and stop is None and is_aggregated(rule):
+            if row is None and stop is None and rule.is_aggregated:
                 differences = self._differences(rule)
                 children, stop = (*children, *differences), next(iter(differences), None)
             remark = "does not apply to these values" if is_unrelated else "gives no row"
-            if is_omitted := row is None and not (stop or is_unrelated or is_aggregated(rule)):
+            if is_omitted := row is None and not (stop or is_unrelated or rule.is_aggregated):
                 remark = "gives this row, but it was left out, as by @Limit"
                 if self._probing.recursive:
                     remark = "would give this row in a later step"
@@ -157,7 +156,7 @@ class _Prover:
         if not self._rows:
             return 0
         probing, relations = self._probing, self._derivations.relations
-        if probing.recursive or is_aggregated(rule):
+        if probing.recursive or rule.is_aggregated:
             return sum(any(True for _ in self._matches(rule, row)) for row in self._rows[:100])
         distinct_rows: set[str] = set()
         count = 0
@@ -178,7 +177,7 @@ class _Prover:
         return self._derivations.matches(rule, self._probing, row, self._arguments, limit)
 
     def _derivation_nodes(self, rule: RuleParts, row: Row) -> tuple[ProofNode, ...] | None:
-        if is_aggregated(rule):
+        if rule.is_aggregated:
             matches = list(self._matches(rule, row, MOST_ELEMENTS + 1))
             return tuple(self._aggregate_nodes(matches, row)) if matches else None
         matches = self._matches_of(rule, row)
@@ -209,7 +208,7 @@ class _Prover:
         self, rule: RuleParts, row: Row, nodes: tuple[ProofNode, ...]
     ) -> Iterator[ProofNode]:
         """Yield the differences in another derivation of this rule, if there is one."""
-        if self._probing.recursive or is_aggregated(rule):
+        if self._probing.recursive or rule.is_aggregated:
             return
         rows = [row, *(r for r in self._rows[:_MOST_OTHERS] if r != row)]
         matches = ((r, *match) for r in rows for match in self._matches(rule, r, 2))

@@ -82,7 +82,13 @@ class Refuter:
     def rule(self, rule: RuleParts) -> tuple[bool, ProofNode | None, tuple[ProofNode, ...]]:
         """Return whether the rule is unrelated, the node that stops it, and all nodes."""
         if differences := self._differing_constants(rule):
-            is_unrelated = self._is_unrelated(rule, differences)
+            shared = self._targets.keys() - differences.keys() - {"robot_name"}
+            head = rule.clauses[0].terms
+            is_near = any(head[column].kind == "literal" for column in shared if column in head)
+            is_computed = all(head[column].kind != "literal" for column in differences)
+            is_unrelated = "robot_name" in differences or not (
+                self._probing.parameters or is_near or is_computed
+            )
             remark, holds = ("", None) if is_unrelated else ("actual value", False)
             nodes = tuple(
                 ProofNode(
@@ -136,16 +142,6 @@ class Refuter:
             if not same(value_of(match, place), self._targets[column])
         }
 
-    def _is_unrelated(self, rule: RuleParts, differences: Mapping[str, Value]) -> bool:
-        """Return whether a rule's constants share nothing with the targets."""
-        shared = self._targets.keys() - differences.keys() - {"robot_name"}
-        head = rule.clauses[0].terms
-        is_near = any(head[column].kind == "literal" for column in shared if column in head)
-        is_computed = all(head[column].kind != "literal" for column in differences)
-        return "robot_name" in differences or not (
-            self._probing.parameters or is_near or is_computed
-        )
-
     def _places(self, clause: Clause, query: str, *, joined: bool) -> list[tuple[str, Value]]:
         """Return the targets of a query's columns that are bound by calls, or computed."""
         sql = self._queries[query]
@@ -171,24 +167,20 @@ class Refuter:
             selection = f"DISTINCT {place}"
             matches = self._relations.ways(sql, self._arguments, conditions, selection, _MOST_WAYS)
             values = tuple(from_sql(row[place]) for row in matches)
-            return self._column_node(column, clause.terms[column], match, values)
+            term = clause.terms[column]
+            examples, excess = values[:_EXAMPLES], max(0, len(values) - _EXAMPLES)
+            node = ProofNode("column", self._label(column), "actual value", False, examples, excess)
+            if term.kind in ("literal", "variable"):
+                return node
+            text = f"{node.text}: {term.span.text}"
+            if term.kind == "call" and term.call is not None:
+                (call_node,) = self.builder.term(term, match) or (node,)
+                query, children = call_node.query, call_node.children
+            else:
+                query, children = None, tuple(self.builder.reason(term, match))
+            children = children if len(values) == 1 else ()
+            return replace(node, text=text, span=term.span, query=query, children=children)
         return None
-
-    def _column_node(
-        self, column: str, term: Term, match: Way, values: tuple[Value, ...]
-    ) -> ProofNode:
-        examples, excess = values[:_EXAMPLES], max(0, len(values) - _EXAMPLES)
-        node = ProofNode("column", self._label(column), "actual value", False, examples, excess)
-        if term.kind in ("literal", "variable"):
-            return node
-        text = f"{node.text}: {term.span.text}"
-        if term.kind == "call" and term.call is not None:
-            (call_node,) = self.builder.term(term, match) or (node,)
-            query, children = call_node.query, call_node.children
-        else:
-            query, children = None, tuple(self.builder.reason(term, match))
-        children = children if len(values) == 1 else ()
-        return replace(node, text=text, span=term.span, query=query, children=children)
 
     def _progress(self, clause: Clause) -> _ClauseProgress:
         progress = _ClauseProgress(0, clause.start_query, [], 1)
@@ -206,7 +198,12 @@ class Refuter:
     def _clause(self, clause: Clause) -> _Refutation:
         progress = self._progress(clause)
         match = self._first_match(progress.query, progress.conditions)
-        prefix = self._prefix(clause, progress, match)
+        prefix = self.builder.derivation(clause, match or {}, progress.steps)
+        if progress.match_count > 1 and prefix:
+            matches = number_of(
+                progress.match_count, "match", is_all=progress.match_count < _MOST_WAYS
+            )
+            prefix = (*prefix[:-1], replace(prefix[-1], remark=f"1 of {matches}"))
         if progress.steps < len(clause.steps):
             step = clause.steps[progress.steps]
             return _Refutation(
@@ -214,17 +211,6 @@ class Refuter:
             )
         stop = self._differing_column(clause, match or {}) if self._targets else None
         return _Refutation(clause, progress.steps, prefix, stop)
-
-    def _prefix(
-        self, clause: Clause, progress: _ClauseProgress, match: Way | None
-    ) -> tuple[ProofNode, ...]:
-        nodes = self.builder.derivation(clause, match or {}, progress.steps)
-        if progress.match_count > 1 and nodes:
-            matches = number_of(
-                progress.match_count, "match", is_all=progress.match_count < _MOST_WAYS
-            )
-            nodes = (*nodes[:-1], replace(nodes[-1], remark=f"1 of {matches}"))
-        return nodes
 
     def _failed_node(
         self, clause: Clause, step: Step, progress: _ClauseProgress, match: Way | None
@@ -301,7 +287,7 @@ class Refuter:
         name, probing = query.predicate, self._probing
         if query.within or name not in probing.tables:
             return ()
-        return self._relations.rows(name, probing.sources.get(name, ""))
+        return self._relations.rows(name, probing.sources)
 
     def _row_difference(self, query: Ask) -> str:
         """Return how a row differs from the query, if only in types; else ""."""
