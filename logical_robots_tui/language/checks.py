@@ -128,11 +128,14 @@ def _annotations(model: Model) -> Iterator[Diagnostic]:
                 message = f"There is no annotation {name} for robots"
                 hint = f"There are {', '.join(sorted(supported))}."
             yield model.diagnostic(name, message, hint)
-        elif name in _ARGUMENTS and not _fits(annotation, _ARGUMENTS[name][0]):
-            _, message, hint = _ARGUMENTS[name]
-            yield model.diagnostic(name, message, hint)
-        elif name == "@Recursive":
-            yield from _recursion(annotation, model)
+        elif name in _ARGUMENTS:
+            kind, message, hint = _ARGUMENTS[name]
+            values = [a.value for a in annotation.arguments[1:] if isinstance(a.field, int)]
+            is_enough = bool(annotation.subject) and (bool(values) or name == "@Recursive")
+            if not is_enough or not all(isinstance(value, kind) for value in values):
+                yield model.diagnostic(name, message, hint)
+            elif name == "@Recursive":
+                yield from _recursion(annotation, model)
 
 
 MODES = ("diamond", "horizontal", "iterative", "vertical")
@@ -186,12 +189,6 @@ _ARGUMENTS: dict[str, tuple[type[tree.Expression], str, str]] = {
         "For example: @Recursive(P, 50);",
     ),
 }
-
-
-def _fits(annotation: tree.Annotation, kind: type[tree.Expression]) -> bool:
-    values = [a.value for a in annotation.arguments[1:] if isinstance(a.field, int)]
-    is_enough = bool(annotation.subject) and (bool(values) or annotation.name == "@Recursive")
-    return is_enough and all(isinstance(value, kind) for value in values)
 
 
 # -- names ---------------------------------------------------------------------------------------

@@ -160,7 +160,18 @@ class Inference:
             case tree.Equation():
                 self._equal(node.left, node.right, scope)
             case tree.Membership():
-                self._element(node, scope)
+                kind = self._kind(node.collection, scope)
+                if isinstance(kind, ListOf):
+                    self._bind(node.element, kind.element, scope)
+                    self._mention_elements(node.collection, self._kind(node.element, scope))
+                elif message := self._no_list(node.collection, kind):
+                    is_literal = isinstance(node.collection, tree.Number | tree.Text)
+                    severity = "error" if is_literal else _severity(kind)
+                    if node.collection.span:
+                        span = node.collection.span
+                        problem = self._model.diagnostic(span, message, _LIST, severity)
+                        self._problems[span.start] = problem
+                self._kind(node.element, scope)
             case tree.Atom():
                 self._condition(node, scope)
 
@@ -185,20 +196,6 @@ class Inference:
         else:
             self._bind(left, second, scope)
             self._bind(right, first, scope)
-
-    def _element(self, node: tree.Membership, scope: Scope) -> None:
-        kind = self._kind(node.collection, scope)
-        if isinstance(kind, ListOf):
-            self._bind(node.element, kind.element, scope)
-            self._mention_elements(node.collection, self._kind(node.element, scope))
-        elif message := self._no_list(node.collection, kind):
-            is_literal = isinstance(node.collection, tree.Number | tree.Text)
-            severity = "error" if is_literal else _severity(kind)
-            if node.collection.span:
-                span = node.collection.span
-                problem = self._model.diagnostic(span, message, _LIST, severity)
-                self._problems[span.start] = problem
-        self._kind(node.element, scope)
 
     def _no_list(self, node: Expression, kind: Kind) -> str:
         """Return a message if an expression that has to be a list can't be one; else ""."""

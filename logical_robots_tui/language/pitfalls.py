@@ -58,7 +58,12 @@ class _Finder:
     def diagnose(self, rule: tree.Rule) -> Iterator[Diagnostic]:
         body_uses = _mentions(tree.conjuncts(rule.body))
         rule_uses = body_uses + _mentions(rule.head)
-        yield from self._unbound(rule, rule_uses)
+        for column in rule.head.columns if rule.body is not None else ():
+            name = tree.variable_of(column.value)
+            if name and rule_uses[name] == 1 and column.value.span is not None:
+                message = f"No condition gives {name} a value, so every value matches"
+                hint = f"Say what it is in the body, {name} = ..., or leave it out of the head."
+                yield self._warning(column.value.span, message, hint)
         marked: set[int] = set()  # nodes that a diagnostic covers
         for node, is_test in _in_tests(rule):
             if id(node) in marked:
@@ -81,15 +86,6 @@ class _Finder:
             yield from self._unknown_sign(node)
         for node in tree.walk(tree.conjuncts(rule.body)):
             yield from self._called_aggregate(node)
-
-    def _unbound(self, rule: tree.Rule, rule_uses: Counter[str]) -> Iterator[Diagnostic]:
-        """Yield a warning for each column that is nothing but a variable without a value."""
-        for column in rule.head.columns if rule.body is not None else ():
-            name = tree.variable_of(column.value)
-            if name and rule_uses[name] == 1 and column.value.span is not None:
-                message = f"No condition gives {name} a value, so every value matches"
-                hint = f"Say what it is in the body, {name} = ..., or leave it out of the head."
-                yield self._warning(column.value.span, message, hint)
 
     # -- '=' and '->' beside operators that are read later -----------------------------------------
 
@@ -122,7 +118,8 @@ class _Finder:
         outer, inner = infix_of(node), infix_of(loose[0])
         assert outer is not None
         assert inner is not None
-        parent = next(e for e in _nested(node) if any(side is loose[0] for side in e.sides))
+        operations = filter(None, map(infix_of, tree.walk(node)))
+        parent = next(o for o in operations if any(side is loose[0] for side in o.sides))
         is_junction = outer.operator in tree.JUNCTIONS
         is_value = isinstance(inner.right, tree.Number | tree.Text) and (
             parent.operator in tree.JUNCTIONS
@@ -368,12 +365,6 @@ def _mentions(part: tree.Tree) -> Counter[str]:
     """Return how often each variable is mentioned."""
     nodes = tree.walk(part)
     return Counter(str(node.name) for node in nodes if isinstance(node, tree.Variable))
-
-
-def _nested(node: Node) -> Iterator[Infix]:
-    for inner in tree.walk(node):
-        if infix := infix_of(inner):
-            yield infix
 
 
 def _is_truth(rule: tree.Rule | tree.Functor) -> bool:

@@ -119,18 +119,14 @@ def _signature(rule: tree.Rule | tree.Functor) -> Signature | None:
         columns.remove(f"col{positional}")
         positional += 1
     named = frozenset(str(c) for c in columns if isinstance(c, str))
-    required = frozenset[int]() if rule.body else _required_positions(rule)
-    return Signature(positional, named - {VALUE}, VALUE in named, required)
-
-
-def _required_positions(rule: tree.Rule) -> frozenset[int]:
-    value = rule.head.column(VALUE)
+    value = None if rule.body else rule.head.column(VALUE)
     names = tree.variables(value, inside=True) if value else ()
-    return frozenset(
+    required = frozenset(
         column.field
         for column in rule.head.columns
         if isinstance(column.field, int) and tree.variable_of(column.expression) in names
     )
+    return Signature(positional, named - {VALUE}, VALUE in named, required)
 
 
 def _difference(

@@ -123,7 +123,11 @@ def _either(left: Kind, right: Kind) -> Kind:
             return Plain.REAL
         if is_whole(left) and is_whole(right):
             return max(left, right, key=digits)
-        return _common_decimal(left, right)
+        scale = max(k.scale for k in (left, right) if isinstance(k, Decimal))
+        if Plain.LARGE in (left, right):
+            return Decimal(scale, MOST_DIGITS - scale)
+        whole = max(k.whole if isinstance(k, Decimal) else digits(k) for k in (left, right))
+        return Decimal(min(scale, MOST_DIGITS - whole), whole)
     if is_text(left) and is_text(right):
         return Plain.TEXT
     if isinstance(left, ListOf) and isinstance(right, ListOf):
@@ -135,14 +139,6 @@ def _either(left: Kind, right: Kind) -> Kind:
         ]
         return RecordOf((*fields, *right_fields.items()), left.title)
     return Plain.ANY
-
-
-def _common_decimal(left: Kind, right: Kind) -> Decimal:
-    scale = max(k.scale for k in (left, right) if isinstance(k, Decimal))
-    if Plain.LARGE in (left, right):
-        return Decimal(scale, MOST_DIGITS - scale)
-    whole = max(k.whole if isinstance(k, Decimal) else digits(k) for k in (left, right))
-    return Decimal(min(scale, MOST_DIGITS - whole), whole)
 
 
 def meet(left: Kind, right: Kind) -> Kind:
