@@ -139,6 +139,4 @@ def _compiles(template: str, arguments: int = 0) -> bool:
     return True
 
 
-@functools.cache
-def _database() -> Database:
-    return Database()
+_database = functools.cache(Database)

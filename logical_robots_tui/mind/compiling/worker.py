@@ -95,11 +95,15 @@ def serve(jobs: Mapping[type[Task], Job]) -> None:
     limit(resource.RLIMIT_NOFILE, 0)
     if hasattr(resource, "RLIMIT_NPROC"):
         limit(resource.RLIMIT_NPROC, 0)
+
+    def report(compiled: int, total: int) -> None:
+        _write(answers, CompileProgress(compiled, total))
+
     while True:
         task = read_task(tasks.get())
         signal.setitimer(signal.ITIMER_PROF, max(seconds, _MIN_SECONDS))  # ends the process
         try:
-            answer = do(task, jobs, partial(_report, answers))
+            answer = do(task, jobs, report)
             signal.setitimer(signal.ITIMER_PROF, 0)
             _write(answers, answer)
         except MemoryError:  # what is left may not be enough to answer
@@ -109,10 +113,6 @@ def serve(jobs: Mapping[type[Task], Job]) -> None:
 def _write(answers: IO[bytes], answer: CompileProgress | TaskResult | Refusal | Failure) -> None:
     answers.write(msgspec.json.encode(answer) + b"\n")
     answers.flush()
-
-
-def _report(answers: IO[bytes], compiled: int, total: int) -> None:
-    _write(answers, CompileProgress(compiled, total))
 
 
 def warm_up() -> None:

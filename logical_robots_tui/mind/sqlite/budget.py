@@ -386,9 +386,7 @@ class CollectionLimit:
     __slots__ = ("_characters", "_items", "_size")
 
     def __init__(self) -> None:
-        self._items = 0
-        self._size = 0
-        self._characters = 0
+        self._items = self._size = self._characters = 0
 
     def add(self, value: Any, items: int = 1) -> int:
         """Count a value; return its bytes as an object. Raises TooLargeError if it is too much."""

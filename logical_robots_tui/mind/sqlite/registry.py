@@ -207,7 +207,7 @@ def _modulo(left: float, right: float) -> float | None:
     if isinstance(left, int) and isinstance(right, int):
         remainder = abs(left) % abs(right)
         return remainder if left >= 0 else -remainder
-    return _finite(lambda: math.fmod(left, right))
+    return _or_null(math.fmod)(left, right)
 
 
 def _concatenate(left: Scalar, right: Scalar) -> str:
@@ -269,19 +269,16 @@ def _disassemble(record: Scalar) -> str:
     return to_json([{"arg": k, "value": v} for k, v in fields.items()])
 
 
-def _power(base: float, exponent: float) -> float | None:
-    return _finite(lambda: math.pow(base, exponent))
+def _or_null(function: Callable[..., float]) -> Callable[..., float | None]:
+    """Return a function that is null where a mathematical one fails."""
 
+    def compute(*numbers: float) -> float | None:
+        try:
+            return function(*numbers)
+        except (ValueError, OverflowError):
+            return None
 
-def _finite(compute: Callable[[], float]) -> float | None:
-    try:
-        return compute()
-    except (ValueError, OverflowError):
-        return None
-
-
-def _unary(function: Callable[[float], float]) -> Callable[[float], float | None]:
-    return lambda x: _finite(lambda: function(x))
+    return compute
 
 
 _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
@@ -337,27 +334,27 @@ _NULL_MEANS_ABSENT: dict[str, Callable[..., Any]] = {
 """Functions that accept null arguments."""
 
 _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
-    "acos": (1, _unary(math.acos)),
-    "asin": (1, _unary(math.asin)),
-    "atan": (1, _unary(math.atan)),
+    "acos": (1, _or_null(math.acos)),
+    "asin": (1, _or_null(math.asin)),
+    "atan": (1, _or_null(math.atan)),
     "atan2": (2, math.atan2),
     "ceil": (1, math.ceil),
     "ceiling": (1, math.ceil),
-    "cos": (1, _unary(math.cos)),
+    "cos": (1, _or_null(math.cos)),
     "degrees": (1, math.degrees),
-    "exp": (1, _unary(math.exp)),
+    "exp": (1, _or_null(math.exp)),
     "floor": (1, math.floor),
-    "ln": (1, _unary(math.log)),
-    "log": (1, _unary(math.log10)),
-    "log10": (1, _unary(math.log10)),
+    "ln": (1, _or_null(math.log)),
+    "log": (1, _or_null(math.log10)),
+    "log10": (1, _or_null(math.log10)),
     "mod": (2, lambda a, b: math.fmod(a, b) if b else None),
     "pi": (0, lambda: math.pi),
-    "pow": (2, _power),
-    "power": (2, _power),
+    "pow": (2, _or_null(math.pow)),
+    "power": (2, _or_null(math.pow)),
     "radians": (1, math.radians),
-    "sin": (1, _unary(math.sin)),
-    "sqrt": (1, _unary(math.sqrt)),
-    "tan": (1, _unary(math.tan)),
+    "sin": (1, _or_null(math.sin)),
+    "sqrt": (1, _or_null(math.sqrt)),
+    "tan": (1, _or_null(math.tan)),
 }
 """Functions that SQLite has only if it was built with mathematical functions."""
 

@@ -165,7 +165,16 @@ def _like(pattern: Any, text: Any, escape: str = "") -> int:
     pattern, text = _text(pattern), _text(text)
     if len(pattern) > _MAX_PATTERN_LENGTH:
         raise TooLargeError(f"a pattern of {len(pattern):,} characters")
-    first, *middle_pieces = _pattern_pieces(pattern, escape)
+    pieces: list[list[str]] = [[]]
+    characters = iter(pattern)
+    for character in characters:
+        if escape and character == escape:
+            pieces[-1].append(next(characters, ""))
+        elif character == "%":
+            pieces.append([])
+        else:
+            pieces[-1].append("" if character == "_" else character)
+    first, *middle_pieces = pieces
     if not middle_pieces:
         return int(len(text) == len(first) and _find(first, text, 0, len(text)) == 0)
     last = middle_pieces.pop()
@@ -178,19 +187,6 @@ def _like(pattern: Any, text: Any, escape: str = "") -> int:
             return 0
         start = index + len(piece)
     return 1
-
-
-def _pattern_pieces(pattern: str, escape: str) -> list[list[str]]:
-    pieces: list[list[str]] = [[]]
-    characters = iter(pattern)
-    for character in characters:
-        if escape and character == escape:
-            pieces[-1].append(next(characters, ""))
-        elif character == "%":
-            pieces.append([])
-        else:
-            pieces[-1].append("" if character == "_" else character)
-    return pieces
 
 
 def _find(piece: list[str], text: str, start: int, end: int) -> int:

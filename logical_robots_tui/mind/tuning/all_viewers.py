@@ -116,7 +116,13 @@ class _Lifter:
         if not viewers:
             if not is_required and not self._depends(select):
                 return False
-            _read_all_robots(select)
+            items = [exp.alias_(exp.to_table("Sensor"), _EVERYBODY, table=True)]
+            items += sql.sources(select).values()
+            first, *joined_items = items
+            select.set("from_", exp.From(this=first))
+            select.set("joins", [exp.Join(this=item, kind="CROSS") for item in joined_items])
+            low, high = exp.Var(this="?1"), exp.Var(this="?2")
+            sql.restrict(select, exp.Between(this=exp.column("id", _EVERYBODY), low=low, high=high))
             viewers = {_EVERYBODY: exp.column("id", _EVERYBODY)}
         if any(select.args.get(part) for part in _UNSUPPORTED_PARTS):
             raise _UnsuitableError
@@ -212,16 +218,6 @@ def _narrow(bounds: exp.Between, viewer: exp.Column) -> None:
         else:
             offset = exp.Mul(this=viewer.copy(), expression=exp.Var(this="?5"))
             bounds.set(side, exp.Add(this=offset, expression=bound.copy()))
-
-
-def _read_all_robots(select: exp.Select) -> None:
-    items = [exp.alias_(exp.to_table("Sensor"), _EVERYBODY, table=True)]
-    items += sql.sources(select).values()
-    first, *joined_items = items
-    select.set("from_", exp.From(this=first))
-    select.set("joins", [exp.Join(this=item, kind="CROSS") for item in joined_items])
-    low, high = exp.Var(this="?1"), exp.Var(this="?2")
-    sql.restrict(select, exp.Between(this=exp.column("id", _EVERYBODY), low=low, high=high))
 
 
 def _is_read_by(node: exp.Expr, select: exp.Select) -> bool:

@@ -241,12 +241,6 @@ def memory_fields_as_columns(tree: exp.Expr, field_columns: MutableMapping[str, 
         case.replace(sql.restore_mark(replacement, case, is_result=True))
 
 
-def name_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
-    """Return names of columns of ``Memory``, those of fields with the field."""
-    by_column = {column: field for field, column in fields.items()}
-    return tuple(f"{n}={by_column[n]}" if n in by_column else n for n in names)
-
-
 def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
     """Return the Case that extracts a field of a column, and the field, or None.
 

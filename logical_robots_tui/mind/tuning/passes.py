@@ -211,9 +211,9 @@ def _result_of(rewriting: Rewriting) -> Tuned:
     if rewriting.together or rewriting.alike:
         read_columns["Sensor"] = read_columns["Sensor"] or ("robot_name",)
     if "Memory" in read_columns:
-        read_columns["Memory"] = columns.name_fields(
-            read_columns["Memory"], rewriting.memory_columns.fields
-        )
+        fields = {column: name for name, column in rewriting.memory_columns.fields.items()}
+        names = read_columns["Memory"]
+        read_columns["Memory"] = tuple(f"{n}={fields[n]}" if n in fields else n for n in names)
     if rewriting.items:
         read_columns["Item"] = rewriting.items
     for query in filter(None, (*rewriting.queries, *rewriting.crowd)):

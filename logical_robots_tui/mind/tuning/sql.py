@@ -282,17 +282,13 @@ def native_numbers(tree: exp.Expr) -> None:
         name = call_name(call)
         if name == "real_as_json":
             number = call.expressions[0]
-            if _is_cheap(number):
+            calls = number.find_all(exp.Anonymous)
+            if not number.find(exp.Query) and all(call_name(call) in _CHEAP for call in calls):
                 call.replace(expression(_DIGITS, x=number))
         elif name == "value_as_json" and isinstance(call.expressions[0], exp.Column):
             (value,) = call.expressions
             assert call.parent is not None
             call.parent.replace(expression(_OF_ANY_TYPE, x=value, marked=mark(value, value)))
-
-
-def _is_cheap(number: exp.Expr) -> bool:
-    calls = number.find_all(exp.Anonymous)
-    return not number.find(exp.Query) and all(call_name(call) in _CHEAP for call in calls)
 
 
 def is_plain(node: exp.Expr) -> bool:
