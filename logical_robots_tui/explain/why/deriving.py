@@ -1,4 +1,17 @@
-"""Derivations, rows of a clause's query, as nodes of a proof."""
+"""Derivations, rows of a clause's query, as nodes of a proof.
+
+An example: why ``Far(x:) :- Target(x:), x > 3;`` has the row ``x = 7``.
+
+1. Its clause has two steps: the call ``Target(x:)``, which binds x, in column c0 of the query; and
+   the condition ``x > 3``, whose terms are the variable in c0 and the literal in c1.
+2. The query of the last step reads the rows of ``Target`` from a table:
+   ``SELECT 1 AS one, WhyRows_Target.x AS c0, 3 AS c1 FROM WhyRows_Target
+   WHERE (WhyRows_Target.x > 3)``.
+3. One of its rows is the derivation ``{"one": 1, "c0": 7, "c1": 3}``: column x of the head is c0.
+4. `NodeBuilder.derivation` makes a node of each step: ``Target(x:)``, with the question
+   ``Target(x: 7)``, which leads one step deeper; and ``x > 3``. Both have a node for ``x = 7``
+   below; a literal needs none. `NodeBuilder.row` makes the node of the column, ``x = 7``.
+"""
 
 from __future__ import annotations
 
