@@ -30,7 +30,6 @@ class Expanded:
 
     Attributes:
         rules: The rules of each predicate, including copies made by ``:=``.
-        annotations: Its annotations.
         names: The name of the copy, by predicate and the made predicate that it belongs to.
         origins: The reverse of `names`.
         bases: For each made predicate, the one that it is ultimately made from.

@@ -181,8 +181,6 @@ class Aggregate(Expression):
     """``Sum{x :- body}``; it has variables of its own.
 
     Attributes:
-        operator: The aggregating predicate.
-        argument: What is aggregated.
         body: Over which rows, or None.
         is_denial: Whether it stands for a negation, as the argument of ``IsNull``.
     """
@@ -255,7 +253,6 @@ class Rule(Node):
     """A rule or a fact.
 
     Attributes:
-        head: What it defines.
         body: Under which conditions, or None for a fact.
         is_distinct: Whether equal rows are one, and columns may be aggregated.
         modalities: Denotations such as ``couldbe``.
@@ -297,13 +294,7 @@ class Annotation(Node):
 
 @dataclass(frozen=True, slots=True)
 class Functor(Node):
-    """``New := Old(Parameter: Given);``, a predicate made from another.
-
-    Attributes:
-        name: The made predicate.
-        base: What it is made from.
-        arguments: What is put in the place of each parameter.
-    """
+    """``name := base(Parameter: Argument);``, a predicate made from another."""
 
     parts: ClassVar = ("arguments",)
     name: str

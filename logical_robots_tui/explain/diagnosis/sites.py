@@ -154,10 +154,8 @@ class Checkup:
         reads_all: Whether it may read others, because it uses a memory as a whole.
         writes_all: Whether it may write others, because its memory is not a plain record.
         texts: Texts in its comparisons and facts.
-        skipped_probes: The number of probes that could not be made.
         missed_sites, missed_rules: Indices of those that are also reached unobserved; of these,
             "never" can't be reported.
-        unused: Predicates that nothing uses.
         duplicate_copies: Pairs of predicates that ``:=`` makes of the same.
     """
 

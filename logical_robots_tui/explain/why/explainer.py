@@ -49,7 +49,6 @@ class Explainer:
 
     Args:
         mind: Thinks for the robot; explanations are valid until it is asked again.
-        robot: Name of the robot.
         rows: The sensors of all robots at that moment.
         memories: Their memories.
         stop: Ends a question.

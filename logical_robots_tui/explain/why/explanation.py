@@ -44,7 +44,6 @@ class ProofNode:
         kind: ``column`` of the rule's row, ``contributor`` to an aggregate, ``read`` from a
             sensor or a memory, ``instance`` of a call with other arguments; the others by name.
         text: The subject, often a piece of the program in one line.
-        remark: A remark on it, or "".
         holds: Whether it holds or has rows; None where neither applies.
         values: Its value; several are examples from several derivations.
         excess: How many more values there are.
@@ -200,11 +199,9 @@ class ValueSource:
     Attributes:
         name: The value as the program writes it.
         span: The expression that made it; None if it was read.
-        rule: The rule that this expression is in.
         read: What was read, if it was only read.
         inputs: Distinct values that it was made from; of a constant in a fact, the keys of the
             join that chose the fact.
-        excess: How many more there are.
         decided_by: What the conditions that chose a constant depend on.
         is_constant: Whether the value is written in the program.
     """

@@ -123,7 +123,6 @@ class Term:
         parts: Its subterms. For ``if``: condition and value of each branch, then the default.
             For ``field``: the record.
         names: Of ``record`` the names of the parts; of ``field`` the path into the record.
-        body: The aggregate's body.
     """
 
     kind: TermKind
@@ -229,7 +228,6 @@ class Probing:
         name: The name of that copy, or `predicate`.
         made_from: The predicate whose rules ``:=`` copied, or "".
         parameters: The required columns, if it is a function.
-        is_distinct: Whether equal rows are merged.
         queries: SQL by name, where SQLite can prepare it.
         rows: Name of the query for a function's rows; else "".
         tables: The table that holds the rows of each called predicate.

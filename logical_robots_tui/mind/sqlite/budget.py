@@ -61,14 +61,12 @@ class QueryBudget:
 
     Attributes:
         steps: Steps for all of them, as a `StepBudget` counts them.
-        seconds: The time limit.
         rows: The most rows of one evaluation.
         stop: Ends them when set.
         truncates: Whether further rows are left out instead of being an error.
         is_exact: Whether to prepare statements again. SQLite continues counting the steps of a
             prepared statement from its last run; only a new one gives the same count each time.
         weight: The most bytes of objects in the rows of all evaluations.
-        remainder: The steps and seconds that are left.
         is_large: Whether the last answer is so large that each of its rows must be checked.
     """
 
