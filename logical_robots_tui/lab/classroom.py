@@ -19,7 +19,6 @@ from logical_robots_tui.lab.exporting import (
     as_code,
     as_percent,
     as_table,
-    csv_of,
     escape_html,
     finished_runs,
     harmless_text,
@@ -149,7 +148,6 @@ def _fault(level: LevelGrade) -> tuple[str, str]:
 
 
 def fault_lines(manifest: Manifest, ledger: Ledger, width: int) -> list[str]:
-    """Return the faults of a class as lines for a terminal."""
     lines: list[str] = []
     for kind, faults in groupby(faults_of(manifest, ledger), key=lambda fault: fault.kind):
         lines.append(f"{kind}:")
@@ -251,21 +249,17 @@ def _without_names(symbols: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def export_similar(folder: Folder, manifest: Manifest) -> list[str]:
-    """Write similar programs as a table; return the names of what was written."""
+def similar_table(folder: Folder, manifest: Manifest) -> ResultTable:
     rows: list[Row] = []
     names = {student.id: student.name for student in manifest.students}
     for level, score, *pair in similar_pairs(folder, manifest):
         sides = [[cell.student for cell in cells] for cells in pair]
         labels = [*map(", ".join, sides), *(", ".join(names[s] for s in side) for side in sides)]
         rows.append((level, round(score, 2), *labels))
-    table = ResultTable(("level", "score", "one", "other", "one_name", "other_name"), rows)
-    folder.put(folder.path / "similar.csv", csv_of(table))
-    return ["similar.csv"]
+    return ResultTable(("level", "score", "one", "other", "one_name", "other_name"), rows)
 
 
 def class_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[str]:
-    """Yield the parts of a report on a class as HTML."""
     grades = grades_of(manifest, ledger)
     levels = [level.level for level in grades[0].levels] if grades else []
     rows = [

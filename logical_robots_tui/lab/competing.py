@@ -1,4 +1,4 @@
-"""A tournament: its pairs, and its ranking for a terminal, a page and CSV."""
+"""A tournament: its players, and who plays whom in each round."""
 
 from __future__ import annotations
 
@@ -6,28 +6,17 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.exporting import (
-    ResultTable,
-    Row,
-    RunRecord,
-    as_code,
-    as_table,
-    csv_of,
-    harmless_text,
-    shade,
-)
-from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, TournamentPlayer, digest
+from logical_robots_tui.lab.folder import Cell, Ledger, Manifest, TournamentPlayer, digest
 from logical_robots_tui.lab.handins import Submission, entries_of, stems_of
-from logical_robots_tui.lab.ranking import Ranking, ranking_of
+from logical_robots_tui.lab.ranking import ranking_of
 from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_with_text
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.toml_files import Given, TomlFile
-from logical_robots_tui.wording import align
 from logical_robots_tui.world import Level
 
 
@@ -206,113 +195,3 @@ def _pair(
 
 _MOST_TRIALS = 100_000
 """Of an opponent, as there may be exponentially many where nearly all have met."""
-
-_WIDEST = 30  # players of a matrix in a terminal
-_MOST_CYCLES = 20
-_SHOWN_DIGITS = 4
-_HEAD = ("rank", "player", "share", "95% interval", "strength", "opponents", "remark")
-
-
-def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
-    losses = {player.name: player.lost for player in manifest.players}
-    return [
-        (
-            s.rank,
-            harmless_text(s.player),
-            f"{100 * s.share:.1f}%",
-            f"{100 * s.low:.1f} to {100 * s.high:.1f}%",
-            f"{round(s.strength):+d}",
-            str(s.pairings),
-            "does not play: " + harmless_text(losses[s.player]) if losses[s.player] else "",
-        )
-        for s in ranking.standings
-    ]
-
-
-def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
-    ranking = ranking_of(manifest, ledger)
-    lines = align([_HEAD, *_rows(manifest, ranking)], right=(0, *range(2, len(_HEAD) - 1)))
-    names = [s.player for s in ranking.standings]
-    if len(names) <= _WIDEST:
-        numbers = [str(n) for n in range(1, len(names) + 1)]
-        rows = [("%", "", *numbers)]
-        for number, name in zip(numbers, names, strict=True):
-            pairings = (ranking.pairings.get((name, opponent)) for opponent in names)
-            cells = ("·" if p is None else f"{100 * p.share:.0f}" for p in pairings)
-            rows.append((number, harmless_text(name), *cells))
-        lines += [
-            "",
-            "The row's share of the points against the column:",
-            *align(rows, right=(0, *range(2, len(rows[0])))),
-        ]
-    for cycle in ranking.cycles[:_MOST_CYCLES]:
-        lines.append(_cycle_text(cycle))
-    if (excess := len(ranking.cycles) - _MOST_CYCLES) > 0:
-        lines.append(f"and {excess:,} more cycles")
-    return lines
-
-
-def _cycle_text(cycle: Sequence[str]) -> str:
-    return "Cycle: " + " beats ".join(harmless_text(name) for name in (*cycle, cycle[0]))
-
-
-def tournament_parts(manifest: Manifest, ledger: Ledger, runs: Sequence[RunRecord]) -> list[str]:
-    ranking = ranking_of(manifest, ledger)
-    names = [s.player for s in ranking.standings]
-    parts = ["<h2>Ranking</h2>" + as_table(_HEAD, _rows(manifest, ranking))]
-    rows: list[Sequence[Any]] = []
-    for name in names:
-        cells = [ranking.pairings.get((name, opponent)) for opponent in names]
-        rows.append((name, *(p and shade(p.share, f"{100 * p.share:.0f}") for p in cells)))
-    intro = "<p>The row's share of the points against the column, in percent.</p>"
-    parts.append("<h2>Pairs</h2>" + intro + as_table(("", *names), rows))
-    if ranking.cycles:
-        rows = [(_cycle_text(cycle).partition(" ")[2],) for cycle in ranking.cycles]
-        parts.append(f"<h2>Cycles</h2>{as_table(('each beats the next beyond doubt',), rows)}")
-    rows = []
-    for run in runs:
-        if run.start == 0:
-            seats = run.cell.settings
-            points = ", ".join(f"{seats[t]} ({t}) {n:,g}" for t, n in run.result.points.items())
-            command = as_code(manifest.command(run.cell, 0))
-            rows.append((run.cell.program_name, points, command))
-    intro = (
-        "<p>Each from the given start; runs.csv has all. Run the commands in this folder; "
-        "replace play with replay record to keep a match in a file.</p>"
-    )
-    parts.append("<h2>Matches</h2>" + intro + as_table(("match", "points", "to see it"), rows))
-    return parts
-
-
-def export_tournament(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
-    """Write ranking and pairs as CSV; return the names of the files, or raise InputError."""
-    tables = tournament_tables(manifest, ledger)
-    for name, table in tables.items():
-        folder.put(folder.path / f"{name}.csv", csv_of(table))
-    return [f"{name}.csv" for name in tables]
-
-
-def tournament_tables(manifest: Manifest, ledger: Ledger) -> dict[str, ResultTable]:
-    ranking = ranking_of(manifest, ledger)
-    losses = {player.name: player.lost for player in manifest.players}
-    names = [s.player for s in ranking.standings]
-    standings: list[Row] = [
-        (
-            *(s.player, s.best, s.worst),
-            *(round(n, _SHOWN_DIGITS) for n in (s.share, s.low, s.high)),
-            *(round(s.strength, 1) + 0.0, s.pairings, losses[s.player]),
-        )
-        for s in ranking.standings
-    ]
-    head = ("player", "best_rank", "worst_rank", "share", "low", "high", "strength", "opponents")
-    pairs = [
-        (name, opponent, *(round(n, _SHOWN_DIGITS) for n in ranking.pairings[name, opponent]))
-        for name in names
-        for opponent in names
-        if (name, opponent) in ranking.pairings
-    ]
-    return {
-        "ranking": ResultTable((*head, "remark"), standings),
-        "pairs": ResultTable(("player", "opponent", "share", "low", "high"), list(pairs)),
-        "cycles": ResultTable(("beats_second", "beats_third", "beats_first"), list(ranking.cycles)),
-    }

@@ -7,7 +7,7 @@ import html
 import io
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from statistics import fmean
 from typing import Any, NamedTuple, TypeAlias
@@ -74,8 +74,7 @@ def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]
         folder.text(name)
     file_names = []
     for name, table in tables_of_runs(manifest, ledger).items():
-        folder.put(folder.path / f"{name}.csv", csv_of(table))
-        file_names.append(f"{name}.csv")
+        file_names += write_tables(folder, {name: table})
         if has_extra("pyarrow"):
             import pyarrow.parquet as pq
 
@@ -84,6 +83,13 @@ def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]
             folder.put(folder.path / f"{name}.parquet", buffer.getvalue())
             file_names.append(f"{name}.parquet")
     return file_names
+
+
+def write_tables(folder: Folder, tables: Mapping[str, ResultTable]) -> list[str]:
+    """Write tables as CSV; return the names of the files, or raise InputError."""
+    for name, table in tables.items():
+        folder.put(folder.path / f"{name}.csv", csv_of(table))
+    return [f"{name}.csv" for name in tables]
 
 
 def tables_of_runs(manifest: Manifest, ledger: Ledger) -> dict[str, ResultTable]:

@@ -17,12 +17,12 @@ from logical_robots_tui.lab.exporting import (
     ResultTable,
     Row,
     RunRecord,
-    csv_of,
     failed_runs,
     finished_runs,
     harmless_text,
     parts_as_markdown,
     parts_as_page,
+    write_tables,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.running import Result
@@ -132,7 +132,6 @@ class Grade(msgspec.Struct, frozen=True):
 
     @property
     def points_text(self) -> str:
-        """The points in words."""
         if self.points is not None:
             return f"{self.points:g} of {self.most:g} points"
         pending = count_of(self.ungraded, "level")
@@ -326,16 +325,15 @@ def export_grades(
             old_file.unlink()  # of an earlier class list
     if len(grades) == 1:
         folder.put(folder.path / "results.json", _json(_gradescope(grades[0], show)))
-    folder.put(folder.path / "gradebook.csv", csv_of(gradebook(grades)))
     name_of = {student.id: student.name for student in manifest.students}
     duplicate_rows: list[Row] = [
         (level, len(ids), ", ".join(ids), ", ".join(name_of[s] for s in ids), text)
         for level, text, ids in duplicates(manifest)
     ]
     table = ResultTable(("level", "students", "ids", "names", "program"), duplicate_rows)
-    folder.put(folder.path / "duplicates.csv", csv_of(table))
+    file_names = write_tables(folder, {"gradebook": gradebook(grades), "duplicates": table})
     folder.put(folder.path / "junit.xml", _junit(manifest.title, grades))
-    file_names = ["gradebook.csv", "duplicates.csv", "junit.xml", "feedback/", "gradescope/"]
+    file_names += ["junit.xml", "feedback/", "gradescope/"]
     return file_names + ["results.json"] * (len(grades) == 1)
 
 

@@ -13,15 +13,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.lab.classroom import (
     class_parts,
-    export_similar,
     fault_lines,
     play_command,
-)
-from logical_robots_tui.lab.competing import (
-    export_tournament,
-    tournament_lines,
-    tournament_parts,
-    tournament_tables,
+    similar_table,
 )
 from logical_robots_tui.lab.exporting import (
     ResultTable,
@@ -39,9 +33,11 @@ from logical_robots_tui.lab.exporting import (
     settings_of,
     shade,
     tables_of_runs,
+    write_tables,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
 from logical_robots_tui.lab.grading import Draw, export_grades, gradebook, grades_of
+from logical_robots_tui.lab.ranking import tournament_lines, tournament_parts, tournament_tables
 
 _WIDTH, _HEIGHT = 78, 18
 _MOST_BARS = 40
@@ -194,9 +190,9 @@ def export(
     file_names = export_runs(folder, manifest, ledger)
     if manifest.kind == "grade":
         file_names += export_grades(folder, manifest, ledger, draw)
-        file_names += export_similar(folder, manifest)
+        file_names += write_tables(folder, {"similar": similar_table(folder, manifest)})
     elif manifest.kind == "tournament":
-        file_names += export_tournament(folder, manifest, ledger)
+        file_names += write_tables(folder, tournament_tables(manifest, ledger))
     return file_names
 
 

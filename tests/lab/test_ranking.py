@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from logical_robots_tui.lab.competing import _rows, pair_off
+from logical_robots_tui.lab.competing import pair_off
 from logical_robots_tui.lab.folder import Manifest, TournamentPlayer
 from logical_robots_tui.lab.ranking import (
     Ranking,
     Standing,
+    _rows,
     ranking_of_shares,
     share_of_match,
     share_of_points,
