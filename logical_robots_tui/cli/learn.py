@@ -123,7 +123,6 @@ class _Lesson:
         return DONE
 
     def grade(self, number: int, query: str) -> int:
-        """Check an answer to a question, and print the verdict."""
         question = self._level.questions[number - 1]
         try:
             verdict = self._check(question, query)

@@ -33,7 +33,6 @@ class LineUi(Background, Ui, Offers):
     warn = tell
 
     async def read(self) -> str:
-        """Return the next line; "" at the end of the input."""
         return self._unread.pop() if self._unread else await asyncio.to_thread(sys.stdin.readline)
 
     async def choose(

@@ -461,7 +461,6 @@ COMMANDS = (
 
 
 def play(opening: Opening, recorder: ProgressRecorder) -> int:
-    """Play in lines of text until the player leaves; return the exit status."""
     return asyncio.run(LineGame(opening, recorder).play())
 
 

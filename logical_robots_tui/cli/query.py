@@ -8,14 +8,12 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
-    ProgramFileError,
     columns,
     cut,
     harmless,
@@ -26,7 +24,9 @@ from logical_robots_tui.cli.command import (
 from logical_robots_tui.cli.run import (
     BAR_DELAY,
     frame_at,
+    mistakes_in,
     open_run,
+    place_of,
     run_args,
     run_context,
     show,
@@ -42,14 +42,6 @@ DEFAULT_TICKS = 5000
 NARROWEST, WIDEST = 40, 96  # columns of a diagnosis
 
 _WIDEST_CELL = 60  # characters of a value in a table
-
-
-@contextmanager
-def _mistakes_in(place: str) -> Iterator[None]:
-    try:
-        yield
-    except mind.ProgramError as error:
-        raise ProgramFileError(place, error) from error
 
 
 @command.declare(
@@ -74,7 +66,7 @@ def query(options: argparse.Namespace) -> int:
     exit status: 0 rows found, 1 no rows, 2 bad level, program or query
     """
     level, program = open_run(options)
-    with _mistakes_in("query"):
+    with mistakes_in("query"):
         table = asyncio.run(_ask(level, program, options.query, options.tick))
     has_minds = bool(table.viewers)
     table = table.in_mind_of(options.robot)
@@ -143,7 +135,7 @@ def when(options: argparse.Namespace) -> int:
     exit status: 0 found, 1 it never holds, 2 bad level, program or query
     """
     level, program = open_run(options)
-    with _mistakes_in("query"):
+    with mistakes_in("query"):
         question = program.question(options.query)
     matches = asyncio.run(_search(level, program, question, options))
     if matches.failed_in == matches.ticks:
@@ -304,19 +296,17 @@ def _diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:
         "left_out": diagnosis.left_out,
         "reliable": diagnosis.is_reliable,
         "examined": diagnosis.examined,
-        "findings": [_finding(finding) for finding in diagnosis.findings],
-    }
-
-
-def _finding(finding: Finding) -> dict[str, Any]:
-    return {
-        "severity": finding.severity,
-        "kind": finding.kind,
-        "line": finding.span.line if finding.span else None,
-        "text": finding.span.text if finding.span else None,
-        "tick": finding.tick,
-        "robot": finding.robot or None,
-        "message": finding.message,
-        "hint": finding.hint,
-        "see_also": list(dict.fromkeys(span.line for span in finding.related)),
+        "findings": [
+            {
+                "severity": finding.severity,
+                "kind": finding.kind,
+                **place_of(finding.span),
+                "tick": finding.tick,
+                "robot": finding.robot or None,
+                "message": finding.message,
+                "hint": finding.hint,
+                "see_also": list(dict.fromkeys(span.line for span in finding.related)),
+            }
+            for finding in diagnosis.findings
+        ],
     }

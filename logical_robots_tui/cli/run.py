@@ -7,8 +7,8 @@ import asyncio
 import math
 import threading
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Iterable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import asdict, dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -31,6 +31,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
+    from logical_robots_tui.explain.why.probing import SourceSpan
     from logical_robots_tui.progress import Measures
 
 BAR_DELAY = 0.5
@@ -93,6 +94,19 @@ def open_run(options: argparse.Namespace) -> tuple[world.Level, mind.Program]:
     if robot is not None:
         check_name("robot", robot, (robot.name for robot in level.robots))
     return level, program.for_team(level.team_of(robot or ""))
+
+
+@contextmanager
+def mistakes_in(place: str) -> Iterator[None]:
+    """Raise ProgramFileError, which names the place, for a ProgramError."""
+    try:
+        yield
+    except mind.ProgramError as error:
+        raise ProgramFileError(place, error) from error
+
+
+def place_of(span: SourceSpan | None) -> dict[str, Any]:
+    return {"line": span and span.line, "text": span and span.text}
 
 
 def show(options: argparse.Namespace, document: Any, lines: Iterable[str]) -> None:
@@ -435,10 +449,7 @@ def _data(
             for decision in frame.decisions
             if decision.robot_name in names
         ],
-        "areas": [
-            {"name": area.name, "active": area.active, "visitors": area.visitors}
-            for area in state.areas
-        ],
+        "areas": [asdict(area) for area in state.areas],
         "predicates": {name: _rows(table, robot) for name, table in tables.items()},
     }
 

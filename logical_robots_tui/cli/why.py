@@ -12,12 +12,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from logical_robots_tui import explain, game, mind, world
 from logical_robots_tui.cli import command
-from logical_robots_tui.cli.command import ProgramFileError, cut, harmless
-from logical_robots_tui.cli.run import check_name, frame_at, open_run, run_args, run_context, show
+from logical_robots_tui.cli.command import cut, harmless
+from logical_robots_tui.cli.run import (
+    check_name,
+    frame_at,
+    mistakes_in,
+    open_run,
+    place_of,
+    run_args,
+    run_context,
+    show,
+)
 from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain.why.explanation import Path, ValueSource
+    from logical_robots_tui.explain.why.explanation import Path
     from logical_robots_tui.explain.why.nearest import Suggestion
 
 GAVE, GAVE_NOT = 0, 1
@@ -98,7 +107,15 @@ def why(options: argparse.Namespace) -> int:
     document = {
         **_data(answer.explanation, options.tick, program),
         "tree": [_node(node, program) for node in answer.nodes],
-        "nearest": [_suggestion(*pair) for pair in answer.nearest],
+        "nearest": [
+            {
+                "rule": line,
+                **place_of(suggestion.span),
+                "change": suggestion.change,
+                "said": suggestion.text,
+            }
+            for line, suggestion in answer.nearest
+        ],
     }
     note = () if answer.complete else ("", "This is not complete; a larger --depth shows more.")
     show(options, document, (*answer_lines(answer, program, options.tick), *note))
@@ -119,10 +136,8 @@ def read_row(
     if name == predicate:
         decompose(program, name, within)  # refuses before the run
         return explain.Ask(name, values, within)
-    try:
+    with mistakes_in("predicate"):
         question = read_ask(program, predicate, within)
-    except mind.ProgramError as error:
-        raise ProgramFileError("predicate", error) from error
     return replace(question, given={**question.given, **values})
 
 
@@ -202,25 +217,11 @@ def answer_lines(
         short_lines = [f"  {text}" for text in commands if len(text) <= _LONGEST]
         if commands:
             yield from ("", f"{hint}{' or one of:' if short_lines else '.'}", *short_lines)
-    yield from _nearest(answer.nearest)
-
-
-def _nearest(suggestions: Sequence[tuple[int, Suggestion]]) -> Iterator[str]:
-    for rule in dict.fromkeys(line for line, _ in suggestions):
-        sentences = [suggestion.text for line, suggestion in suggestions if line == rule]
+    for rule in dict.fromkeys(line for line, _ in answer.nearest):
+        sentences = [suggestion.text for line, suggestion in answer.nearest if line == rule]
         subject = "This change" if len(sentences) == 1 else "Each of these changes"
         yield from ("", f"{subject} would give the rule in line {rule} a row:")
         yield from (harmless(f"  {sentence}") for sentence in sentences)
-
-
-def _suggestion(rule: int, suggestion: Suggestion) -> dict[str, Any]:
-    return {
-        "rule": rule,
-        "line": suggestion.span.line,
-        "text": suggestion.span.text,
-        "change": suggestion.change,
-        "said": suggestion.text,
-    }
 
 
 def _without_long_values(ask: explain.Ask, program: mind.Program) -> explain.Ask:
@@ -257,14 +258,11 @@ def _data(explanation: explain.Explanation, tick: int, program: mind.Program) ->
         "row": explanation.row and _relabel(explanation.query.predicate, explanation.row, program),
         "rules": [
             {
-                "line": rule.span.line,
-                "text": rule.span.text,
+                **place_of(rule.span),
                 "rows": rule.rows,
                 "gives_row": rule.row is not None,
                 "stopped_by": rule.stopped_by and rule.stopped_by.text,
-                "stopped_at_line": rule.stopped_by
-                and rule.stopped_by.span
-                and rule.stopped_by.span.line,
+                "stopped_at_line": rule.stopped_by and place_of(rule.stopped_by.span)["line"],
             }
             for rule in explanation.rules
         ],
@@ -379,7 +377,6 @@ def _link(link: game.Link) -> dict[str, Any]:
     from logical_robots_tui.game.debugging.inquiry import path_text
 
     source, steps = link.source, link.steps
-    span = source.span if source else None
     return {
         "robot": link.robot,
         "name": link.name,
@@ -388,10 +385,9 @@ def _link(link: game.Link) -> dict[str, Any]:
         "tick": link.tick,
         "until": link.until,
         "rule_line": source.rule.line if source and source.rule else None,
-        "line": span.line if span else None,
-        "text": span.text if span else None,
+        **place_of(source.span if source else None),
         "conditions": [
-            {"line": condition.span.line, "text": condition.span.text, "holds": condition.holds}
+            {**place_of(condition.span), "holds": condition.holds}
             for condition in (source.conditions if source else ())
         ],
         "steps": steps
@@ -402,19 +398,16 @@ def _link(link: game.Link) -> dict[str, Any]:
             "from": steps.begin,
             "link": link.began,
         },
-        "from": [*map(_input, link.inputs, link.input_links)],
+        "from": [
+            {
+                "name": path_text(read.path, read.kind) if read else value.name,
+                "robot": read.robot if read else None,
+                "value": read.value if read else value.value,
+                "link": index,
+            }
+            for value, index in zip(link.inputs, link.input_links, strict=False)
+            for read in [value.read]
+        ],
         "more": source.excess if source else 0,
         "problem": link.problem or None,
-    }
-
-
-def _input(source: ValueSource, link: int | None) -> dict[str, Any]:
-    from logical_robots_tui.game.debugging.inquiry import path_text
-
-    read = source.read
-    return {
-        "name": path_text(read.path, read.kind) if read else source.name,
-        "robot": read.robot if read else None,
-        "value": read.value if read else source.value,
-        "link": link,
     }
