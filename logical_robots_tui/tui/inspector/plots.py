@@ -115,11 +115,16 @@ def sparkline(samples: Sequence[PlotSample | None], *, counts: bool, plain: bool
     bars = _PLAIN_BARS if plain else BARS
     line = []
     for previous, sample in pairwise((None, *samples)):
-        if sample is not None and sample.number is not None and bounds is not None:
-            line.append(bars[_height(sample.number, *bounds)])
+        if sample is None:
+            sign = _UNKNOWN
+        elif sample.number is not None and bounds is not None:
+            sign = bars[_height(sample.number, *bounds)]
+        elif sample.likeness is None:
+            sign = _NONE
         else:
-            sign = _sign(previous, sample)
-            line.append(_PLAIN.get(sign, sign) if plain else sign)
+            is_same = previous is None or previous.likeness == sample.likeness
+            sign = _SAME if is_same else _OTHER
+        line.append(_PLAIN.get(sign, sign) if plain else sign)
     return "".join(line)
 
 
@@ -138,11 +143,3 @@ def _height(number: float, low: float, high: float) -> int:
         number, low, high = number / 2, low / 2, high / 2
     share = (number - low) / (high - low)
     return min(int(share * len(BARS)), len(BARS) - 1)
-
-
-def _sign(previous: PlotSample | None, sample: PlotSample | None) -> str:
-    if sample is None:
-        return _UNKNOWN
-    if sample.likeness is None:
-        return _NONE
-    return _OTHER if previous is not None and previous.likeness != sample.likeness else _SAME

@@ -70,22 +70,19 @@ class GhostController(SessionListener):
         history = self._session.history
         if history is not None and history.turns != self._turns:
             self._turns = history.turns
-            known = self._reached.items()
-            self._reached = {area: tick for area, tick in known if tick < frame.tick}
-        for area, name in reached_areas(self._session.level, frame.after):
-            if area not in self._reached:
-                self._reached[area] = frame.tick
-                if is_next and frame.tick > 1:  # earlier it began there
-                    self._tell(area, name, frame.tick)
-
-    def _tell(self, area: int, name: str, tick: int) -> None:
-        ghost = self._view.ghost
-        if ghost is not None:
-            place = self._session.level.areas[area].name
-            who, where = (clip(one_line(text), 30) for text in (name, place))
-            compared = ghost.comparison(area, tick)
-            comma = "," * compared.startswith("which")
-            self._ui.tell(f"{who} reached {where or 'an area'}{comma} {compared}.")
+            reached_ticks = self._reached.items()
+            self._reached = {area: tick for area, tick in reached_ticks if tick < frame.tick}
+        level, ghost = self._session.level, self._view.ghost
+        for area, name in reached_areas(level, frame.after):
+            if area in self._reached:
+                continue
+            self._reached[area] = frame.tick
+            if ghost is not None and is_next and frame.tick > 1:  # earlier it began there
+                names = (name, level.areas[area].name)
+                robot, place = (clip(one_line(text), 30) for text in names)
+                comparison = ghost.comparison(area, frame.tick)
+                comma = "," * comparison.startswith("which")
+                self._ui.tell(f"{robot} reached {place or 'an area'}{comma} {comparison}.")
 
     def _best_kept(self) -> None:
         ghost = self._view.ghost

@@ -64,9 +64,7 @@ class Labels(Widget):
 class CommandBar(Labels):
     """The bottom line: the commands that apply now, with their keys."""
 
-    DEFAULT_CSS = """
-    CommandBar { dock: bottom; height: 1; background: $panel; }
-    """
+    DEFAULT_CSS = "CommandBar { dock: bottom; height: 1; background: $panel; }"
 
     def __init__(self) -> None:
         super().__init__("commands")
@@ -142,9 +140,7 @@ def _label(key: str, title: str) -> Content:
 class PaneTabs(Labels):
     """The names of the panes, when only one fits on the screen."""
 
-    DEFAULT_CSS = """
-    PaneTabs { height: 1; background: $background; }
-    """
+    DEFAULT_CSS = "PaneTabs { height: 1; background: $background; }"
 
     def __init__(self) -> None:
         super().__init__("tabs")

@@ -111,9 +111,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
 
 
 class Prompt(Dialog[Result]):
-    DEFAULT_CSS = """
-    Prompt > #box { max-width: 60; padding: 1 2 0 2; }
-    """
+    DEFAULT_CSS = "Prompt > #box { max-width: 60; padding: 1 2 0 2; }"
 
     def __init__(self, title: str, text: str = "", placeholder: str = "") -> None:
         super().__init__(title)
@@ -252,9 +250,7 @@ class TextSearch(NamedTuple):
 class Find(Dialog[TextSearch]):
     """Asks for a text to find; enter in the second line replaces it everywhere."""
 
-    DEFAULT_CSS = """
-    Find > #box { max-width: 60; padding: 1 2 0 2; }
-    """
+    DEFAULT_CSS = "Find > #box { max-width: 60; padding: 1 2 0 2; }"
 
     heading = "Find in the program"
     keys = "enter find, below: replace all   esc close"

@@ -81,9 +81,7 @@ def status_of(session: Session) -> Status:
 class StatusLine(Widget):
     """The top line; omits the least important parts if there is too little room."""
 
-    DEFAULT_CSS = """
-    StatusLine { dock: top; height: 1; background: $panel; color: $foreground; }
-    """
+    DEFAULT_CSS = "StatusLine { dock: top; height: 1; background: $panel; color: $foreground; }"
 
     def __init__(self) -> None:
         super().__init__(id="status")

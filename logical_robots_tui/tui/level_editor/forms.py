@@ -456,17 +456,14 @@ class FindingList(Dialog[LevelFinding]):
         self._findings = findings
 
     def content_widgets(self) -> ComposeResult:
-        yield Listing(
-            *(Option(_describe(finding)) for finding in self._findings), markup=False, compact=True
-        )
+        lines = []
+        for finding in self._findings:
+            style, text = INK.bad if finding.forbids else INK.warn, one_line(finding.text)
+            has_place = finding.x is not None and finding.y is not None
+            place = f"   {finding.x:.0f}, {finding.y:.0f}" if has_place else ""
+            lines.append(Content.assemble(("! ", style), (text, INK.text), (place, INK.dim)))
+        yield Listing(*map(Option, lines), markup=False, compact=True)
 
     @on(OptionList.OptionSelected)
     def _chosen(self, event: OptionList.OptionSelected) -> None:
         self.dismiss(self._findings[event.option_index])
-
-
-def _describe(finding: LevelFinding) -> Content:
-    style = INK.bad if finding.forbids else INK.warn
-    has_place = finding.x is not None and finding.y is not None
-    place = f"   {finding.x:.0f}, {finding.y:.0f}" if has_place else ""
-    return Content.assemble(("! ", style), (one_line(finding.text), INK.text), (place, INK.dim))

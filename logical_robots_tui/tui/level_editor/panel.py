@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +25,6 @@ from logical_robots_tui.world import Area
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
     from logical_robots_tui.tui.level_editor.controller import LevelController
 
@@ -274,7 +273,24 @@ class EditPanel:
         return self._controller.editor.cursor
 
     def paint(self, canvas: Canvas) -> None:
-        _mark(canvas, self._controller.editor, self._controller.findings or ())
+        cells, view, look = canvas
+        editor = self._controller.editor
+        if editor.settings.is_grid_shown:
+            _dot_grid(canvas, editor)
+        for finding in self._controller.findings or ():
+            if finding.x is not None and finding.y is not None:
+                canvas.put(view.cell(finding.x, finding.y), "!", _WARN)
+        covered = _cover(view, editor)
+        accent = _ACCENT if editor.settings.paints_wall else _WIPE
+        if covered is not None:
+            _tint(cells, covered, accent)
+            if look.is_plain:
+                cells.text[covered] = text_id("*")
+        for cell, sign in _corners(canvas, editor):
+            (text, _), *_ = cells.row(*cell, cell[1] + 1)
+            if not text.isalnum():
+                canvas.put(cell, sign, _ACCENT)
+        canvas.put(view.cell(*editor.cursor), "+", (0, 0, 0), accent)
 
 
 def _excess(place: float, length: int) -> float:
@@ -292,37 +308,20 @@ _WARN: RGB = (242, 198, 95)
 _BLANK = text_id(" ")
 
 
-def _mark(canvas: Canvas, editor: LevelEditor, findings: Sequence[LevelFinding]) -> None:
-    cells, view, look = canvas
-    settings = editor.settings
-    if settings.is_grid_shown:
-        _dot_grid(canvas, editor)
-    for finding in findings:
-        if finding.x is not None and finding.y is not None:
-            canvas.put(view.cell(finding.x, finding.y), "!", _WARN)
-    covered = _cover(view, editor)
-    accent = _ACCENT if settings.paints_wall else _WIPE
-    if covered is not None:
-        _tint(cells, covered, accent)
-        if look.is_plain:
-            cells.text[covered] = text_id("*")
-    if (thing := editor.entity) is not None:
-        reach = reach_of(thing) + view.units * 0.8
-        high = max(reach, view.units * 1.5)
-        corners = ((-reach, -high), (reach, -high), (-reach, high), (reach, high))
-        marks = [
-            (view.cell(thing.x + x, thing.y + y), sign)
-            for sign, (x, y) in zip("++++" if look.is_plain else "┌┐└┘", corners, strict=True)
-        ]
-        if (handle := handle_of(thing, view.units)) is not None:
-            marks.append((view.cell(*handle), "*" if look.is_plain else "◆"))
-        for cell, sign in marks:
-            if cell is None:
-                continue
-            (text, _), *_ = cells.row(*cell, cell[1] + 1)
-            if not text.isalnum():
-                canvas.put(cell, sign, _ACCENT)
-    canvas.put(view.cell(*editor.cursor), "+", (0, 0, 0), accent)
+def _corners(canvas: Canvas, editor: LevelEditor) -> Iterator[tuple[tuple[int, int], str]]:
+    """Yield the cells in sight around the selected thing, and of its handle, with their signs."""
+    if (thing := editor.entity) is None:
+        return
+    view, is_plain = canvas.view, canvas.look.is_plain
+    reach = reach_of(thing) + view.units * 0.8
+    high = max(reach, view.units * 1.5)
+    corners = ((-reach, -high), (reach, -high), (-reach, high), (reach, high))
+    places = [(thing.x + x, thing.y + y) for x, y in corners]
+    if (handle := handle_of(thing, view.units)) is not None:
+        places.append(handle)
+    for place, sign in zip(places, "++++*" if is_plain else "┌┐└┘◆", strict=False):
+        if (cell := view.cell(*place)) is not None:
+            yield cell, sign
 
 
 def _dot_grid(canvas: Canvas, editor: LevelEditor) -> None:

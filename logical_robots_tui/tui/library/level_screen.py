@@ -97,7 +97,15 @@ class LevelScreen(Dialog["Level | Wish"]):
         line = self.query_one("#filter", Input)
         line.cursor_blink = False  # nothing is redrawn while idle
         line.focus()
-        self._list()
+        shipped, own_files = list_shipped(), own_levels(self._folder)
+        current_name = self._level.name
+        self._all = [LevelCard(name, is_here=name == current_name) for name in shipped] + [
+            LevelCard(name, is_here=str(file) == self._level.source, file=file)
+            for name, file in own_files.items()
+            if name not in shipped
+        ]
+        self._all.insert(len(list_levels()), LevelCard(DAILY))
+        self._filter(current_name)
         in_background(self, self._read_all, "cards", exclusive=True)
 
     def on_resize(self, event: events.Resize) -> None:
@@ -113,17 +121,6 @@ class LevelScreen(Dialog["Level | Wish"]):
         across, page = self._cards.across, self._cards.page
         steps = {"left": -1, "right": 1, "up": -across, "down": across}
         self._cards.move({**steps, "page_up": -page, "page_down": page}[motion])
-
-    def _list(self) -> None:
-        shipped, own_files = list_shipped(), own_levels(self._folder)
-        current_name = self._level.name
-        self._all = [LevelCard(name, is_here=name == current_name) for name in shipped] + [
-            LevelCard(name, is_here=str(file) == self._level.source, file=file)
-            for name, file in own_files.items()
-            if name not in shipped
-        ]
-        self._all.insert(len(list_levels()), LevelCard(DAILY))
-        self._filter(current_name)
 
     async def _read_all(self) -> None:
         painted = asyncio.Event()

@@ -26,9 +26,7 @@ if TYPE_CHECKING:
 class SaveDialog(Dialog[Result]):
     """Asks for a name and saves; a second enter replaces a file. Returns what was saved."""
 
-    DEFAULT_CSS = """
-    SaveDialog > #box { max-width: 72; padding: 1 2 0 2; }
-    """
+    DEFAULT_CSS = "SaveDialog > #box { max-width: 72; padding: 1 2 0 2; }"
 
     keys = "enter save   esc close"
 
@@ -116,9 +114,7 @@ class SaveAs(SaveDialog[ProgramSource]):
 class SaveLevel(SaveDialog[Level]):
     """Saves a level with a title, keeping its file's formatting as far as possible."""
 
-    DEFAULT_CSS = """
-    SaveLevel .label { color: $ink-dim; height: 1; }
-    """
+    DEFAULT_CSS = "SaveLevel .label { color: $ink-dim; height: 1; }"
 
     heading = "Save the level as"
     keys = "enter save   tab title   esc close"

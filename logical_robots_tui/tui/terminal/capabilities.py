@@ -80,17 +80,15 @@ _SIGNS = (
 
 def _as_ascii(error: UnicodeError) -> tuple[str, int]:
     assert isinstance(error, UnicodeEncodeError)
-    text = error.object[error.start : error.end]
-    return "".join(cell_len(character) * _sign(character) for character in text), error.end
-
-
-def _sign(character: str) -> str:
-    base = unicodedata.normalize("NFKD", character)[0]
-    if base.isascii():
-        return base
-    name = unicodedata.name(character, "")
-    default = "?" if character.isalpha() else "*"
-    return next((sign for word, sign in _SIGNS if word in name), default)
+    text = ""
+    for character in error.object[error.start : error.end]:
+        sign = unicodedata.normalize("NFKD", character)[0]
+        if not sign.isascii():
+            name = unicodedata.name(character, "")
+            default = "?" if character.isalpha() else "*"
+            sign = next((sign for word, sign in _SIGNS if word in name), default)
+        text += cell_len(character) * sign
+    return text, error.end
 
 
 def may_use_mouse(environ: Mapping[str, str]) -> bool:

@@ -147,19 +147,18 @@ class BreakpointList(Dialog[None]):
     def _list(self, index: int) -> None:
         self._shown = tuple(self._session.breakpoints)
         self._entries.clear_options()
-        self._entries.add_options([Option(self._entry(breakpoint_)) for breakpoint_ in self._shown])
+        for breakpoint_ in self._shown:
+            is_on = self._session.breakpoints.is_on(breakpoint_)
+            sign = ("◉ ", f"bold {INK.bad}") if is_on else ("○ ", INK.dim)
+            words = one_line(breakpoint_.words), INK.text if is_on else INK.dim
+            line = Content.assemble(sign, words)
+            if trouble := one_line(self._session.problem_with(breakpoint_)):
+                parts = ("\n  ! ", f"bold {INK.warn}"), (trouble, INK.warn)
+                line = line.append(Content.assemble(*parts))
+            self._entries.add_option(Option(line))
         self._entries.display, self._none.display = bool(self._shown), not self._shown
         if self._shown:
             self._entries.highlighted = min(index, len(self._shown) - 1)
-
-    def _entry(self, breakpoint_: Breakpoint) -> Content:
-        is_on = self._session.breakpoints.is_on(breakpoint_)
-        sign = ("◉ ", f"bold {INK.bad}") if is_on else ("○ ", INK.dim)
-        line = Content.assemble(sign, (one_line(breakpoint_.words), INK.text if is_on else INK.dim))
-        trouble = one_line(self._session.problem_with(breakpoint_))
-        if not trouble:
-            return line
-        return line.append(Content.assemble(("\n  ! ", f"bold {INK.warn}"), (trouble, INK.warn)))
 
     def action_add(self) -> None:
         def added(breakpoint_: Breakpoint | None) -> None:

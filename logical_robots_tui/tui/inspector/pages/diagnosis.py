@@ -69,16 +69,13 @@ class DiagnosisPage(Page):
         options += [Option(_describe(finding), id=str(n)) for n, finding in enumerate(findings)]
         self.view.add_options(options)
         self.view.highlighted = min(index or 0, len(options) - 1)
-        if not self.is_diagnosing:
-            self._describe("" if diagnosis is None else f"{self._age()}{extent(diagnosis)}")
-
-    def _age(self) -> str:
-        """Return a sentence if the findings are no longer about what is played, or ""."""
-        former, current = self._scanned, self._questions.run_key
-        if former is None or former == current:
-            return ""
-        is_same = current is not None and current[2].texts == former[2].texts
-        return f"This is about an earlier {'run' if is_same else 'program'}. "
+        if self.is_diagnosing:
+            return
+        former, current, age = self._scanned, self._questions.run_key, ""
+        if former is not None and former != current:
+            is_same = current is not None and current[2].texts == former[2].texts
+            age = f"This is about an earlier {'run' if is_same else 'program'}. "
+        self._describe("" if diagnosis is None else f"{age}{extent(diagnosis)}")
 
     def _describe(self, text: str) -> None:
         findings = self.diagnosis.findings if self.diagnosis is not None else None

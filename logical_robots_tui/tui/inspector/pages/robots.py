@@ -56,15 +56,10 @@ class RobotsView(LinesView):
         self._post_chosen(event.y + self.scroll_offset.y - 1)
 
     def action_choose(self, down: int) -> None:
-        index = (
-            self._names.index(self._robot_name)
-            if self._robot_name in self._names
-            else -1
-            if down > 0
-            else 0
-        )
-        if self._names:
-            self._post_chosen((index + down) % len(self._names))
+        names, name = self._names, self._robot_name
+        index = names.index(name) if name in names else -(down > 0)
+        if names:
+            self._post_chosen((index + down) % len(names))
 
     def _post_chosen(self, number: int) -> None:
         if 0 <= number < len(self._names):
@@ -174,17 +169,13 @@ def _notes(level: Level, frame: Frame, robot_name: str | None) -> list[Content]:
 
 def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
     """Draw the rays from left to right as bars: height by distance, colour by object."""
-    return Content.assemble(
-        *(
-            ("".join(map(_bar, rays)), OBJECT_INKS.get(kind, INK.nothing))
-            for kind, rays in groupby(radar, itemgetter("object"))
-        )
-    )
-
-
-def _bar(ray: Mapping[str, Any]) -> str:
-    free = math.sqrt(ray["distance"] / SENSOR_RANGE)  # more of the bar for what is near
-    return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
+    parts = []
+    for kind, rays in groupby(radar, itemgetter("object")):
+        # The root, so that more of the bar is for what is near.
+        shares = (math.sqrt(ray["distance"] / SENSOR_RANGE) for ray in rays)
+        bars = (BARS[min(int(share * len(BARS)), len(BARS) - 1)] for share in shares)
+        parts.append(("".join(bars), OBJECT_INKS.get(kind, INK.nothing)))
+    return Content.assemble(*parts)
 
 
 def _columns(level: Level, width: int) -> tuple[list[_RobotColumn], list[_RobotColumn]]:
@@ -206,7 +197,11 @@ def _columns(level: Level, width: int) -> tuple[list[_RobotColumn], list[_RobotC
         last = max(column.rank for column in columns)
         columns = [column for column in columns if column.rank != last]
     if room >= 16:
-        columns.append(_RobotColumn(" memory", room - 2, 7, lambda row: _memory(row, room - 3)))
+
+        def memory(robot: _RobotRow) -> Content:
+            return Content.styled(f" {format_value(robot.memory, room - 3)}", INK.dim)
+
+        columns.append(_RobotColumn(" memory", room - 2, 7, memory))
     return columns, [column for column in all_columns if column not in columns]
 
 
@@ -250,10 +245,6 @@ def _charge(robot: _RobotRow) -> Content:
         return Content.styled("-", INK.dim)
     share = robot.state.battery_level / capacity
     return Content.styled(f"{share:.0%}", INK.good if share > 0.25 else INK.bad)
-
-
-def _memory(robot: _RobotRow, width: int) -> Content:
-    return Content.styled(f" {format_value(robot.memory, width)}", INK.dim)
 
 
 def _number(value: float) -> Content:

@@ -372,7 +372,10 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     middle = float(fan.headings[0] + fan.headings[-1]) / 2
     turn = middle + math.pi / 2
     turned_fan = replace(fan, x=0.0, y=0.0, headings=fan.headings - turn, ahead=fan.ahead - turn)
-    view = _view(columns, rows - 1)
+    # Less is behind the robot, where no ray goes.
+    reach, behind = SENSOR_RANGE * 1.04, SENSOR_RANGE * 0.2
+    view = Viewport.fit(2 * reach, reach + behind, columns, rows - 1)
+    view = view.centred(0.0, (behind - reach) / 2)
     raster = Raster(view, *look.drawing.dots)
     image = np.empty((*raster.shape, 3), np.float32)
     image[:] = palette.floor
@@ -407,13 +410,6 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
             draw_ring(canvas, 0.0, 0.0)
     canvas.put(view.cell(0.0, 0.0), look.glyphs.heading(-math.pi / 2), colour)
     return _title(cells, fan.name, colour, look)
-
-
-def _view(columns: int, rows: int) -> Viewport:
-    """Return the view around a robot, with less behind it, where no ray goes."""
-    reach, behind = SENSOR_RANGE * 1.04, SENSOR_RANGE * 0.2
-    view = Viewport.fit(2 * reach, reach + behind, columns, rows)
-    return view.centred(0.0, (behind - reach) / 2)
 
 
 def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
