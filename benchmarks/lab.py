@@ -18,8 +18,9 @@ from logical_robots_tui.game.measuring import play_through, start_of
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.lab.running import RunTask, execute, fingerprint
+from logical_robots_tui.lab.running import execute
 from logical_robots_tui.lab.sweeping import plan_sweep
+from logical_robots_tui.lab.tasks import RunTask, fingerprint
 from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level

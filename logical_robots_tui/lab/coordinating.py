@@ -12,7 +12,7 @@ import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Entry, Folder, Ledger, Manifest
-from logical_robots_tui.lab.running import RunTask, WorkerAnswer, fingerprint
+from logical_robots_tui.lab.tasks import RunTask, WorkerAnswer, fingerprint
 
 _MOST_STARTS = 64  # of a task
 _LOOK_SECONDS = 0.2

@@ -23,13 +23,8 @@ from typing import Any
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.running import (
-    CHUNK_SECONDS,
-    RunTask,
-    WorkerAnswer,
-    execute,
-    timeout_reason,
-)
+from logical_robots_tui.lab.running import CHUNK_SECONDS, execute, timeout_reason
+from logical_robots_tui.lab.tasks import RunTask, WorkerAnswer
 from logical_robots_tui.processes.helper import collect_seldom
 
 _MOST_FALSE_STARTS = 2  # in a row

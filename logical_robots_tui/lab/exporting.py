@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeAlias
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import cell_to_run, split_starts
 from logical_robots_tui.lab.folder import ATTEMPTS, MEASURES, Cell, Folder, Ledger, Manifest
-from logical_robots_tui.lab.running import QueryMeasure, Reduction, Result
+from logical_robots_tui.lab.tasks import QueryMeasure, Reduction, Result
 from logical_robots_tui.language.diagnostics import printable
 
 Row: TypeAlias = "tuple[Any, ...]"

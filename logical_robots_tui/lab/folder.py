@@ -21,7 +21,7 @@ import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
-from logical_robots_tui.lab.running import QueryMeasure, Result, engine, fingerprint
+from logical_robots_tui.lab.tasks import QueryMeasure, Result, engine, fingerprint
 from logical_robots_tui.paths import read_ordinary, write_atomically
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.levels.load import NATIVE, WEB, is_of_web

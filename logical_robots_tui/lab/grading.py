@@ -25,8 +25,8 @@ from logical_robots_tui.lab.exporting import (
     write_tables,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
-from logical_robots_tui.lab.running import Result
 from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
+from logical_robots_tui.lab.tasks import Result
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.levels.load import read_level

@@ -20,7 +20,7 @@ from logical_robots_tui.lab.exporting import (
     shade,
 )
 from logical_robots_tui.lab.folder import Ledger, Manifest
-from logical_robots_tui.lab.running import Result
+from logical_robots_tui.lab.tasks import Result
 from logical_robots_tui.wording import align
 
 Numbers: TypeAlias = NDArray[np.float64]

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import os
-import platform
 import re
 import socket
-import sqlite3
 from collections import Counter
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
-from functools import cache, lru_cache, partial
-from pathlib import Path
+from functools import lru_cache, partial
 from time import perf_counter, process_time, thread_time
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import msgspec
 
@@ -25,7 +21,17 @@ from logical_robots_tui.game.diagnosing import diagnose_history
 from logical_robots_tui.game.frame import Frame, standing
 from logical_robots_tui.game.history.history import History
 from logical_robots_tui.game.measuring import LateError, play_through, start_of
-from logical_robots_tui.game.run import simulation_digest
+from logical_robots_tui.lab.tasks import (
+    End,
+    Outcome,
+    QueryMeasure,
+    Result,
+    RunFinding,
+    RunTask,
+    Series,
+    WorkerAnswer,
+    fingerprint,
+)
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import (
     CompiledQuery,
@@ -55,156 +61,6 @@ _LONGEST_FINDING = 300  # characters
 _MOST_EXPLAINED = 200_000_000  # steps of a run that is diagnosed; that takes about as long again
 _FINDING_SECONDS, _LOOK_SECONDS = 20.0, 0.5
 _QUESTIONS, _QUESTION_STEPS = 100_000, 2_000_000
-
-Outcome: TypeAlias = Literal[
-    "won",
-    "out of ticks",
-    "played",
-    "stopped",
-    "nothing changes",
-    "too many steps",
-    "too slow",
-    "does not compile",
-    "infrastructure",
-]
-"""How a run ended: `played` to the end of a match, `stopped` because a query held;
-`infrastructure` could not be done."""
-
-
-Reduction: TypeAlias = Literal["last", "min", "max", "mean", "sum"]
-
-
-class QueryMeasure(msgspec.Struct, frozen=True):
-    """A query that is a measure, every so many ticks, in the first and in the last one.
-
-    0 means in the last one only. `reduce` are the ways to make one number of many.
-    """
-
-    name: str
-    query: str
-    every: int
-    reduce: tuple[Reduction, ...] = ()
-
-
-class RunTask(msgspec.Struct, frozen=True):
-    """Runs in one level, of texts of programs by team, "" if all robots think alike.
-
-    Start 0 is the given one; if `given_first`, a program that does not win from it is done. A
-    think has `steps` at most, a run `seconds` of a processor, and `run_steps` unless that is 0;
-    it ends when the question `until` holds, if there is one. If `is_explained`, the result from
-    the given start, if it is not won, has paths and findings.
-    `fingerprint` is of the engine that must run it.
-    """
-
-    level: str
-    programs: dict[str, str]
-    ticks: int
-    starts: tuple[int, ...]
-    measures: tuple[QueryMeasure, ...]
-    steps: int
-    seconds: float
-    given_first: bool
-    fingerprint: str
-    run_steps: int = 0
-    until: str = ""
-    is_explained: bool = False
-
-
-class Series(msgspec.Struct, frozen=True):
-    """The rows of a question, each starting with its tick; they may be cut off at a limit.
-
-    `numbers` are ticks and what is one number of their rows, as of `number_of`, or None.
-    """
-
-    columns: tuple[str, ...]
-    rows: tuple[tuple[Any, ...], ...]
-    failure: str = ""
-    numbers: tuple[tuple[int, int | float | None], ...] = ()
-
-
-class End(msgspec.Struct, frozen=True):
-    """Where a robot was at the end, in map units, and the tick since which it was there."""
-
-    robot: str
-    x: float
-    y: float
-    since: int
-
-    def sentence(self, last: int) -> str:
-        """Describe it, for a run whose last tick was `last`."""
-        place = f"{self.robot} ended at ({self.x:g}, {self.y:g}), and "
-        is_still = self.since < last
-        return place + (
-            f"had stood there since tick {self.since:,}." if is_still else "still moved."
-        )
-
-
-class RunFinding(msgspec.Struct, frozen=True):
-    """A finding of the diagnosis; the line is 0 if it has none."""
-
-    kind: str
-    line: int
-    message: str
-
-
-class Result(msgspec.Struct, frozen=True, omit_defaults=True):
-    """The result of a run, determined by its inputs alone.
-
-    `distance` is map units of all robots together, `size` the symbols of the programs, `rules` what
-    earlier versions counted instead, `notices` the number of ticks with a notice
-    of each kind, `first` the first one (tick, robot, message). Teams in `forfeit` have lost
-    because their programs failed. `paths` are points in map units by robot.
-    """
-
-    outcome: Outcome
-    ticks: int = 0
-    distance: float = 0.0
-    size: int = 0
-    notices: dict[str, int] = {}
-    first: tuple[int, str, str] | None = None
-    series: dict[str, Series] = {}
-    mistakes: tuple[Diagnostic, ...] = ()
-    points: dict[str, float] = {}
-    forfeit: tuple[str, ...] = ()
-    rules: int = 0
-    ends: tuple[End, ...] = ()
-    paths: dict[str, tuple[tuple[int, int], ...]] = {}
-    findings: tuple[RunFinding, ...] = ()
-
-
-class WorkerAnswer(msgspec.Struct, frozen=True):
-    """The answer of a worker (host and process).
-
-    `results` are start, result as JSON and processor seconds of each run; `is_refused` means that
-    the worker's engine is another one, `is_final` that another attempt would fail in the same way.
-    """
-
-    results: tuple[tuple[int, str, float], ...] = ()
-    worker: str = ""
-    failure: str = ""
-    is_refused: bool = False
-    is_final: bool = False
-
-
-@cache
-def engine() -> dict[str, str]:
-    """Return the versions of everything that can affect the result of a run."""
-    from importlib import metadata
-
-    source = Path(__file__).read_bytes()
-    return {
-        "code": hashlib.sha256(simulation_digest() + source).hexdigest(),
-        **{name: metadata.version(name) for name in ("logica", "numpy", "sqlglot")},
-        "sqlite": sqlite3.sqlite_version,
-        "python": platform.python_version(),
-        "machine": platform.machine(),
-        "libm": " ".join(platform.libc_ver()) or platform.platform(),
-    }
-
-
-@cache
-def fingerprint() -> str:
-    return hashlib.sha256(msgspec.json.encode(engine(), order="deterministic")).hexdigest()
 
 
 def execute(task: RunTask) -> WorkerAnswer:
@@ -290,7 +146,7 @@ class _TaskRunner:
             self.size,
             dict(monitor.notices),
             monitor.first,
-            {measure.name: monitor.series(measure) for measure in monitor.measures},
+            monitor.series(),
             points=monitor.points(),
             forfeit=monitor.forfeit(),
             ends=monitor.ends(),
@@ -342,6 +198,15 @@ def _level(text: str) -> Level:
     return read_level(text, "level")
 
 
+class _Answers(msgspec.Struct):
+    """The answers to a question so far; rows and numbers as in `Series`."""
+
+    columns: tuple[str, ...] = ()
+    rows: list[tuple[Any, ...]] = []
+    numbers: list[tuple[int, int | float | None]] = []
+    failure: str = ""
+
+
 class _RunMonitor:
     """Counts notices, asks questions, and detects when nothing can change any more.
 
@@ -370,10 +235,7 @@ class _RunMonitor:
         self._cells = self.steps = 0
         self._places = [(robot.x, robot.y, 0) for robot in level.robots]
         self._deadline = thread_time() + runner.task.seconds
-        self._columns: dict[QueryMeasure, tuple[str, ...]] = {}
-        self._rows: dict[QueryMeasure, list[tuple[Any, ...]]] = {m: [] for m in questions}
-        self._numbers: dict[QueryMeasure, list[tuple[int, int | float | None]]] = {}
-        self._failures: dict[QueryMeasure, str] = {}
+        self._answers = {measure: _Answers() for measure in (*questions, _UNTIL)}
         self.outcome: Outcome | None = None
         self.notices: Counter[str] = Counter()
         self.first: tuple[int, str, str] | None = None
@@ -408,14 +270,17 @@ class _RunMonitor:
                 self._ask(measure, question, frame, mind)
         return self.outcome is not None
 
-    @property
-    def measures(self) -> list[QueryMeasure]:
-        return [*self._questions, *({_UNTIL} & {*self._failures})]
-
-    def series(self, measure: QueryMeasure) -> Series:
-        columns = ("tick", *self._columns.get(measure, ()))
-        rows, numbers = self._rows.get(measure, ()), self._numbers.get(measure, ())
-        return Series(columns, tuple(rows), self._failures.get(measure, ""), tuple(numbers))
+    def series(self) -> dict[str, Series]:
+        return {
+            measure.name: Series(
+                answers.columns or ("tick",),
+                tuple(answers.rows),
+                answers.failure,
+                tuple(answers.numbers),
+            )
+            for measure, answers in self._answers.items()
+            if measure in self._questions or answers.failure
+        }
 
     def points(self) -> dict[str, float]:
         return {} if self._state is None else standing(self._level, self._state)
@@ -462,27 +327,28 @@ class _RunMonitor:
         try:
             return mind.ask(question, frame.sensors, frame.memories_before)
         except QueryError as error:
-            self._failures.setdefault(measure, f"tick {frame.tick}: {error}")
+            answers = self._answers[measure]
+            answers.failure = answers.failure or f"tick {frame.tick}: {error}"
             return None
 
     def _ask(
         self, measure: QueryMeasure, question: CompiledQuery, frame: Frame, mind: Mind
     ) -> None:
         tick, table = frame.tick, self._answer(measure, question, frame, mind)
-        number = number_of(question, table) if table else None
-        self._numbers.setdefault(measure, []).append((tick, number))
+        answers = self._answers[measure]
+        answers.numbers.append((tick, number_of(question, table) if table else None))
         if table is None:
             return
         columns, rows = table.columns, table.rows
         if table.viewers:
             columns = ("robot", *columns)
             rows = tuple((name, *row) for name, row in zip(table.viewers, rows, strict=True))
-        self._columns.setdefault(measure, columns)
+        answers.columns = answers.columns or ("tick", *columns)
         self._cells += len(rows) * (1 + len(columns))
         if table.truncated or self._cells > _MOST_CELLS:
-            self._failures.setdefault(measure, f"tick {tick}: there are too many rows to keep")
+            answers.failure = answers.failure or f"tick {tick}: there are too many rows to keep"
         if self._cells <= _MOST_CELLS:
-            self._rows[measure] += [(tick, *row) for row in rows]
+            answers.rows += [(tick, *row) for row in rows]
 
 
 _UNTIL = QueryMeasure("until", "", 0)

@@ -20,7 +20,7 @@ from logical_robots_tui.game.measuring import patience_for
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, digest
-from logical_robots_tui.lab.running import QueryMeasure, Reduction
+from logical_robots_tui.lab.tasks import QueryMeasure, Reduction
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.toml_files import Bounds, Given, Path_, TomlFile
 from logical_robots_tui.world import Level, load_level

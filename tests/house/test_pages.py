@@ -13,7 +13,7 @@ import pytest
 from docs.screenshot import DOCS, PICTURES
 from logical_robots_tui.cli.play import LIMITS
 from logical_robots_tui.lab.folder import BUILT_IN
-from logical_robots_tui.lab.running import Outcome, Reduction
+from logical_robots_tui.lab.tasks import Outcome, Reduction
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.inspector.register import PAGES

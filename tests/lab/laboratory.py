@@ -12,7 +12,7 @@ from contextlib import closing
 from pathlib import Path
 
 from logical_robots_tui.lab import running
-from logical_robots_tui.lab.running import RunTask, WorkerAnswer
+from logical_robots_tui.lab.tasks import RunTask, WorkerAnswer
 from logical_robots_tui.paths import shipped_folder
 from tests.waiting import PATIENCE, until
 

@@ -10,7 +10,7 @@ import pytest
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.exporting import finished_runs
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
-from logical_robots_tui.lab.running import RunTask, WorkerAnswer
+from logical_robots_tui.lab.tasks import RunTask, WorkerAnswer
 from tests.lab.laboratory import InlineEngine
 
 

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from logical_robots_tui.lab import Results, sweep
 from logical_robots_tui.lab.exporting import reduce_series
 from logical_robots_tui.lab.reporting import lines_of
-from logical_robots_tui.lab.running import QueryMeasure, Reduction, Result, Series
 from logical_robots_tui.lab.sweeping import SampleTable, draw_samples, plan_sweep
+from logical_robots_tui.lab.tasks import QueryMeasure, Reduction, Result, Series
 from logical_robots_tui.toml_files import TomlFileError
 from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, exported

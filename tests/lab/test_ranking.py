@@ -19,7 +19,7 @@ from logical_robots_tui.lab.ranking import (
     share_of_points,
     strengths,
 )
-from logical_robots_tui.lab.running import Result
+from logical_robots_tui.lab.tasks import Result
 
 NAMES = ["ada", "ben", "cem", "dot", "eve"]
 PAIRS = list(combinations(range(5), 2))

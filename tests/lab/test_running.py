@@ -6,15 +6,8 @@ import msgspec
 import pytest
 
 from logical_robots_tui.game.measuring import play_through, start_of
-from logical_robots_tui.lab.running import (
-    QueryMeasure,
-    Result,
-    RunTask,
-    WorkerAnswer,
-    _reason,
-    execute,
-    fingerprint,
-)
+from logical_robots_tui.lab.running import _reason, execute
+from logical_robots_tui.lab.tasks import QueryMeasure, Result, RunTask, WorkerAnswer, fingerprint
 from logical_robots_tui.mind import Program, Stopped
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level

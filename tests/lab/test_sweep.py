@@ -16,8 +16,8 @@ from logical_robots_tui.lab.coordinating import Coordinator, Engine, RunTally
 from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.exporting import export_runs, finished_runs
 from logical_robots_tui.lab.folder import Entry, Folder
-from logical_robots_tui.lab.running import WorkerAnswer
 from logical_robots_tui.lab.sweeping import plan_sweep
+from logical_robots_tui.lab.tasks import WorkerAnswer
 from tests.cli.running import Command, in_terminal
 from tests.lab.laboratory import (
     Background,

@@ -9,7 +9,8 @@ import pytest
 from logical_robots_tui.lab import engines
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Manifest, Student, digest
-from logical_robots_tui.lab.running import RunTask, WorkerAnswer, execute
+from logical_robots_tui.lab.running import execute
+from logical_robots_tui.lab.tasks import RunTask, WorkerAnswer
 from tests.cli.running import Command
 from tests.lab.laboratory import (
     FIRST_STEPS,
