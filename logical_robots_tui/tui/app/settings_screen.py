@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from textual import on
-from textual.app import ComposeResult
 from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
@@ -42,17 +41,12 @@ class SettingsScreen(Dialog[None]):
     def __init__(
         self, settings: Callable[[], Settings], change: Callable[[str, Any], None]
     ) -> None:
-        super().__init__()
-        self._settings, self._change = settings, change
-        self._rows = rows()
-        self._list = Listing(id="rows")
-
-    def content_widgets(self) -> ComposeResult:
-        self._list.add_options([Option(self._prompt(row), id=row.name) for row in self._rows])
-        yield self._list
+        self._settings, self._change, self._rows = settings, change, rows()
+        options = [Option(self._prompt(row), id=row.name) for row in self._rows]
+        self._list = Listing(*options, id="rows")
+        super().__init__("", self._list)
 
     def on_mount(self) -> None:
-        self._list.focus()
         self._list.highlighted = 0
 
     def _prompt(self, row: Setting) -> Content:
@@ -101,23 +95,17 @@ class ThemeList(Dialog[str]):
     keys = "↑↓ try   enter keep   esc back"
 
     def __init__(self, names: Sequence[str], current: str) -> None:
-        super().__init__()
+        self._list = Listing(id="themes")
+        super().__init__("", self._list)
         self._names, self._current = names, current
-        lines = [
-            Content.assemble(("▸ " if name == current else "  ", INK.key), (name, INK.text))
-            for name in names
-        ]
-        options = [Option(line, id=name) for line, name in zip(lines, names, strict=True)]
-        self._list = Listing(*options, id="themes")
-
-    def content_widgets(self) -> ComposeResult:
-        yield self._list
+        for name in names:
+            sign = "▸ " if name == current else "  "
+            line = Content.assemble((sign, INK.key), (name, INK.text))
+            self._list.add_option(Option(line, id=name))
 
     def on_mount(self) -> None:
-        self._list.focus()
-        self._list.highlighted = (
-            self._names.index(self._current) if self._current in self._names else 0
-        )
+        names, current = self._names, self._current
+        self._list.highlighted = names.index(current) if current in names else 0
 
     @on(OptionList.OptionHighlighted, "#themes")
     def _tried(self, event: OptionList.OptionHighlighted) -> None:

@@ -8,7 +8,6 @@ from textwrap import wrap
 from typing import Literal, TypeAlias
 
 from textual import events, on
-from textual.app import ComposeResult
 from textual.command import CommandPalette, DiscoveryHit, Hit, Hits, Provider
 from textual.content import Content
 from textual.widgets import Input
@@ -91,14 +90,10 @@ class Help(Dialog[None]):
     keys = "letters filter   ↑↓ scroll   esc close"
 
     def __init__(self, drawing: Drawing, subject: Subject = "map") -> None:
-        super().__init__(f"Help · {subject}")
+        view = LinesView(id="help")
+        view.can_focus = False
+        super().__init__(f"Help · {subject}", Input(placeholder="Type to filter"), view)
         self._drawing, self._subject = drawing, subject
-
-    def content_widgets(self) -> ComposeResult:
-        yield Input(placeholder="Type to filter")
-        lines = LinesView(id="help")
-        lines.can_focus = False
-        yield lines
 
     def on_mount(self) -> None:
         self.query_one(LinesView).show_lines(self._lines)

@@ -17,7 +17,6 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line, visible
 
 if TYPE_CHECKING:
-    from textual.app import ComposeResult
 
     from logical_robots_tui.mind import Program, QueryPlan
 
@@ -167,14 +166,8 @@ class Graph(Dialog[str]):
     keys = "↑↓ choose   ← → go along   enter open in the inspector   esc close"
 
     def __init__(self, program: Program, name: str) -> None:
-        super().__init__()
         self.view = GraphView(program, name, self.dismiss)
-
-    def content_widgets(self) -> ComposeResult:
-        yield self.view
-
-    def on_mount(self) -> None:
-        self.view.focus()
+        super().__init__("", self.view)
 
 
 _BAR = 24  # columns of the longest bar

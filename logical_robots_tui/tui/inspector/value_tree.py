@@ -20,7 +20,6 @@ from logical_robots_tui.values import Value
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
-    from textual.app import ComposeResult
     from textual.widgets.tree import TreeNode
 
     from logical_robots_tui.game import Path, Pin
@@ -73,18 +72,13 @@ class ValueTree(Dialog[None]):
         pin: Callable[[Pin], None],
         follow: Callable[[Pin], bool],
     ) -> None:
-        super().__init__(title)
         self._branches = branches
         self._pin, self._follow = pin, follow
         self._tree: Tree[_ValuePart] = Tree("", id="tree")
         self._tree.show_root = False
         self._tree.guide_depth = 2
         self._picture = Static(id="radar")
-
-    def content_widgets(self) -> ComposeResult:
-        with Horizontal():
-            yield self._tree
-            yield self._picture
+        super().__init__(title, Horizontal(self._tree, self._picture))
 
     def on_mount(self) -> None:
         for branch in self._branches:

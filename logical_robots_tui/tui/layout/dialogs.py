@@ -22,6 +22,7 @@ from logical_robots_tui.wording import one_line, visible_lines
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
+    from textual.widget import Widget
 
 Result = TypeVar("Result")
 
@@ -75,9 +76,9 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
 
     BINDINGS = [("escape", "leave")]
 
-    def __init__(self, title: str = "") -> None:
+    def __init__(self, title: str = "", *widgets: Widget) -> None:
         super().__init__()
-        self._heading = title or self.heading
+        self._heading, self._widgets = title or self.heading, widgets
         # Kept because a closing dialog loses its widgets before itself.
         self._complaint = Static(id="complaint")
 
@@ -90,7 +91,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
                 yield Static(keys_in_style(self.keys), id="keys")
 
     def content_widgets(self) -> ComposeResult:
-        raise NotImplementedError
+        yield from self._widgets
 
     def action_leave(self) -> None:
         self.dismiss(None)
@@ -114,11 +115,8 @@ class Prompt(Dialog[Result]):
     DEFAULT_CSS = "Prompt > #box { max-width: 60; padding: 1 2 0 2; }"
 
     def __init__(self, title: str, text: str = "", placeholder: str = "") -> None:
-        super().__init__(title)
         self._line = Input(text, placeholder=placeholder)
-
-    def content_widgets(self) -> ComposeResult:
-        yield self._line
+        super().__init__(title, self._line)
 
     def take(self, text: str) -> None:
         """Close with the value of a text, or show an error."""
@@ -256,12 +254,8 @@ class Find(Dialog[TextSearch]):
     keys = "enter find, below: replace all   esc close"
 
     def __init__(self, text: str) -> None:
-        super().__init__()
-        self._text = text
-
-    def content_widgets(self) -> ComposeResult:
-        yield Input(self._text, placeholder="find", id="wanted")
-        yield Input(placeholder="replace by", id="instead")
+        find = Input(text, placeholder="find", id="wanted")
+        super().__init__("", find, Input(placeholder="replace by", id="instead"))
 
     @on(Input.Submitted)
     def _submitted(self, event: Input.Submitted) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from textual import on
-from textual.app import ComposeResult
 from textual.content import Content
 from textual.widgets import Input, Static
 
@@ -52,12 +51,13 @@ class LevelQuestions(Dialog[None]):
     keys = "enter check   tab next question   PgDn scroll the rows   esc close"
 
     def __init__(self, level: Level, learning: Learning, clock: Clock) -> None:
-        super().__init__()
         self._level, self._learning = level, learning
         self._examiner = Examiner(level)
         self._pending = BackgroundQuery(clock)
         self._line, self._table = QueryLine(self._leave), ValueTable()
         self._table.can_focus = False
+        above = Static(id="ask"), Static(id="where")
+        super().__init__("", *above, self._line, Static(id="verdict"), self._table)
         self._right = ""
         asks = [question.ask for question in level.questions]
         self._at = next((n for n, ask in enumerate(asks) if ask not in learning.answers), 0)
@@ -66,15 +66,7 @@ class LevelQuestions(Dialog[None]):
     def _question(self) -> LevelQuestion:
         return self._level.questions[self._at]
 
-    def content_widgets(self) -> ComposeResult:
-        yield Static(id="ask")
-        yield Static(id="where")
-        yield self._line
-        yield Static(id="verdict")
-        yield self._table
-
     def on_mount(self) -> None:
-        self._line.focus()
         self._show_question()
 
     async def on_unmount(self) -> None:

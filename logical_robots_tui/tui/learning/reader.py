@@ -6,7 +6,6 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, Literal
 
 from textual import events
-from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
@@ -42,17 +41,10 @@ class TextReader(Dialog[Literal["questions"]]):
     keys = "↑↓ scroll   space next page   esc close"
 
     def __init__(self, title: str, text: Widget, answered: str = "") -> None:
-        super().__init__(title)
-        self._text, self._has_questions = text, bool(answered)
+        super().__init__(title, VerticalScroll(text))
+        self._has_questions = bool(answered)
         if answered:
             self.keys = f"↑↓ scroll   space page   enter questions ({answered})   esc close"
-
-    def content_widgets(self) -> ComposeResult:
-        with VerticalScroll():
-            yield self._text
-
-    def on_mount(self) -> None:
-        self.query_one(VerticalScroll).focus()
 
     def action_page(self) -> None:
         scroll = self.query_one(VerticalScroll)
@@ -95,14 +87,10 @@ class Hints(Dialog[Literal["lesson"]]):
     BINDINGS = [("h,enter,space", "more"), ("t", "lesson"), ("q", "leave")]
 
     def __init__(self, level: Level, learning: Learning) -> None:
-        super().__init__(f"Hints · {level.title}")
+        hints = VerticalScroll(Static(id="hints"))
+        super().__init__(f"Hints · {level.title}", hints, Static(id="more"))
         self._of_all, self._learning = len(level.hints), learning
         self._has_lesson = bool(level.lesson)
-
-    def content_widgets(self) -> ComposeResult:
-        with VerticalScroll():
-            yield Static(id="hints")
-        yield Static(id="more")
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._write)

@@ -452,17 +452,14 @@ class FindingList(Dialog[LevelFinding]):
     keys = "enter go there   ↑↓ choose   esc close"
 
     def __init__(self, findings: Sequence[LevelFinding]) -> None:
-        super().__init__()
         self._findings = findings
-
-    def content_widgets(self) -> ComposeResult:
         lines = []
-        for finding in self._findings:
+        for finding in findings:
             style, text = INK.bad if finding.forbids else INK.warn, one_line(finding.text)
             has_place = finding.x is not None and finding.y is not None
             place = f"   {finding.x:.0f}, {finding.y:.0f}" if has_place else ""
             lines.append(Content.assemble(("! ", style), (text, INK.text), (place, INK.dim)))
-        yield Listing(*map(Option, lines), markup=False, compact=True)
+        super().__init__("", Listing(*map(Option, lines), markup=False, compact=True))
 
     @on(OptionList.OptionSelected)
     def _chosen(self, event: OptionList.OptionSelected) -> None:

@@ -29,8 +29,6 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line, visible, visible_lines
 
 if TYPE_CHECKING:
-    from textual.app import ComposeResult
-
     from logical_robots_tui.progress import Version
 
 T = TypeVar("T")
@@ -89,8 +87,6 @@ class Chooser(Dialog[T], Generic[T]):
     ]
 
     def __init__(self, shelf: Shelf[T], current: str) -> None:
-        super().__init__(shelf.title)
-        self.keys = f"enter {shelf.does}   ↑↓ choose   esc close"
         self._shelf = shelf
         self._current = current
         self._cards: dict[str, Card] = {}
@@ -99,21 +95,16 @@ class Chooser(Dialog[T], Generic[T]):
         # Kept because a closing dialog loses its widgets before itself.
         self._filter = Input(placeholder=shelf.placeholder, id="filter", select_on_focus=False)
         self._entries = Listing(id="entries", markup=False, compact=True)
+        self._entries.can_focus = False
         self._preview_text = Static(id="preview-text")
-
-    def content_widgets(self) -> ComposeResult:
-        yield self._filter
-        with Horizontal():
-            yield self._entries
-            with VerticalScroll(id="preview", can_focus=False):
-                yield self._preview_text
+        preview = VerticalScroll(self._preview_text, id="preview", can_focus=False)
+        super().__init__(shelf.title, self._filter, Horizontal(self._entries, preview))
+        self.keys = f"enter {shelf.does}   ↑↓ choose   esc close"
 
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.width < _PREVIEW_FROM, "-narrow")
 
     def on_mount(self) -> None:
-        self._entries.can_focus = False
-        self._filter.focus()
         in_background(self, self._read_all)
 
     def action_go(self, motion: str) -> None:

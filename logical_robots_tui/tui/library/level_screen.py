@@ -34,8 +34,6 @@ from logical_robots_tui.world import Level, list_arenas, list_levels, list_shipp
 from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
-    from textual.app import ComposeResult
-
     from logical_robots_tui.player.recorder import ProgressRecorder
 
 _ROOMY = 24  # lines of the screen from which there is space for the results of the chosen level
@@ -72,31 +70,19 @@ class LevelScreen(Dialog["Level | Wish"]):
     def __init__(
         self, level: Level, recorder: ProgressRecorder, drawing: Drawing, folder: Path
     ) -> None:
-        super().__init__()
-        self._folder = folder
-        self._level = level
-        self._recorder = recorder
-        self._drawing = drawing
+        placeholder = "type to filter, or the path of a .toml or .json file"
+        line = Input(placeholder=placeholder, id="filter", select_on_focus=False)
+        line.cursor_blink = False  # nothing is redrawn while idle
+        self._cards = LevelCards()
+        super().__init__("", Static(id="head"), line, self._cards, Static(id="detail"))
+        self._folder, self._level = folder, level
+        self._recorder, self._drawing = recorder, drawing
         self._all: list[LevelCard] = []
         self._shown: list[LevelCard] = []
-        self._cards = LevelCards()
         self._is_read = False
-
-    def content_widgets(self) -> ComposeResult:
-        yield Static(id="head")
-        yield Input(
-            placeholder="type to filter, or the path of a .toml or .json file",
-            id="filter",
-            select_on_focus=False,
-        )
-        yield self._cards
-        yield Static(id="detail")
 
     def on_mount(self) -> None:
         """Show the names at once; details and miniatures follow as they are ready."""
-        line = self.query_one("#filter", Input)
-        line.cursor_blink = False  # nothing is redrawn while idle
-        line.focus()
         shipped, own_files = list_shipped(), own_levels(self._folder)
         current_name = self._level.name
         self._all = [LevelCard(name, is_here=name == current_name) for name in shipped] + [

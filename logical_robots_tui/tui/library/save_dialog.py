@@ -31,13 +31,9 @@ class SaveDialog(Dialog[Result]):
     keys = "enter save   esc close"
 
     def __init__(self, name: str) -> None:
-        super().__init__()
-        self._proposed = name if name.isprintable() else ""
+        super().__init__("", Input(name if name.isprintable() else "", id="name"))
         self._confirmed: Path | None = None
         self._is_saving = False
-
-    def content_widgets(self) -> ComposeResult:
-        yield Input(self._proposed, id="name")
 
     @abstractmethod
     def file(self, name: str) -> Path:

@@ -27,8 +27,6 @@ from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from textual.app import ComposeResult
-
     from logical_robots_tui.mind import Program
     from logical_robots_tui.player.session import Session
 
@@ -131,14 +129,11 @@ class BreakpointList(Dialog[None]):
     keys = "a add   space switch off or on   d delete   esc close"
 
     def __init__(self, session: Session) -> None:
-        super().__init__()
-        self._session = session
-        self._shown: tuple[Breakpoint, ...] = ()
         self._entries = Listing(id="breakpoints", markup=False, compact=True)
         self._none = Static(_NONE, id="none", markup=False)
-
-    def content_widgets(self) -> ComposeResult:
-        yield from (self._entries, self._none)
+        super().__init__("", self._entries, self._none)
+        self._session = session
+        self._shown: tuple[Breakpoint, ...] = ()
 
     def on_mount(self) -> None:
         self._entries.focus()
@@ -219,7 +214,6 @@ class BreakpointForm(Dialog[Breakpoint]):
     keys = _KEYS[True]
 
     def __init__(self, level: Level, program: Program | None) -> None:
-        super().__init__()
         self._level, self._program = level, program
         self._robots = tuple(robot.name for robot in level.robots)
         options = (Option(words, id=event) for event, words in EVENTS.items())
@@ -231,14 +225,13 @@ class BreakpointForm(Dialog[Breakpoint]):
             suggester=SuggestFromList(self._robots, case_sensitive=False),
         )
         self._column = Input(placeholder="column, or nothing for the whole row", id="column")
-        self._names = [Static(classes="names", markup=False) for _ in range(2)]
-
-    def content_widgets(self) -> ComposeResult:
-        yield from (self._events, self._subject, self._names[0])
-        yield from (self._robot, self._names[1], self._column)
+        self._names = subjects_line, robots_line = [
+            Static(classes="names", markup=False) for _ in range(2)
+        ]
+        fields = self._subject, subjects_line, self._robot, robots_line, self._column
+        super().__init__("", self._events, *fields)
 
     def on_mount(self) -> None:
-        self._events.focus()
         self._arrange()
 
     def on_descendant_focus(self) -> None:
