@@ -296,14 +296,13 @@ FILLS_CACHES = """if True:
     from pathlib import Path
 
     from logical_robots_tui.confinement import MOST_BYTES, MOST_FILES, check_quota, confine
-    from logical_robots_tui.game.debugging import matches
     from logical_robots_tui.game.history import recording
     from logical_robots_tui.mind import compilation
 
     own = Path(sys.argv[1])
     confine(own)
-    folders = recording._folder(), compilation.compiled_programs(), matches._folder()
-    for folder, count in zip(folders, (20, 400, 400)):
+    folders = recording._folder(), compilation.compiled_programs()
+    for folder, count in zip(folders, (20, 400)):
         for number in range(count):
             folder.keep(f"e{number}", [bytes(folder.most_bytes // count * 2)])
             os.utime(folder.place / f"e{number}{folder.suffix}", (number, number))

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-import hashlib
+import asyncio
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
-import msgspec
-
-from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.debugging.breakpoints import matching_rows
 from logical_robots_tui.game.frame import Frame, NoSuchTickError
 from logical_robots_tui.mind import QueryError, Stopped
+from logical_robots_tui.mind.compilation import Task, find_result, keep_result
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import CompiledQuery, Mind
-
-MAX_ENTRIES = 500
-MAX_BYTES = 10_000_000
-SUFFIX = ".when"
-
-_LARGEST = 1_000_000  # bytes of one answer
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +45,14 @@ class Matches:
         return sum(last - first + 1 for first, last in self.failed)
 
 
+class _FindMatches(Task, frozen=True):
+    run: str
+    question: str
+    sql: str
+    robot: str
+    ticks: int
+
+
 async def find_matches(
     run: Run,
     question: CompiledQuery,
@@ -61,9 +61,8 @@ async def find_matches(
     report: Callable[[int], object] = lambda _tick: None,
 ) -> Matches:
     """Evaluate a question at every tick up to victory, by default for any robot; cached."""
-    about = (run.key, question.text, question.sql, robot, ticks)
-    name = hashlib.sha256(msgspec.json.encode(about)).hexdigest()
-    if (matches := _find(name)) is not None:
+    task = _FindMatches(run.key, question.text, question.sql, robot, ticks)
+    if (matches := await asyncio.to_thread(find_result, task, Matches)) is not None:
         return matches
 
     def ask(frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Frame, bool | str]:
@@ -84,7 +83,7 @@ async def find_matches(
         report(last)
     matches = Matches(last, won_at, tuple(holds), tuple(failed), reason, is_reliable)
     if is_reliable and run.is_reproducible and not failed:  # or it may have lacked time
-        _keep(name, matches)
+        await asyncio.to_thread(keep_result, task, matches)
     return matches
 
 
@@ -104,41 +103,6 @@ def _add(stretches: list[tuple[int, int]], tick: int) -> None:
         stretches[-1] = (stretches[-1][0], tick)
     else:
         stretches.append((tick, tick))
-
-
-def _folder() -> CacheFolder:
-    return CacheFolder(cache_place("runs", subfolder="runs"), SUFFIX, MAX_ENTRIES, MAX_BYTES)
-
-
-def _find(name: str) -> Matches | None:
-    content = _folder().read(name, _LARGEST)
-    if content is None:
-        return None
-    digest, _, body = content.partition(b"\n")
-    try:
-        if digest != _digest(name, body):
-            raise ValueError("another answer, or not all of it")
-        matches = msgspec.json.decode(body, type=Matches)
-        ends = [end for stretch in matches.stretches for end in stretch]
-        if ends != sorted(ends) or not all(0 < end <= matches.ticks for end in ends):
-            raise ValueError("no stretches of these ticks")
-    except (ValueError, msgspec.DecodeError):
-        _folder().drop(name)
-        return None
-    return matches
-
-
-def _keep(name: str, matches: Matches) -> None:
-    folder = _folder()
-    if folder.place is None:
-        return
-    body = msgspec.json.encode(matches)
-    if len(body) < _LARGEST:
-        folder.keep(name, [_digest(name, body), b"\n", body])
-
-
-def _digest(name: str, body: bytes) -> bytes:
-    return hashlib.sha256(name.encode() + body).hexdigest().encode()
 
 
 _TOGETHER = 16  # ticks evaluated at once
