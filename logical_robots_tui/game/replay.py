@@ -185,7 +185,12 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
     @cached_property
     def _desires(self) -> list[NDArray[np.float64]]:
         """For each stage an array of ticks, robots and engines."""
-        return [_unpack(stage.desires) for stage in self.stages]
+        arrays = []
+        for stage in self.stages:
+            columns = [np.frombuffer(column, "<u8").reshape(2, -1).T for column in stage.desires]
+            bits = np.stack(columns, axis=1) if columns else np.zeros((MOST_TICKS, 0, 2), "<u8")
+            arrays.append(np.bitwise_xor.accumulate(bits, axis=0).view("<f8"))
+        return arrays
 
     def check(self) -> None:
         """Raise ValueError or LevelError unless all parts are valid and fit together."""
@@ -340,18 +345,23 @@ def _pack(engines: NDArray[np.float64]) -> tuple[bytes, ...]:
     return tuple(bits[:, robot].T.tobytes() for robot in range(bits.shape[1]))
 
 
-def _unpack(desires: Sequence[bytes]) -> NDArray[np.float64]:
-    columns = [np.frombuffer(column, "<u8").reshape(2, -1).T for column in desires]
-    if not columns:
-        return np.zeros((MOST_TICKS, 0, 2))
-    bits = np.bitwise_xor.accumulate(np.stack(columns, axis=1), axis=0)
-    return bits.view("<f8")
+_HASHED_OF_ROBOTS = (
+    *("name", "x", "y", "angle", "battery_level", "left_engine", "right_engine"),
+    *("blocked", "dead"),
+)
+_HASHED_OF_AREAS = ("name", "active", "visitors")
 
 
 def _hash_of(state: WorldState) -> bytes:
-    parts = ["tick", "robots", "areas", "won_at", *(["tallies"] if state.tallies else [])]
-    encoded = msgspec.msgpack.encode({part: getattr(state, part) for part in parts})
-    return hashlib.sha256(encoded).digest()[:_HASH_BYTES]
+    """Return a hash of fields that the format names, so that others can be added."""
+    parts = {
+        "tick": state.tick,
+        "robots": [{f: getattr(robot, f) for f in _HASHED_OF_ROBOTS} for robot in state.robots],
+        "areas": [{f: getattr(area, f) for f in _HASHED_OF_AREAS} for area in state.areas],
+        "won_at": state.won_at,
+        **({"tallies": state.tallies} if state.tallies else {}),
+    }
+    return hashlib.sha256(msgspec.msgpack.encode(parts)).digest()[:_HASH_BYTES]
 
 
 class Verifier:

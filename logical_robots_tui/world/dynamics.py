@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from itertools import product
+from operator import attrgetter
 from typing import TypeAlias
 
 from logical_robots_tui.values import SensorRow
@@ -70,6 +71,9 @@ class Mover:
     blocked: bool = False
     dead: bool = False
 
+
+body_of = attrgetter(*Mover.__slots__)
+"""Returns the values of those fields, of a ``Mover`` or a ``RobotState``."""
 
 ROBOT_WIDTH = 18
 """Map units between the centres of two robots that touch, where robots block each other."""

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from operator import attrgetter
 from typing import TypeAlias
 
 from logical_robots_tui.confinement import check_room
@@ -17,6 +16,7 @@ from logical_robots_tui.world.dynamics import (
     Mover,
     RobotState,
     WorldState,
+    body_of,
     charging_sources,
     drive,
     is_dead,
@@ -33,7 +33,6 @@ from logical_robots_tui.world.level import Area, Level, Robot
 from logical_robots_tui.world.sensing import Senses
 
 _ROOM = 32 * 1024**2  # bytes of address space that arrays of rays may take
-_fields = attrgetter(*Mover.__slots__)
 
 
 class World:
@@ -157,7 +156,7 @@ class World:
             push_out(mover, solid)
 
         robots = tuple(
-            [RobotState(n, *_fields(m)) for n, m in zip(self._names, movers, strict=True)]
+            [RobotState(n, *body_of(m)) for n, m in zip(self._names, movers, strict=True)]
         )
         areas = tuple(
             AreaState(

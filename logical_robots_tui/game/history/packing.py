@@ -7,7 +7,7 @@ import math
 import zlib
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Protocol, get_args
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol, get_args
 from logical_robots_tui.mind import Decision, Notice, NoticeKind
 from logical_robots_tui.values import Desire, Value
 from logical_robots_tui.world import AreaState, Level, RobotState, WorldState
+from logical_robots_tui.world.dynamics import Mover, body_of
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
@@ -24,8 +25,9 @@ _BODY_BYTES = 1_000  # of a robot's state and decision
 _DEEPEST = 200  # that a value read from a file may be nested
 _HEAVIEST_OPEN = 24_000_000  # bytes of objects in all packs that are kept open
 
-_BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
-_body_of = attrgetter(*_BODY)
+_FLAGS = [type(part.default) is bool for part in fields(Mover)]
+"""Which values of a body are true or false, not numbers."""
+
 _facts_of = attrgetter("think_milliseconds", "driven", "weight")
 
 
@@ -171,7 +173,7 @@ def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
     facts = [(m.after.won_at, m.after.tallies, *_facts_of(m), bool(m.decisions)) for m in moments]
     areas = [[(area.active, area.visitors) for area in m.after.areas] for m in moments]
     robots = [*enumerate(robot.name for robot in first.robots)]
-    bodies = [[_body_of(m.after.robots[i]) for m in moments] for i, _ in robots]
+    bodies = [[body_of(m.after.robots[i]) for m in moments] for i, _ in robots]
     thoughts = [[_thought_of(m, i, name, values) for m in moments] for i, name in robots]
     return first.tick, *_names_of(moments[0]), facts, areas, bodies, thoughts, values.all
 
@@ -220,7 +222,16 @@ def is_moment(moment: Moment, tick: int, level: Level) -> bool:
         and type(moment.weight) is int
         and moment.weight >= 0
         and [decision.robot_name for decision in moment.decisions] == (names if tick else [])
-        and all(_is_decision(decision) for decision in moment.decisions)
+        and all(
+            decision.desire is None
+            or _are_numbers(decision.desire.left_engine, decision.desire.right_engine)
+            for decision in moment.decisions
+        )
+        and all(
+            notice.kind in get_args(NoticeKind) and type(notice.message) is str
+            for decision in moment.decisions
+            for notice in decision.notices
+        )
     )
 
 
@@ -232,7 +243,11 @@ def is_state(state: WorldState, memories: Any, tick: int, level: Level) -> bool:
         and state.tick == tick
         and (state.won_at is None or (type(state.won_at) is int and 0 < state.won_at <= tick))
         and [robot.name for robot in state.robots] == names
-        and all(_is_body(robot) for robot in state.robots)
+        and all(
+            type(value) is bool if is_flag else _are_numbers(value)
+            for robot in state.robots
+            for value, is_flag in zip(body_of(robot), _FLAGS, strict=True)
+        )
         and [area.name for area in state.areas] == [area.name for area in level.areas]
         and all(
             type(area.active) is bool and set(area.visitors) <= set(names) for area in state.areas
@@ -241,23 +256,6 @@ def is_state(state: WorldState, memories: Any, tick: int, level: Level) -> bool:
         and all(type(n) is int and 0 <= n < 1 << 63 for row in state.tallies for n in row)
         and type(memories) is dict
         and list(memories) == names
-    )
-
-
-def _is_body(robot: Any) -> bool:
-    numbers = (robot.x, robot.y, robot.angle, robot.battery_level)
-    return (
-        _are_numbers(*numbers, robot.left_engine, robot.right_engine)
-        and type(robot.blocked) is bool
-        and type(robot.dead) is bool
-    )
-
-
-def _is_decision(decision: Any) -> bool:
-    desire = decision.desire
-    return (desire is None or _are_numbers(desire.left_engine, desire.right_engine)) and all(
-        notice.kind in get_args(NoticeKind) and type(notice.message) is str
-        for notice in decision.notices
     )
 
 
