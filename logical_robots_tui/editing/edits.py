@@ -67,9 +67,7 @@ class _Replacement(NamedTuple):
     new: PackedBits
 
     def change(self, walls: NDArray[np.bool_], *, forward: bool) -> NDArray[np.bool_]:
-        new_walls = (self.new if forward else self.old).bits()
-        new_walls.flags.writeable = False
-        return new_walls
+        return (self.new if forward else self.old).bits()
 
 
 class Edits:

@@ -240,9 +240,12 @@ class PackedBits(NamedTuple):
         return cls((height, width), zlib.compress(np.packbits(bits).tobytes(), 1))
 
     def bits(self) -> _Bits:
+        """Return the bits as a read-only array."""
         height, width = self.shape
         packed = np.frombuffer(zlib.decompress(self.compressed), np.uint8)
-        return np.unpackbits(packed, count=height * width).reshape(self.shape).view(np.bool_)
+        bits: _Bits = np.unpackbits(packed, count=height * width).view(np.bool_)
+        bits.flags.writeable = False
+        return bits.reshape(self.shape)
 
 
 def difference_box(old: _Bits, new: _Bits) -> tuple[slice, slice] | None:

@@ -14,7 +14,6 @@ from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
 from logical_robots_tui.game.history.packing import Moment, Packed
-from logical_robots_tui.mind import Decision
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.walls import PackedBits
 
@@ -55,42 +54,25 @@ class Divergence:
 def find_divergence(state: Moment, other_state: Moment) -> Divergence | None:
     if state.decisions == other_state.decisions and state.after == other_state.after:
         return None
-    decisions = _decision_differences(state, other_state)
-    return Divergence(state.after.tick, (*decisions, *_robot_differences(state, other_state)))
+    other_values = dict(_matters(other_state))
+    differences = (
+        BranchDifference(*key, value, other_values[key])
+        for key, value in _matters(state)
+        if key in other_values and value != other_values[key]
+    )
+    return Divergence(state.after.tick, tuple(differences))
 
 
-def _decision_differences(state: Moment, other_state: Moment) -> Iterator[BranchDifference]:
-    other_decisions = {decision.robot_name: decision for decision in other_state.decisions}
-    for decision in state.decisions:
-        rival = other_decisions.get(decision.robot_name)
-        if rival is not None and decision != rival:
-            rival_matters = _matters(rival)
-            for matter, value in _matters(decision).items():
-                if value != rival_matters[matter]:
-                    name, other_value = decision.robot_name, rival_matters[matter]
-                    yield BranchDifference(name, matter, value, other_value)
-
-
-def _matters(decision: Decision) -> dict[Matter, object]:
-    return {
-        "desire": decision.desire,
-        "memory": decision.memory,
-        "notices": tuple(notice.message for notice in decision.notices),
-    }
-
-
-def _robot_differences(state: Moment, other_state: Moment) -> Iterator[BranchDifference]:
-    other_robots = {robot.name: robot for robot in other_state.after.robots}
-    for robot in state.after.robots:
-        rival = other_robots.get(robot.name)
-        if rival is None:
-            continue
-        pose, other_pose = (robot.x, robot.y, robot.angle), (rival.x, rival.y, rival.angle)
-        if pose != other_pose:
-            yield BranchDifference(robot.name, "position", pose, other_pose)
-        if robot.battery_level != rival.battery_level:
-            charge, other_charge = robot.battery_level, rival.battery_level
-            yield BranchDifference(robot.name, "battery", charge, other_charge)
+def _matters(moment: Moment) -> Iterator[tuple[tuple[str, Matter], object]]:
+    """Yield what is compared of each robot."""
+    for decision in moment.decisions:
+        yield (decision.robot_name, "desire"), decision.desire
+        yield (decision.robot_name, "memory"), decision.memory
+        messages = tuple(notice.message for notice in decision.notices)
+        yield (decision.robot_name, "notices"), messages
+    for robot in moment.after.robots:
+        yield (robot.name, "position"), (robot.x, robot.y, robot.angle)
+        yield (robot.name, "battery"), robot.battery_level
 
 
 _TOGETHER = 32  # moments in a pack, unless they are heavy
@@ -273,20 +255,20 @@ class Levels:
     def __init__(self, tick: int, level: Level) -> None:
         self._ticks = [tick]
         self._latest = level
-        self._earlier: list[_PackedLevel] = []
-        self._cache: tuple[_PackedLevel, Level] | None = None
+        self._earlier: list[tuple[Level, PackedBits]] = []  # without walls, and those
+        self._cache: tuple[PackedBits, Level] | None = None
 
     @property
     def packed_bytes(self) -> int:
-        return sum(len(packed.walls.compressed) for packed in self._earlier)
+        return sum(len(walls.compressed) for _, walls in self._earlier)
 
     def level_at(self, tick: int) -> Level:
         index = max(bisect_right(self._ticks, tick) - 1, 0)
         if index == len(self._earlier):
             return self._latest
-        packed = self._earlier[index]
-        if self._cache is None or self._cache[0] is not packed:
-            self._cache = packed, packed.level()
+        description, walls = self._earlier[index]
+        if self._cache is None or self._cache[0] is not walls:
+            self._cache = walls, replace(description, walls=walls.bits())
         return self._cache[1]
 
     def is_changed_in(self, tick: int) -> bool:
@@ -299,7 +281,8 @@ class Levels:
         """Set the level from a tick's end on; the same level means that robots were moved."""
         is_moved_at_start = level is self._latest and len(self._ticks) == 1
         if tick > self._ticks[-1] or is_moved_at_start:
-            self._earlier.append(_PackedLevel.pack(self._latest))
+            walls = PackedBits.pack(self._latest.walls)
+            self._earlier.append((replace(self._latest, walls=_NO_WALLS), walls))
             self._ticks.append(tick)
         self._latest = level
 
@@ -314,18 +297,3 @@ class Levels:
         index = bisect_right(self._ticks, tick) - 1
         if index > 0:
             del self._ticks[:index], self._earlier[:index]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _PackedLevel:
-    description: Level
-    walls: PackedBits
-
-    @classmethod
-    def pack(cls, level: Level) -> _PackedLevel:
-        return cls(replace(level, walls=_NO_WALLS), PackedBits.pack(level.walls))
-
-    def level(self) -> Level:
-        walls = self.walls.bits()
-        walls.flags.writeable = False
-        return replace(self.description, walls=walls)
