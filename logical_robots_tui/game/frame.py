@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.values import SensorRow, Value
 from logical_robots_tui.world import Level, WorldState
-from logical_robots_tui.world.dynamics import AreaState, RobotState, points
+from logical_robots_tui.world.dynamics import points
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.decision import Decision
@@ -75,9 +75,17 @@ def events_between(level: Level, previous: Frame, frame: Frame) -> Iterator[str]
     """Yield a sentence for each event between two consecutive ticks; names are not escaped."""
     obstacle = "a wall or a robot" if level.solid_robots else "a wall"
     for old_robot, robot in zip(previous.after.robots, frame.after.robots, strict=True):
-        yield from _robot_events(old_robot, robot, obstacle)
+        name = robot.name
+        if robot.blocked != old_robot.blocked:
+            yield f"{name} is blocked by {obstacle}." if robot.blocked else f"{name} moves again."
+        if robot.dead != old_robot.dead:
+            yield f"The battery of {name} is empty." if robot.dead else f"{name} has charge again."
     for old_area, area in zip(previous.after.areas, frame.after.areas, strict=True):
-        yield from _area_events(old_area, area)
+        if area.active is not old_area.active:
+            yield f"{area.name} is switched {'on' if area.active else 'off'}."
+        old_names, names = old_area.visitors, area.visitors
+        yield from (f"{name} enters {area.name}." for name in names if name not in old_names)
+        yield from (f"{name} leaves {area.name}." for name in old_names if name not in names)
     # Areas may share a name, so goals are identified by position.
     goal_indices = [index for index, area in enumerate(level.areas) if area.victory_robots]
     for index, goal in zip(goal_indices, goals(level, frame.after), strict=True):
@@ -113,28 +121,6 @@ def standing_words(level: Level, state: WorldState) -> str:
     """Return the points of the teams in words, the best first: ``red 12, blue 7``."""
     ranking = sorted(standing(level, state).items(), key=lambda entry: -entry[1])
     return ", ".join(f"{team} {round(score, 1):,.10g}" for team, score in ranking)
-
-
-def _robot_events(old: RobotState, robot: RobotState, obstacle: str) -> Iterator[str]:
-    if robot.blocked and not old.blocked:
-        yield f"{robot.name} is blocked by {obstacle}."
-    if old.blocked and not robot.blocked:
-        yield f"{robot.name} moves again."
-    if robot.dead and not old.dead:
-        yield f"The battery of {robot.name} is empty."
-    if old.dead and not robot.dead:
-        yield f"{robot.name} has charge again."
-
-
-def _area_events(old: AreaState, area: AreaState) -> Iterator[str]:
-    if area.active is not old.active:
-        yield f"{area.name} is switched {'on' if area.active else 'off'}."
-    for name in area.visitors:
-        if name not in old.visitors:
-            yield f"{name} enters {area.name}."
-    for name in old.visitors:
-        if name not in area.visitors:
-            yield f"{name} leaves {area.name}."
 
 
 class Goal(NamedTuple):

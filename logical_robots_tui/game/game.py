@@ -73,11 +73,12 @@ class Game:
         history: int = DEFAULT_LENGTH,
         breakpoints: Breakpoints | None = None,
         clock: Clock = CLOCK,
+        pace: Pace | None = None,
     ) -> None:
         self.program = program
         self.limits = limits or Limits()
         self.run_number = 0
-        self.pace = Pace(clock=clock)
+        self.pace = pace or Pace(clock=clock)
         self.clock = clock
         self.breakpoints = Breakpoints() if breakpoints is None else breakpoints
         self._listeners: list[Callable[[Frame], None]] = []

@@ -57,7 +57,18 @@ class Examiner:
         InputError if the level's program or its own answer can't be used.
         """
         for tick in question.ticks:
-            verdict = await self._check_at(question, query, tick, report)
+            try:
+                expected = await self.rows(question, question.answer, tick, report)
+            except (ProgramError, QueryError) as error:
+                message = f"The level's own answer can't be used: {error}"
+                raise LevelError(message, place=self._level.source) from error
+            try:
+                answer = await self.rows(question, query, tick)
+            except QueryError as error:
+                verdict = Verdict(False, tick, f"it gives no rows. {error}")
+            else:
+                difference_words = difference(answer, expected)
+                verdict = Verdict(not difference_words, tick, difference_words, answer)
             if not verdict.is_right:
                 break
         earlier_ticks = [t for t in question.ticks if t < tick]
@@ -91,21 +102,6 @@ class Examiner:
             program = await compile_program(load_program(name).text)
             self._runs[name] = Run(self._level, program)
         return self._runs[name]
-
-    async def _check_at(
-        self, question: LevelQuestion, query: str, tick: int, report: Callable[[int], object]
-    ) -> Verdict:
-        try:
-            expected = await self.rows(question, question.answer, tick, report)
-        except (ProgramError, QueryError) as error:
-            message = f"The level's own answer can't be used: {error}"
-            raise LevelError(message, place=self._level.source) from error
-        try:
-            answer = await self.rows(question, query, tick)
-        except QueryError as error:
-            return Verdict(False, tick, f"it gives no rows. {error}")
-        words = difference(answer, expected)
-        return Verdict(not words, tick, words, answer)
 
 
 def program_of(level: Level, question: LevelQuestion) -> str:

@@ -213,7 +213,14 @@ class Run:
         if any(self._recording.is_in_gap(t) for t in (max(tick - 1, 0), tick)):
             self._recording.return_to_gap()
         while self._recording.last < tick and CLOCK.now() < deadline:
-            self._compute_next(stop)
+            old = self._stored_frame(self._recording.last)
+            mind = self._thinker.mind(self.program, self.level, self.limits)
+            (step,) = advance(
+                self._worlds, self.level, mind, old, (), _NO_WATCH, stop, CLOCK, seconds=0, limit=1
+            )
+            frame = self._latest = step.frame
+            distance = self._recording.moment(old.tick).driven + frame.distance
+            self._recording.add(Moment.from_frame(frame, distance))
         return tick <= self._recording.last
 
     def _forget(self) -> None:
@@ -229,16 +236,6 @@ class Run:
         recorded = RecordedTick(self.level, previous, self._recording.moment(tick))
         self._latest = frame_of(self._worlds, recorded)
         return self._latest
-
-    def _compute_next(self, stop: threading.Event) -> None:
-        previous = self._stored_frame(self._recording.last)
-        mind = self._thinker.mind(self.program, self.level, self.limits)
-        (step,) = advance(
-            self._worlds, self.level, mind, previous, (), _NO_WATCH, stop, CLOCK, seconds=0, limit=1
-        )
-        frame = self._latest = step.frame
-        distance = self._recording.moment(previous.tick).driven
-        self._recording.add(Moment.from_frame(frame, distance + frame.distance))
 
 
 class RunHistory:

@@ -168,10 +168,10 @@ class Session:
         program = self._think_with(program)
         self._tell(lambda listener: listener.program_used(program))
         if self.game is None:
+            points, clock, pace = self.breakpoints, self.clock, self.pace
             game_ = self.game = game.Game(
-                self.level, program, breakpoints=self.breakpoints, clock=self.clock
+                self.level, program, breakpoints=points, clock=clock, pace=pace
             )
-            game_.pace = self.pace
             game_.listen(lambda frame: self._show(game_, frame))
             self.frame = game_.frame
             if self.movement.kind == "awaiting":

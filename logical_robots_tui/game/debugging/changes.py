@@ -75,7 +75,12 @@ class _Changes:
     def __init__(self, memory: Value, path: Path, tick: int) -> None:
         self.ticks: list[int] = []  # of the changes, the last one first
         self._tick, self._memory = tick, memory
-        self._path = _absolute_path(memory, path)
+        self._path: Path = ()
+        for name in path:
+            value = part_of(memory, self._path)
+            if isinstance(name, int) and name < 0 and isinstance(value, list):
+                name += len(value)
+            self._path = (*self._path, name)
         self._values = [part_of(memory, self._path)]  # after each change, and before the first
         self._increment: float | None = None
         self._even = 0  # changes by the same difference
@@ -148,13 +153,3 @@ def _old_path(memory: Value, new_memory: Value, path: Path) -> Path | None:
         return None
     except QueryError:
         return None
-
-
-def _absolute_path(memory: Value, path: Path) -> Path:
-    absolute_path: Path = ()
-    for name in path:
-        value = part_of(memory, absolute_path)
-        if isinstance(name, int) and name < 0 and isinstance(value, list):
-            name += len(value)
-        absolute_path = (*absolute_path, name)
-    return absolute_path

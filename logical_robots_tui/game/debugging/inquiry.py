@@ -7,8 +7,9 @@ import contextlib
 import math
 import operator
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from itertools import repeat
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui import explain
@@ -130,28 +131,21 @@ def read(pin: Pin, table: ResultTable | QueryError) -> PinReading:
     for name in (*(name for name, _ in pin.where), pin.column):
         if table.rows and name not in (*table.columns, MIND, ""):
             return PinReading(problem=f"{pin.predicate} has no column {name}.")
-    rows = list(_matching(table, pin.where))
+    places = [table.columns.index(c) if c in table.columns else None for c, _ in pin.where]
+    tests = [(place, value) for place, (_, value) in zip(places, pin.where, strict=True)]
+    rows = [
+        row
+        for row, viewer in zip(table.rows, table.viewers or repeat(None), strict=False)
+        if all(
+            viewer in (None, value) if place is None else _is_same(row[place], value)
+            for place, value in tests
+        )
+    ]
     if not pin.column:
         return PinReading(len(rows))
     if len(rows) != 1:
         return PinReading(problem=f"{len(rows)} rows." if rows else "No row.")
     return _inside(rows[0][table.columns.index(pin.column)], pin.path)
-
-
-def _matching(
-    table: ResultTable, where: Iterable[tuple[str, Value]]
-) -> Iterator[tuple[Value, ...]]:
-    tests = [
-        (table.columns.index(name) if name in table.columns else None, value)
-        for name, value in where
-    ]
-    for number, row in enumerate(table.rows):
-        viewer = table.viewers[number] if table.viewers else None
-        if all(
-            _is_same(row[place], value) if place is not None else viewer in (None, value)
-            for place, value in tests
-        ):
-            yield row
 
 
 def _is_same(value: Value, expected: Value) -> bool:
@@ -179,13 +173,6 @@ T = TypeVar("T")
 _LIMITS = Limits()
 
 
-class _Explained(NamedTuple):
-    """An explainer with its subject; asked again, it reuses what it has worked out."""
-
-    about: tuple[Mind, str, Frame]
-    explainer: Explainer
-
-
 class Inquiry:
     """Answers questions about frames of a level, without side effects, during the game.
 
@@ -198,7 +185,8 @@ class Inquiry:
         self._explainer = Thinker("explain")
         self._surveyor = Thinker("survey")
         self._watcher = Thinker("watch")
-        self._last: dict[Thinker, _Explained] = {}
+        # By who is asked: asked again about the same, an explainer reuses what it has worked out.
+        self._last: dict[Thinker, tuple[tuple[Mind, str, Frame], Explainer]] = {}
 
     async def ask(self, program: Program, query: str, frame: Frame) -> ResultTable:
         """Evaluate a call, an expression, conditions, or rules of which the last is evaluated.
@@ -298,12 +286,12 @@ class Inquiry:
         def explained(mind: Mind, stop: threading.Event) -> T:
             about = mind, robot, frame
             last = self._last.get(thinker)
-            if last is None or not all(map(operator.is_, last.about, about)):
+            if last is None or not all(map(operator.is_, last[0], about)):
                 sensors, memories = frame.sensors, frame.memories_before
-                explainer = explain.Explainer(mind, robot, sensors, memories)
-                self._last[thinker] = last = _Explained(about, explainer)
-            last.explainer.stop_with(stop)
-            return work(last.explainer)
+                last = about, explain.Explainer(mind, robot, sensors, memories)
+                self._last[thinker] = last
+            last[1].stop_with(stop)
+            return work(last[1])
 
         return await self._do(thinker, program, explained)
 

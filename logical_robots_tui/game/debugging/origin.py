@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 import threading
-from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from collections.abc import AsyncGenerator, Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -26,7 +26,7 @@ from logical_robots_tui.values import Value
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.mind import Decision, Mind
+    from logical_robots_tui.mind import Mind
 
 _MOST_LINKS = 16
 _MOST_READS = 4  # per link that are traced
@@ -301,10 +301,7 @@ _Ticks: TypeAlias = "_RunTicks | _GameTicks"
 class _RunTicks:
     def __init__(self, run: Run, report: Callable[[int], object]) -> None:
         self._run, self._report = run, report
-
-    def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
-        """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
-        return self._run.memories(robot, tick)
+        self.memories = run.memories
 
     async def source(self, tick: int, robot: str, subject: Subject) -> ValueSource:
         """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
@@ -323,7 +320,8 @@ class _GameTicks:
         self._turns = game.history.turns
         self.thinker = Thinker("origin")
 
-    async def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
+    async def memories(self, robot: str, tick: int) -> AsyncGenerator[Sequence[Value]]:
+        """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
         history = self._game.history
         while tick >= 0:
             batch: list[Value] = []
@@ -368,23 +366,17 @@ def _source(
     robot: str, subject: Subject, frame: Frame, mind: Mind, stop: threading.Event
 ) -> ValueSource:
     explainer = explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
-    known_columns = _deciding_columns(frame.decision_of(robot), subject)
-    if known_columns:
-        question = replace(subject.query, given={**subject.query.given, **known_columns})
-        subject = replace(subject, query=question)
+    decision = frame.decision_of(robot) if subject.query.predicate == "Robot" else None
+    if decision and any(notice.kind == "several rows" for notice in decision.notices):
+        # The row that counts differs from the others in what was decided.
+        desire, columns = decision.desire, dict(subject.query.given)
+        if subject.column == "desire" and desire is not None:
+            engines = {"left_engine": desire.left_engine, "right_engine": desire.right_engine}
+            columns["desire"] = engines
+        elif subject.column == "memory":
+            columns["memory"] = decision.memory
+        subject = replace(subject, query=replace(subject.query, given=columns))
     return explainer.source(subject)
-
-
-def _deciding_columns(decision: Decision | None, subject: Subject) -> dict[str, Value]:
-    """Return what tells the row of `Robot` that counts from the others, if there are several."""
-    if decision is None or subject.query.predicate != "Robot":
-        return {}
-    if not any(notice.kind == "several rows" for notice in decision.notices):
-        return {}
-    if subject.column == "desire" and (desire := decision.desire) is not None:
-        engines = {"left_engine": desire.left_engine, "right_engine": desire.right_engine}
-        return {"desire": engines}
-    return {"memory": decision.memory} if subject.column == "memory" else {}
 
 
 _SHOWN_INPUTS = 5
@@ -397,7 +389,11 @@ def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
     """Yield the lines below a link's value; `written` puts a value in a few words."""
     source = link.source
     if source is None:
-        yield _without_source(link)
+        if link.tick or link.problem:
+            suffix = f"; {link.problem}" if link.problem else " or longer"
+            yield f"the same since tick {link.tick}{suffix}"
+        else:
+            yield f"there from the start until tick {link.until}"
         return
     if link.path is not None:
         rule = f" by the rule in line {source.rule.line}" if source.rule is not None else ""
@@ -430,14 +426,6 @@ def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
         yield f"and from {rest_count} more{reference}"
 
 
-def _without_source(link: Link) -> str:
-    if link.problem:
-        return f"the same since tick {link.tick}; {link.problem}"
-    if link.tick:
-        return f"the same since tick {link.tick} or longer"
-    return f"there from the start until tick {link.until}"
-
-
 def _steps(steps: Steps, tick: int) -> str:
     since = f"since tick {steps.since}"
     if steps.increment is None:
@@ -454,14 +442,10 @@ def _input(source: ValueSource, written: Callable[[Value], str]) -> str:
         line = f" (line {where.line})" if where is not None else ""
         return f"{source.name} = {written(source.value)}{line}"
     if read.kind == "sensor" and read.path[:1] == ("radar",) and len(read.path) == 2:
-        return _ray(read)
+        ray = read.value if isinstance(read.value, dict) else {}
+        kind, label, angle = ray.get("object"), ray.get("label"), ray.get("angle")
+        body = f"{kind}" if label in (kind, None) else f'{kind} "{label}"'
+        degrees = f"{math.degrees(angle):.0f}°" if isinstance(angle, int | float) else "?"
+        place = f"{read.robot}'s ray {read.path[1]} at {degrees}"
+        return f"{place}: {body}, distance {ray.get('distance')}"
     return f"{read.robot}'s {path_text(read.path, read.kind)} = {written(read.value)}"
-
-
-def _ray(read: Read) -> str:
-    ray = read.value if isinstance(read.value, dict) else {}
-    kind, label = ray.get("object"), ray.get("label")
-    body = f"{kind}" if label in (kind, None) else f'{kind} "{label}"'
-    angle = ray.get("angle")
-    degrees = f"{math.degrees(angle):.0f}°" if isinstance(angle, int | float) else "?"
-    return f"{read.robot}'s ray {read.path[1]} at {degrees}: {body}, distance {ray.get('distance')}"
