@@ -39,8 +39,9 @@ class LevelFinding:
 
 def check(level: Level) -> list[LevelFinding]:
     """Return all likely mistakes, or only those that prevent loading; at most about a second."""
+    oddity_entities = ((o, getattr(level, o.kind)[o.index]) for o in oddities(level))
     return load_errors(level) or [
-        *_dead_references(level),
+        *(LevelFinding(f"{o.message} {o.hint}".rstrip(), e.x, e.y) for o, e in oddity_entities),
         *_placement(level),
         *_goals(level),
         *_open_rim(level.walls),
@@ -93,12 +94,6 @@ def _shared_names(level: Level) -> Iterator[LevelFinding]:
     for name in level.shared_names:
         if all([e.name for e in kind].count(name) < 2 for kind in (level.beacons, level.areas)):
             yield LevelFinding(f'"{name}" is a shared name, but no two beacons or areas have it.')
-
-
-def _dead_references(level: Level) -> Iterator[LevelFinding]:
-    for oddity in oddities(level):
-        entity = getattr(level, oddity.kind)[oddity.index]
-        yield LevelFinding(f"{oddity.message} {oddity.hint}".rstrip(), entity.x, entity.y)
 
 
 def _placement(level: Level) -> Iterator[LevelFinding]:

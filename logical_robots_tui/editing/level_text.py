@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from itertools import chain
 from typing import Literal, TypeAlias
@@ -14,15 +14,14 @@ import tomlkit
 
 from logical_robots_tui.world.level import (
     AREA_COLOR,
+    COMPARED,
     FLAGS,
+    LONG_TEXTS,
     ROBOT_COLOR,
     Area,
     Beacon,
     Level,
-    LevelQuestion,
     Robot,
-    Score,
-    Team,
     Visibility,
 )
 from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER
@@ -51,75 +50,59 @@ def kind_of(entity: Entity) -> Kind:
 
 def record_of(entity: Entity) -> Record:
     """Return the record of a robot, beacon or area, without default values."""
-    record: Record = {"name": entity.name, "x": _number(entity.x), "y": _number(entity.y)}
+    record: Record = {"name": entity.name, "x": _plain(entity.x), "y": _plain(entity.y)}
     if isinstance(entity, Beacon):
-        return record | ({"charging_station": True} if entity.charging_station else {})
-    return record | (_robot(entity) if isinstance(entity, Robot) else _area(entity))
+        return record | _compact({"charging_station": entity.charging_station})
+    if isinstance(entity, Area):
+        fields = {
+            "radius": entity.radius,
+            "color": "" if entity.color == AREA_COLOR else entity.color,
+            "solid": entity.impenetrable,
+            "goal_for": entity.victory_robots,
+            "on_beacon": entity.on_beacon,
+            "off_beacon": entity.off_beacon,
+            "sticky": entity.sticky_switch,
+        }
+        return record | _compact(fields, "radius")
+    power, rate = entity.battery_capacity, entity.battery_consumption_rate
+    values = {"capacity": power, "consumption": rate, "charges_others": entity.can_charge}
+    battery = _compact(values, "capacity")
+    if not entity.has_battery:
+        battery["used"] = False
+    fields = {
+        "color": "" if entity.color == ROBOT_COLOR else entity.color,
+        "battery": {} if battery == {"capacity": 0, "used": False} else battery,
+        "team": entity.team,
+    }
+    return record | _heading(entity.angle) | _compact(fields)
 
 
 def words_of(level: Level) -> Record:
-    record: Record = {
+    """Return what a file says of a level beside the labyrinth and its objects."""
+    record = {
         **{name: getattr(level, name) for name in ("title", "idea", "starter", "solution")},
         "visibility": {} if level.visibility == Visibility() else asdict(level.visibility),
-        "shared_names": list(level.shared_names),
+        "shared_names": level.shared_names,
         "second_goals": [goal.words for goal in level.second_goals],
-        "briefing": level.briefing,
-        "hints": list(level.hints),
-        **{name: getattr(level, name) for name in ("lesson", "further", "story")},
-        "questions": [_question(question) for question in level.questions],
-        **{name: getattr(level, name) for name in FLAGS},
-        "shuffled_names": list(level.shuffled_names),
+        **{name: getattr(level, name) for name in ("briefing", "hints", "lesson")},
+        **{name: getattr(level, name) for name in ("further", "story")},
+        "questions": [_compact(question._asdict()) for question in level.questions],
+        **{name: getattr(level, name) for name in (*FLAGS, "shuffled_names")},
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
-        "teams": [_record_of(team) for team in level.teams],
-        "scores": [_record_of(score) for score in level.scores],
+        "teams": [_compact(asdict(team)) for team in level.teams],
+        "scores": [_compact(asdict(score), "points") for score in level.scores],
     }
-    return {key: value for key, value in record.items() if value or key == "title"}
+    return _compact(record, "title")
 
 
-def _record_of(part: Team | Score) -> Record:
-    record = {name: value for name, value in asdict(part).items() if value != ""}
-    if isinstance(part, Score):
-        record["points"] = _number(part.points)
-    return record
+def _compact(record: Mapping[str, object], *required: str) -> Record:
+    """Return a record without empty fields, except some; whole numbers as integers."""
+    return {key: _plain(value) for key, value in record.items() if value or key in required}
 
 
-def _question(question: LevelQuestion) -> Record:
-    record = question._asdict() | {"ticks": list(question.ticks)}
-    return {name: value for name, value in record.items() if value}
-
-
-def _robot(robot: Robot) -> Record:
-    record = _heading(robot.angle)
-    if robot.color != ROBOT_COLOR:
-        record["color"] = robot.color
-    battery: Record = {"capacity": _number(robot.battery_capacity)}
-    if robot.battery_consumption_rate:
-        battery["consumption"] = _number(robot.battery_consumption_rate)
-    if robot.can_charge:
-        battery["charges_others"] = True
-    if not robot.has_battery:
-        battery["used"] = False
-    if battery != {"capacity": 0, "used": False}:
-        record["battery"] = battery
-    if robot.team:
-        record["team"] = robot.team
-    return record
-
-
-def _area(area: Area) -> Record:
-    record: Record = {
-        "color": "" if area.color == AREA_COLOR else area.color,
-        "solid": area.impenetrable,
-        "goal_for": list(area.victory_robots),
-        "on_beacon": area.on_beacon,
-        "off_beacon": area.off_beacon,
-        "sticky": area.sticky_switch,
-    }
-    fields = {key: value for key, value in record.items() if value}
-    return {"radius": _number(area.radius), **fields}
-
-
-def _number(value: float) -> float | int:
+def _plain(value: object) -> object:
+    if isinstance(value, tuple):
+        return list(value)
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
@@ -131,11 +114,8 @@ def _heading(angle: float) -> Record:
     for digits in range(15):
         written = round(degrees, digits)
         if abs(written) <= MOST_OF_A_NUMBER and math.radians(written) == angle:
-            return {"heading": _number(written)}
+            return {"heading": _plain(written)}
     return {"angle": angle}
-
-
-_LONG_TEXTS = ("briefing", "lesson", "further", "story")
 
 
 def write_native(level: Level) -> str:
@@ -160,7 +140,7 @@ def needs_leniency(level: Level) -> bool:
 
 
 def toml_text(key: str, value: object) -> str:
-    if key in _LONG_TEXTS:
+    if key in LONG_TEXTS:
         # The line break after the opening quotes is not part of the text.
         return '"""\n' + tomlkit.string(f"{value}\n", multiline=True).as_string()[3:]
     if isinstance(value, dict):
@@ -177,11 +157,7 @@ def toml_text(key: str, value: object) -> str:
     return tomlkit.item(value).as_string()
 
 
-_WORDS = (
-    *("idea", "briefing", "hints", "lesson", "further", "story", "questions", "starter"),
-    *("solution", "shared_names", "second_goals", "teams", "match_ticks", "scores", *FLAGS),
-    "shuffled_names",
-)
+_IN_WEB = ("title", "width", "height", *KINDS, "visibility")
 _SEEN = Visibility(memory="all", sensor="all")
 
 
@@ -200,7 +176,7 @@ def write_web(level: Level) -> str:
 
 
 def lost_in_web(level: Level) -> list[str]:
-    lost = [name for name in _WORDS if getattr(level, name)]
+    lost = [name for name in COMPARED if name not in _IN_WEB and getattr(level, name)]
     if level.visibility != _SEEN:
         lost.append("visibility")
     if level.title != level.name:
@@ -208,10 +184,7 @@ def lost_in_web(level: Level) -> list[str]:
     return lost
 
 
-_ALWAYS = ("name", "x", "y", "radius", "color", "victory_robots")
-
-
 def _record(entity: Entity) -> Record:
     """Return an object's record in a web platform file, without empty optional fields."""
-    record = {name: _number(value) for name, value in asdict(entity).items() if name != "team"}
-    return {name: value for name, value in record.items() if value or name in _ALWAYS}
+    record = {name: value for name, value in asdict(entity).items() if name != "team"}
+    return _compact(record, "name", "x", "y", "radius", "color", "victory_robots")

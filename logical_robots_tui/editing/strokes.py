@@ -61,7 +61,14 @@ class Regions:
         self._stop = np.nonzero(edges == -1)[1]
         self._stride = units.shape[1] + 2
         self._starts = self._row * self._stride + self._start
-        self._region = _roots(len(self._row), *self._neighbours(corners))
+        below = self._starts + self._stride
+        stops = self._row * self._stride + self._stop
+        first = stops.searchsorted(below, "left" if corners else "right")
+        last = self._starts.searchsorted(stops + self._stride, "right" if corners else "left")
+        count = np.maximum(last - first, 0)
+        upper = np.arange(len(count)).repeat(count)
+        lower = np.arange(len(upper)) + (first - count.cumsum() + count)[upper]
+        self._region = _roots(len(self._row), upper, lower)
 
     def region_at(self, row: int, column: int) -> int:
         """Return the number of the region that a unit belongs to, or -1."""
@@ -86,16 +93,6 @@ class Regions:
         edges[self._row[runs], self._stop[runs]] -= 1
         inside: _Bits = edges.cumsum(axis=1, dtype=np.int8)[:, :-1] > 0
         return inside
-
-    def _neighbours(self, corners: bool) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        below = (self._row + 1) * self._stride
-        stops = self._row * self._stride + self._stop
-        first = stops.searchsorted(below + self._start, "left" if corners else "right")
-        last = self._starts.searchsorted(below + self._stop, "right" if corners else "left")
-        count = np.maximum(last - first, 0)
-        upper = np.arange(len(count)).repeat(count)
-        lower = np.arange(len(upper)) + (first - count.cumsum() + count)[upper]
-        return upper, lower
 
 
 def _roots(count: int, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> NDArray[np.intp]:

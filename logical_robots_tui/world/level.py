@@ -224,9 +224,9 @@ class Level:
         briefing: The task, plain text with line breaks, or "".
         hints: Hints to reveal one at a time.
         lesson: What it teaches, in Markdown, or "".
-        questions: What to find out with queries, beside the lesson.
         further: What to try after winning, or "".
         story: What these robots are for, told after a victory, plain text, or "".
+        questions: What to find out with queries, beside the lesson.
         starter: Name of the program to start with, or "".
         solution: Name of the program that wins it as the lesson teaches, or "".
         shared_names: Names that several beacons or several areas have on purpose.
@@ -255,9 +255,9 @@ class Level:
     briefing: str = ""
     hints: tuple[str, ...] = ()
     lesson: str = ""
-    questions: tuple[LevelQuestion, ...] = ()
     further: str = ""
     story: str = ""
+    questions: tuple[LevelQuestion, ...] = ()
     starter: str = ""
     solution: str = ""
     shared_names: tuple[str, ...] = ()
@@ -293,6 +293,9 @@ def rename_in_areas(
 
 FLAGS = ("divided_charge", "solid_robots", "all_goals")
 """The attributes that a level file turns on with ``true``."""
+
+LONG_TEXTS = ("briefing", "lesson", "further", "story")
+"""The attributes that are texts of several lines."""
 
 COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source", "walls"))
 """The attributes by which levels are alike, besides their walls."""

@@ -254,8 +254,12 @@ def read_text(path: Path) -> str:
         check_mine(path)
         if path.is_dir():
             raise LevelError("This is a folder, not a level.", place=str(path), hint=_FORMATS)
-        if not path.is_file():
-            raise _missing_file_error(path)
+        if path.exists() and not path.is_file():
+            raise LevelError("This is not a regular file.", place=str(path), hint=_FORMATS)
+        if not path.exists():
+            siblings = path.parent.iterdir() if path.parent.is_dir() else ()
+            hint = did_you_mean(path.name, [p.name for p in siblings if p.suffix in SUFFIXES])
+            raise LevelError("There is no such file.", place=str(path), hint=hint)
         content = read_ordinary(path, MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -269,11 +273,3 @@ def read_text(path: Path) -> str:
         line = content.count(b"\n", 0, error.start) + 1
         place = f"{path}, line {line}"
         raise LevelError("This file is not UTF-8 text.", place=place, hint=_FORMATS) from None
-
-
-def _missing_file_error(path: Path) -> LevelError:
-    if path.exists():
-        return LevelError("This is not a regular file.", place=str(path), hint=_FORMATS)
-    siblings = path.parent.iterdir() if path.parent.is_dir() else ()
-    hint = did_you_mean(path.name, [p.name for p in siblings if p.suffix in SUFFIXES])
-    return LevelError("There is no such file.", place=str(path), hint=hint)

@@ -24,7 +24,9 @@ from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.toml_files import parse_toml
 from logical_robots_tui.world.level import (
     AREA_COLOR,
+    COMPARED,
     FLAGS,
+    LONG_TEXTS,
     ROBOT_COLOR,
     Area,
     Beacon,
@@ -46,10 +48,8 @@ if TYPE_CHECKING:
     _Bits = NDArray[np.bool_]
 
 _TOP_KEYS = (
-    *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
-    *("story", "questions"),
-    *("starter", "solution", "visibility", "shared_names", "second_goals", "teams", "match"),
-    *("scores", *FLAGS, "shuffled_names", "robots", "beacons", "areas"),
+    *("lenient", "cell", "walls", "match"),
+    *(name for name in COMPARED if name not in ("width", "height", "match_ticks")),
 )
 _ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery", "team")
 _BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
@@ -88,20 +88,15 @@ def read_words(top: Fields) -> dict[str, Any]:
         raise top.error("match", "A match needs teams.", "List them as [[teams]].")
     return {
         "title": top.name("title"),
-        "idea": top.name("idea", ""),
-        "briefing": top.text("briefing", "").strip("\n"),
+        **{key: top.name(key, "") for key in ("idea", "starter", "solution")},
+        **{key: top.text(key, "").strip("\n") for key in LONG_TEXTS},
         "hints": top.texts("hints"),
-        "lesson": top.text("lesson", "").strip("\n"),
         "questions": top.records("questions", _question, ("ask", "answer", "ticks", "program")),
-        "further": top.text("further", "").strip("\n"),
-        "story": top.text("story", "").strip("\n"),
-        "starter": top.name("starter", ""),
-        "solution": top.name("solution", ""),
         "visibility": Visibility(
             memory=visibility.choice("memory", ("own", "seen", "all"), "own"),
             sensor=visibility.choice("sensor", ("own", "all"), "own"),
         ),
-        "shared_names": top.names("shared_names"),
+        **{key: top.names(key) for key in ("shared_names", "shuffled_names")},
         "second_goals": tuple(_second_goals(top)),
         "teams": top.records(
             "teams", lambda team: Team(team.name("name"), team.name("program", "")), _TEAM_KEYS
@@ -109,7 +104,6 @@ def read_words(top: Fields) -> dict[str, Any]:
         "match_ticks": match.integer("ticks", minimum=1) if top.has("match") else 0,
         "scores": top.records("scores", _score, ("kind", "area", "points")),
         **{key: top.flag(key) for key in FLAGS},
-        "shuffled_names": top.names("shuffled_names"),
     }
 
 
