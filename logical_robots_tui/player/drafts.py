@@ -204,26 +204,20 @@ class Drafts:
             return
         try:
             for file in self._draft_files(session):
-                self._adopt_file(file)
+                draft = _from_json(file)
+                rival = self._adopted.get(draft.identity) if draft is not None else None
+                if draft is None or (rival is not None and rival.turn >= draft.turn):
+                    self._retire(file)
+                    continue
+                if rival is not None:
+                    self._retire(self._adopted_file(draft))
+                file.replace(self._adopted_file(draft))
+                self._adopted[draft.identity] = draft
             # What else it leaves: its lock, half a write.
             for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
                 file.unlink(missing_ok=True)
         finally:
             release(lock)
-
-    def _adopt_file(self, file: Path) -> None:
-        draft = _from_json(file)
-        if draft is None:
-            self._retire(file)
-            return
-        rival = self._adopted.get(draft.identity)
-        if rival is not None and rival.turn >= draft.turn:
-            self._retire(file)
-            return
-        if rival is not None:
-            self._retire(self._adopted_file(draft))
-        file.replace(self._adopted_file(draft))
-        self._adopted[draft.identity] = draft
 
     def _retire(self, file: Path) -> None:
         old = self.folder / "old"
@@ -284,13 +278,8 @@ def _close(handle: int) -> None:
     os.close(handle)
 
 
-def _close_all() -> None:
-    for handle in tuple(_held_locks):
-        _close(handle)
-
-
 # A forked child would hold the locks after its parent has ended.
-os.register_at_fork(after_in_child=_close_all)
+os.register_at_fork(after_in_child=lambda: [*map(_close, tuple(_held_locks))])
 
 
 State = TypeVar("State")

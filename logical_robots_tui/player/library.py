@@ -222,12 +222,21 @@ class Library:
             last_path = draft.path
 
     async def _unsaved_drafts(self) -> list[Draft]:
+        """Return the drafts that are neither in their files nor among the earlier versions."""
         try:
             drafts = await asyncio.to_thread(self._drafts.adopt, "program")
         except OSError as error:
             self._autosave.report(error)
             return []
-        return [draft for draft in drafts if await self._is_unsaved(draft)]
+        unsaved = []
+        for draft in drafts:
+            source = await asyncio.to_thread(ProgramSource.of_draft, draft.path, draft.name)
+            is_version = await self._recorder.ask(partial(Progress.holds, text=draft.text))
+            if source.text != draft.text and not is_version:
+                unsaved.append(draft)
+            else:
+                await asyncio.to_thread(self._drafts.put_away, draft)
+        return unsaved
 
     def _continue_with(self, draft: Draft) -> None:
         source, sources = ProgramSource.of_draft(draft.path, draft.name), self._session.sources
@@ -243,12 +252,3 @@ class Library:
         else:
             self._program.load(draft.text)
         self._session.open_program(source, draft.text)
-
-    async def _is_unsaved(self, draft: Draft) -> bool:
-        """Return whether a draft is neither in its file nor among the earlier versions."""
-        source = await asyncio.to_thread(ProgramSource.of_draft, draft.path, draft.name)
-        is_version = await self._recorder.ask(lambda progress: progress.holds(draft.text))
-        if source.text != draft.text and not is_version:
-            return True
-        await asyncio.to_thread(self._drafts.put_away, draft)
-        return False

@@ -146,11 +146,8 @@ class ProgressRecorder(SessionListener):
 
         self._write(keep)
 
-    def choose_theme(self, name: str) -> None:
-        self._write(lambda progress: progress.set_fact(THEME, name))
-
-    def tour_seen(self) -> None:
-        self._write(lambda progress: progress.set_fact(TOUR, "seen"))
+    def set_fact(self, name: str, text: str) -> None:
+        self._write(lambda progress: progress.set_fact(name, text))
 
     def won(self, victory: Victory) -> None:
         if victory.refusal:
@@ -197,9 +194,14 @@ class ProgressRecorder(SessionListener):
             entry = (text, Trial())
             self._trials[key] = entry
             self._on_change()
+
+            def update(trial: Trial) -> None:
+                if key in self._trials:
+                    self._trials[key] = (text, trial)
+                    self._on_change()
+
             try:
                 async with self._turn:  # one at a time: there may be few processors
-                    update = partial(self._update_trial, key, text)
                     measures = await measure(level, program, measures, update)
             except MeasuringError:
                 self._ui.warn("The robustness test failed.")
@@ -217,11 +219,6 @@ class ProgressRecorder(SessionListener):
             if key == self._key:
                 self.latest = final
                 self._on_change()
-
-    def _update_trial(self, key: str, text: str, trial: Trial) -> None:
-        if key in self._trials:
-            self._trials[key] = (text, trial)
-            self._on_change()
 
 
 def note_level(progress: Progress, level: Level) -> None:

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.world.world import Pose
 
+_MOST_OWED = 5  # times as many steps as are requested at once may be pending
+
 Going: TypeAlias = "Callable[[game.Game], Coroutine[Any, Any, object]]"
 
 
@@ -78,7 +80,7 @@ class Session:
 
     @property
     def busy(self) -> bool:
-        return not self.movement.is_resting
+        return self.movement.kind != "rest"
 
     @property
     def source(self) -> game.ProgramSource:
@@ -204,8 +206,9 @@ class Session:
 
     def step(self, ticks: int = 1) -> None:
         """Compute some ticks; while running, stop after them. Quick presses add up."""
-        if self.movement.kind == "steps":
-            self.movement.owe(ticks)
+        movement = self.movement
+        if movement.kind == "steps":
+            movement.owed = min(movement.owed + ticks, max(movement.owed, _MOST_OWED * ticks))
         elif self.game is not None:
             self.game.pause()
             self._begin(Movement("steps", ticks), self._step)
@@ -278,8 +281,13 @@ class Session:
             await game_.close()
 
     async def _compile(self, text: str, texts: Texts) -> None:
+        def show_progress(count: int, total: int) -> None:
+            if self.state.phase == "compiling" and self.state.tried == text:
+                self.state = self.state._replace(compiled=(count, total))
+                self._on_change()
+
         try:
-            program = await game.compile_program(texts, partial(self._show_progress, text))
+            program = await game.compile_program(texts, show_progress)
         except mind.ProgramError as error:
             if self.movement.kind == "awaiting":
                 self.movement = Movement()
@@ -310,14 +318,10 @@ class Session:
     def _warnings(self, program: mind.Program) -> tuple[mind.Diagnostic, ...]:
         return game.warnings_in(program, self.level, web=is_web_file(self.opened.source))
 
-    def _show_progress(self, text: str, count: int, total: int) -> None:
-        if self.state.phase == "compiling" and self.state.tried == text:
-            self.state = self.state._replace(compiled=(count, total))
-            self._on_change()
-
     def _think_with(self, program: mind.Program) -> mind.Program:
         program = self.program = self.sources.adopt(program)
-        self.state = ProgramState.of_applied(program.text, self._warnings(program))
+        text, warnings = program.text, self._warnings(program)
+        self.state = ProgramState("applied", text, text, warnings, warnings)
         return program
 
     def _show(self, game_: game.Game, frame: game.Frame) -> None:

@@ -86,7 +86,6 @@ class TeamSources:
         return (replace(first, line=1, column=1, message=words, excerpt=""),)
 
 
-_MOST_OWED = 5  # steps that a held key may leave pending
 _NOTICEABLE = 0.5  # seconds of thinking after which the screen shows it
 
 Kind: TypeAlias = Literal["rest", "awaiting", "run", "steps", "until"]
@@ -105,20 +104,12 @@ class Movement:
     waiting_since: float = 0.0
 
     @property
-    def is_resting(self) -> bool:
-        return self.kind == "rest"
-
-    @property
     def goes_on(self) -> bool:
         return self.kind in ("awaiting", "run", "until")
 
     @property
     def thinks(self) -> bool:
         return self.kind in ("run", "steps", "until")
-
-    def owe(self, steps: int) -> None:
-        """Add steps, capped at a multiple of what is requested at once."""
-        self.owed = min(self.owed + steps, max(self.owed, _MOST_OWED * steps))
 
     def thinking_for(self, time: float, period: float) -> float:
         """Return seconds of the current think, 0.0 while not worth showing; `period` per tick."""
@@ -178,10 +169,6 @@ class ProgramState(NamedTuple):
     compiled: tuple[int, int] = (0, 0)
     checked: str | None = None
     diagnostics: tuple[Diagnostic, ...] = ()
-
-    @classmethod
-    def of_applied(cls, text: str, warnings: tuple[Diagnostic, ...]) -> ProgramState:
-        return cls("applied", text, text, warnings, warnings)
 
     def compiling(self, text: str) -> ProgramState:
         return ProgramState("compiling", text, self.applied, warnings=self.warnings)

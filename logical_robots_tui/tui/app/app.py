@@ -179,7 +179,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             self.change_setting("theme", name)
         else:
             self.theme = self._chosen_theme = name
-            self.main.recorder.choose_theme(name)
+            self.main.recorder.set_fact(THEME, name)
 
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; keys and mouse buttons take priority over all other work."""

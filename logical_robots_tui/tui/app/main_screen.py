@@ -18,6 +18,7 @@ from textual.widgets import Input, Static, TextArea
 from logical_robots_tui.game import Frame
 from logical_robots_tui.player.drafts import leave
 from logical_robots_tui.player.opening import LocalPlayer, Opening
+from logical_robots_tui.player.recorder import TOUR
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
@@ -144,7 +145,8 @@ class MainScreen(Screen[None], SessionListener):
         )
         self.team_choice = TeamChoice(session, library.look_at, self.tell)
         self._watch = FileWatch(lambda: session.source, library.take_from_disk)
-        self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
+        tour_seen = partial(recorder.set_fact, TOUR, "seen")
+        self.tour = TourController(self.mount, self.arrangement, self.point_at, tour_seen)
         self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
         self.replays = Replays(
             session, ui, data_dir / "replays", library.programs, library.open_with
