@@ -347,8 +347,7 @@ class LevelEditor:
             self._note_pose(ref)
         stroke.label = label
         work = partial(entities.change, ref=ref, **values)
-        has_changed = self.do(label, work, merge=stroke.has_changed)
-        stroke.has_changed = stroke.has_changed or has_changed
+        stroke.has_changed |= self.do(label, work, merge=stroke.has_changed)
 
     def _paint(self, start: Point, end: Point) -> None:
         stroke = self.stroke
@@ -358,8 +357,7 @@ class LevelEditor:
         work = partial(
             paint, points=[start, end], width=settings.width, grid=settings.grid, wall=wall
         )
-        has_changed = self.do(stroke.label, work, merge=stroke.has_changed)
-        stroke.has_changed = stroke.has_changed or has_changed
+        stroke.has_changed |= self.do(stroke.label, work, merge=stroke.has_changed)
 
     def _note_pose(self, ref: Ref) -> None:
         if ref.kind == "robots":

@@ -129,6 +129,10 @@ def paint(
     mask = np.zeros((box.bottom - box.top, box.right - box.left), np.bool_)
     for start, stop in zip(path, path[1:] or path, strict=False):
         dx, dy = stop[0] - start[0], stop[1] - start[1]
+        # One square wide, a line needs enough for neighbours to share a side (Reveillès' standard
+        # line).
+        thinnest = (abs(dx) + abs(dy)) / (2 * math.hypot(dx, dy)) if dx or dy else 0.5
+        cover = max(width / 2, thinnest) + 1e-9
         pieces = max(math.ceil(math.hypot(dx, dy) / _PIECE), 1)
         shares = [i / pieces for i in range(pieces + 1)]
         ends = [(start[0] + dx * share, start[1] + dy * share) for share in shares]
@@ -136,7 +140,7 @@ def paint(
             part = _Box.around((first, last), reach, grid, shape)
             if part is not None:
                 window = part.within(box)
-                mask[window] |= part.distances(first, last) <= _reach(start, stop, width)
+                mask[window] |= part.distances(first, last) <= cover
     return box.painted(level, mask, grid, wall)
 
 
@@ -232,13 +236,3 @@ def _check(width: int, grid: int, points: Sequence[Point]) -> None:
 
 def _snap(place: float, width: int) -> float:
     return math.floor(place) + 0.5 if width % 2 else float(math.floor(place + 0.5))
-
-
-def _reach(start: Point, stop: Point, width: int) -> float:
-    """Return the distance from its centre within which a line covers squares.
-
-    A line one square wide needs enough for neighbours to share a side (Reveillès' standard line).
-    """
-    dx, dy = abs(stop[0] - start[0]), abs(stop[1] - start[1])
-    thinnest = (dx + dy) / (2 * math.hypot(dx, dy)) if dx or dy else 0.5
-    return max(width / 2, thinnest) + 1e-9

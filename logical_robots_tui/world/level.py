@@ -151,7 +151,8 @@ _WORDS: dict[GoalKind, str] = {
     "starts": "wins from all 20 starts",
     "mirrored": "wins in the mirrored labyrinth",
 }
-_FORMER = re.compile("without memory|at most [0-9]{1,9} rules?")
+FORMER_GOAL = re.compile("without memory|at most [0-9]{1,9} rules?")
+"""What was a bonus goal in level files of earlier versions."""
 
 
 class SecondGoal(NamedTuple):
@@ -183,11 +184,6 @@ class SecondGoal(NamedTuple):
         limit = int(number[1]) if number else 0
         goals = (cls(kind, limit) for kind in get_args(GoalKind))
         return next((goal for goal in goals if goal.words == words), None)
-
-    @staticmethod
-    def was_one(words: str) -> bool:
-        """Return whether these words were a bonus goal in level files of earlier versions."""
-        return _FORMER.fullmatch(words) is not None
 
 
 class LevelQuestion(NamedTuple):

@@ -245,7 +245,10 @@ Pose: TypeAlias = tuple[float, float, float]
 
 def start_state(level: Level) -> WorldState:
     """Return the world at tick 0, before anybody has sensed."""
-    robots = tuple(_start_robot(robot) for robot in level.robots)
+    robots = tuple(
+        RobotState(r.name, float(r.x), float(r.y), float(r.angle), float(r.battery_capacity))
+        for r in level.robots
+    )
     areas = tuple(AreaState(area.name, not area.on_beacon) for area in level.areas)
     return WorldState(0, robots, areas, tallies=start_tallies(level, robots, areas))
 
@@ -261,8 +264,8 @@ def change_state(
     """
     if unknown_names := poses.keys() - {robot.name for robot in new.robots}:
         raise ValueError(f"There are no robots {sorted(unknown_names)}.")
+    start = start_state(new)
     if state.tick == 0:
-        start = start_state(new)
         return replace(start, robots=tuple(_apply_pose(robot, poses) for robot in start.robots))
     old_robots = {robot.name: robot for robot in old.robots}
     bodies = {robot.name: robot for robot in state.robots}
@@ -270,8 +273,8 @@ def change_state(
     robots = tuple(
         _apply_pose(_continue_robot(robot, old_robots[name], bodies[name]), poses)
         if (name := old_names.get(robot.name)) is not None
-        else _apply_pose(_start_robot(robot), poses)
-        for robot in new.robots
+        else _apply_pose(first, poses)
+        for robot, first in zip(new.robots, start.robots, strict=True)
     )
     old_states: dict[tuple[object, ...], list[bool]] = {}
     for area, area_state in zip(old.areas, state.areas, strict=True):
@@ -282,8 +285,13 @@ def change_state(
         active = states.pop(0) if states else not area.on_beacon
         visitors = tuple(robot.name for robot in robots if is_inside(robot, area))
         area_states.append(AreaState(area.name, active, visitors))
-    is_scored_alike = _score_key(old) == _score_key(new)
-    tallies = state.tallies if is_scored_alike else start_tallies(new, robots, area_states)
+    scoring, new_scoring = (
+        (level.scores, level.teams, [beacon.name for beacon in level.beacons])
+        for level in (old, new)
+    )
+    tallies = state.tallies
+    if scoring != new_scoring:
+        tallies = start_tallies(new, robots, area_states)
     return WorldState(state.tick, robots, tuple(area_states), state.won_at, tallies)
 
 
@@ -312,14 +320,5 @@ def _apply_pose(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
     return replace(body, x=float(x), y=float(y), angle=float(angle) % (2 * math.pi))
 
 
-def _start_robot(robot: Robot) -> RobotState:
-    capacity = float(robot.battery_capacity)
-    return RobotState(robot.name, float(robot.x), float(robot.y), float(robot.angle), capacity)
-
-
 def _switch(area: Area) -> tuple[object, ...]:
     return area.name, area.on_beacon, area.off_beacon, area.sticky_switch
-
-
-def _score_key(level: Level) -> tuple[object, ...]:
-    return level.scores, level.teams, [beacon.name for beacon in level.beacons]

@@ -26,6 +26,7 @@ from logical_robots_tui.world.level import (
     AREA_COLOR,
     COMPARED,
     FLAGS,
+    FORMER_GOAL,
     LONG_TEXTS,
     ROBOT_COLOR,
     Area,
@@ -241,7 +242,7 @@ def _score(fields: Fields) -> Score:
 def _second_goals(top: Fields) -> Iterator[SecondGoal]:
     for i, words in enumerate(top.names("second_goals")):
         goal = SecondGoal.parse(words)
-        if goal is None and not SecondGoal.was_one(words):
+        if goal is None and not FORMER_GOAL.fullmatch(words):
             raise top.error(
                 f"second_goals[{i}]",
                 f'"{words}" is not a bonus goal.',
