@@ -77,7 +77,7 @@ class LineGame(SessionListener):
         await self._settle()
         say("Type help for the commands.")
         for offering in self.player.offerings():
-            await offering.offer(self._ui)
+            await offering(self._ui)
             await self._settle()
 
     async def _execute(self, line: str) -> None:

@@ -70,11 +70,10 @@ class Pace:
             return None
         return max(1, int(self._speed * min(self._lot, _LONGEST_LOT)))
 
-    def faster(self) -> None:
-        self._move(1)
-
-    def slower(self) -> None:
-        self._move(-1)
+    def shift(self, steps: int) -> None:
+        """Choose a faster speed, or with negative steps a slower one."""
+        index = SPEEDS.index(self._speed) if self._speed in SPEEDS else 0
+        self.speed = SPEEDS[max(0, min(index + steps, len(SPEEDS) - 1))]
 
     def start(self) -> None:
         self._begin()
@@ -120,10 +119,6 @@ class Pace:
     @property
     def _lot(self) -> float:
         return _LOT + self.spacing
-
-    def _move(self, steps: int) -> None:
-        index = SPEEDS.index(self._speed) if self._speed in SPEEDS else 0
-        self.speed = SPEEDS[max(0, min(index + steps, len(SPEEDS) - 1))]
 
     def _forget_old(self, time: float) -> None:
         while self._times and self._times[0] < time - _WINDOW:

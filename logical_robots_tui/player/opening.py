@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,7 +18,7 @@ from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, prog
 from logical_robots_tui.player.learning import Learning
 from logical_robots_tui.player.library import Library
 from logical_robots_tui.player.recorder import LAST_LEVEL, TOUR, ProgressRecorder
-from logical_robots_tui.player.recovery import Bookmark, Offering, OpenGames, OtherGames
+from logical_robots_tui.player.recovery import Bookmark, Offering, OpenGames, offer_to_end_games
 from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.session_state import ProgramText, Ui
 from logical_robots_tui.progress import Progress
@@ -207,8 +208,8 @@ class LocalPlayer:
     def offerings(self, *extra: Offering) -> list[Offering]:
         """Return what to offer from earlier sessions, in order."""
         games = self._opening.games
-        first = [] if games is None else [OtherGames(games, self._ui)]
-        return [*first, self.library, *extra, self.bookmark]
+        first = [] if games is None else [partial(offer_to_end_games, games, self._ui)]
+        return [*first, self.library.offer, *extra, self.bookmark.offer]
 
     async def close(self) -> None:
         self.autosave.stop()

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeAlias, TypeVar
 
 import msgspec
 
@@ -35,11 +35,8 @@ _LOOK_SECONDS, _LOOKS = 0.25, 40
 """How often, and how many times, to look whether other games have ended."""
 
 
-class Offering(Protocol):
-    """Has something from an earlier session to offer."""
-
-    async def offer(self, offers: Offers) -> None:
-        """Offer it, if there is something."""
+Offering: TypeAlias = "Callable[[Offers], Awaitable[None]]"
+"""Offers what an earlier session left, if it left something."""
 
 
 class Offers(Protocol):
@@ -98,30 +95,25 @@ def _read(draft: Draft) -> Level | None:
         return None
 
 
-class OtherGames:
-    """Offers to end the player's other games, such as one whose connection hangs."""
-
-    def __init__(self, games: OpenGames, ui: Ui) -> None:
-        self._games, self._ui = games, ui
-
-    async def offer(self, offers: Offers) -> None:
-        start_times = await offers.at_hand(partial(asyncio.to_thread, self._games.other_games))
-        if not start_times:
+async def offer_to_end_games(games: OpenGames, ui: Ui, offers: Offers) -> None:
+    """Offer to end the player's other games, such as one whose connection hangs."""
+    start_times = await offers.at_hand(partial(asyncio.to_thread, games.other_games))
+    if not start_times:
+        return
+    since = f"{start_times[0].astimezone():%H:%M, %d %B}"
+    subject, pronoun = "Another game has been open", "it"
+    if len(start_times) > 1:
+        subject, pronoun = f"{len(start_times)} other games are open, one of them", "them"
+    question = f"{subject} since {since}. End {pronoun}? Unsaved text there is kept."
+    answers = [("no", "No, leave it open"), ("yes", "Yes, end it")]
+    if await offers.ask("Another game", question, answers) != "yes":
+        return
+    await asyncio.to_thread(games.end_others)
+    for _ in range(_LOOKS):
+        await asyncio.sleep(_LOOK_SECONDS)
+        if not await asyncio.to_thread(games.other_games):
             return
-        since = f"{start_times[0].astimezone():%H:%M, %d %B}"
-        subject, pronoun = "Another game has been open", "it"
-        if len(start_times) > 1:
-            subject, pronoun = f"{len(start_times)} other games are open, one of them", "them"
-        question = f"{subject} since {since}. End {pronoun}? Unsaved text there is kept."
-        answers = [("no", "No, leave it open"), ("yes", "Yes, end it")]
-        if await offers.ask("Another game", question, answers) != "yes":
-            return
-        await asyncio.to_thread(self._games.end_others)
-        for _ in range(_LOOKS):
-            await asyncio.sleep(_LOOK_SECONDS)
-            if not await asyncio.to_thread(self._games.other_games):
-                return
-        self._ui.warn("It has not ended yet. Unsaved text there is offered the next time.")
+    ui.warn("It has not ended yet. Unsaved text there is offered the next time.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,19 +204,20 @@ class Bookmark(SessionListener):
     async def offer(self, offers: Offers) -> None:
         """Offer to continue in the level at hand; in another one when it is opened."""
         self._offers = offers
+        key = game.level_key(self._session.level)
+
+        async def find_draft() -> Draft | None:
+            drafts = await asyncio.to_thread(self._drafts.adopt, "place")
+            return next((draft for draft in drafts if draft.path == key), None)
+
         with contextlib.suppress(OSError):  # no folder, no bookmark
-            draft = await offers.at_hand(self._find_draft)
+            draft = await offers.at_hand(find_draft)
             if draft is not None:
                 await self._ask(offers, draft)
 
     def level_opened(self, level: Level) -> None:
         if self._offers is not None:
             self._ui.spawn(partial(self.offer, self._offers), "bookmark", exclusive=False)
-
-    async def _find_draft(self) -> Draft | None:
-        drafts = await asyncio.to_thread(self._drafts.adopt, "place")
-        key = game.level_key(self._session.level)
-        return next((draft for draft in drafts if draft.path == key), None)
 
     async def _ask(self, offers: Offers, draft: Draft) -> None:
         try:

@@ -264,12 +264,8 @@ class Session:
             self.game.restart()
         self._tell(lambda listener: listener.restarted())
 
-    def faster(self) -> None:
-        self.pace.faster()
-        self._on_change()
-
-    def slower(self) -> None:
-        self.pace.slower()
+    def shift_speed(self, steps: int) -> None:
+        self.pace.shift(steps)
         self._on_change()
 
     def release(self, close: Work) -> None:

@@ -201,9 +201,9 @@ async def test_on_a_busy_machine_ticks_come_in_lots_and_then_more_slowly() -> No
 
 async def test_speeds_go_from_slow_motion_to_flat_out() -> None:
     pace = Pace(FLAT_OUT, VirtualClock())
-    for change, limit in ((pace.slower, 1.0), (pace.faster, None)):
+    for steps, limit in ((-1, 1.0), (1, None)):
         for _ in range(20):
-            change()
+            pace.shift(steps)
         assert pace.speed == limit
 
 

@@ -240,7 +240,7 @@ class MainScreen(Screen[None], SessionListener):
         if (replay := self._opening.replay) is not None:
             self.spawn(partial(self.replays.open, replay), "replay", exclusive=False)
         else:
-            offered = self.player.offerings(self.editing)
+            offered = self.player.offerings(self.editing.offer)
             self.spawn(partial(self.offers.make, *offered), "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._opening.welcome:

@@ -114,7 +114,7 @@ class ScreenOffers:
 
     async def make(self, *offerings: Offering) -> None:
         for offering in offerings:
-            await offering.offer(self)
+            await offering(self)
 
     def resumed(self) -> None:
         self._resumed.set()
