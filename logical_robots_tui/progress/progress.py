@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Any
 
@@ -34,26 +33,47 @@ _GOALS = "SELECT DISTINCT goals FROM version WHERE level = ? AND goals <> ''"
 
 _ANSWERS = "SELECT question, query FROM answer WHERE level = ? ORDER BY question"
 
+_BEGIN = """
+INSERT INTO level (name, begun) VALUES (:level, :time)
+ON CONFLICT (name) DO UPDATE SET begun = coalesce(begun, excluded.begun)
+"""
+
+_REVEAL = """
+INSERT INTO level (name, hints) VALUES (:level, :hints)
+ON CONFLICT (name) DO UPDATE SET hints = max(hints, excluded.hints)
+"""
+
 _KEEP = """
 INSERT INTO version (level, digest, text, turn, kept)
-VALUES (?1, ?2, ?3, (SELECT coalesce(max(turn), 0) + 1 FROM version), ?4)
+VALUES (:level, :digest, :text, (SELECT coalesce(max(turn), 0) + 1 FROM version), :time)
 ON CONFLICT (level, digest) DO UPDATE SET turn = excluded.turn, kept = excluded.kept
 """
 
 _FORGET = """
-DELETE FROM version WHERE level = ?1 AND number NOT IN (
-    SELECT number FROM version WHERE level = ?1 ORDER BY turn DESC LIMIT ?2
+DELETE FROM version WHERE level = :level AND number NOT IN (
+    SELECT number FROM version WHERE level = :level ORDER BY turn DESC LIMIT :most
 ) AND number NOT IN (SELECT * FROM (
-    SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY ticks LIMIT 1))
+    SELECT number FROM version WHERE level = :level AND ticks NOT NULL ORDER BY ticks LIMIT 1))
 AND number NOT IN (SELECT * FROM (
-    SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY size LIMIT 1))
+    SELECT number FROM version WHERE level = :level AND ticks NOT NULL ORDER BY size LIMIT 1))
 AND number NOT IN (SELECT * FROM (
-    SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY distance LIMIT 1))
+    SELECT number FROM version WHERE level = :level AND ticks NOT NULL ORDER BY distance LIMIT 1))
 AND number NOT IN (SELECT * FROM (
-    SELECT number FROM version WHERE level = ?1 AND wins NOT NULL
+    SELECT number FROM version WHERE level = :level AND wins NOT NULL
     ORDER BY 1.0 * wins / starts DESC, starts DESC LIMIT 1))
 AND number NOT IN (SELECT * FROM (
-    SELECT max(number) FROM version WHERE level = ?1 AND goals <> '' GROUP BY goals))
+    SELECT max(number) FROM version WHERE level = :level AND goals <> '' GROUP BY goals))
+"""
+
+_WIN = (
+    "UPDATE level SET won = coalesce(won, :time) WHERE name = :level",
+    "UPDATE version SET won = coalesce(won, :time) WHERE level = :level AND digest = :digest",
+)
+
+_MEASURE = """
+UPDATE version SET ticks = :ticks, size = :size, distance = :distance, goals = :goals,
+    wins = coalesce(:wins, wins), starts = CASE WHEN :wins NOT NULL THEN :starts ELSE starts END
+WHERE level = :level AND digest = :digest
 """
 
 
@@ -86,28 +106,45 @@ class Progress(Store):
         return [name for (name,) in rows]
 
     def begin(self, level: str) -> None:
-        self._write_level(_begin, level)
+        self._run(level, _BEGIN)
 
     def reveal(self, level: str, hints: int) -> None:
         """Record the number of revealed hints of a level; they are never hidden again."""
-        self._write_level(_reveal, level, hints)
+        self._run(level, _REVEAL, hints=hints)
 
     def answer(self, level: str, question: str, query: str) -> None:
         """Record the query that answers a question of a level."""
-        self._write_level(_answer, level, question, query)
+        statement = "INSERT OR REPLACE INTO answer VALUES (:level, :question, :query)"
+        self._run(level, statement, question=_encodable(question), query=_encodable(query))
 
     def win(self, level: str, text: str, measures: Measures | None = None) -> None:
         """Record that a program has won a level; unknown measures stay unchanged."""
-        self._write_level(_win, level, text, measures)
+        level = _encodable(level)
 
-    def keep(self, level: str, text: str) -> None:
-        """Store a version of the player's program; an existing text becomes the newest."""
-        self._write_level(_keep, level, text)
+        def write_victory(connection: sqlite3.Connection) -> None:
+            _keep(connection, level, text)
+            key = {"level": level, "digest": _digest(text)}
+            for statement in _WIN:
+                connection.execute(statement, {**key, "time": _timestamp()})
+            if measures is not None:
+                (stored_goals,) = connection.execute(
+                    "SELECT goals FROM version WHERE level = :level AND digest = :digest", key
+                ).fetchone()
+                goals = dict.fromkeys((*_split(stored_goals), *measures.goals))
+                values = {**measures._asdict(), **key, "goals": "\n".join(goals)}
+                connection.execute(_MEASURE, values)
+
+        self.write(write_victory)
+
+    def keep(self, level: str, *texts: str) -> None:
+        """Store versions of the player's program, the last as the newest."""
+        level = _encodable(level)
+        self.write(lambda connection: _keep(connection, level, *texts))
 
     def keep_aside(self, level: str, text: str, otherwise: str) -> None:
         """Store a version behind the newest; if there is none, `otherwise` becomes the newest."""
         newest = self.newest(level)
-        self._write_level(_keep, level, text, otherwise if newest is None else newest)
+        self.keep(level, text, otherwise if newest is None else newest)
 
     def versions(self, level: str) -> list[Version]:
         """Return the versions stored for a level, last used first."""
@@ -116,7 +153,12 @@ class Progress(Store):
             "FROM version WHERE level = ? ORDER BY turn DESC",
             _encodable(level),
         )
-        return [_version(row) for row in rows]
+        return [
+            Version(
+                number, text, datetime.fromisoformat(last_use), won is not None, _measures(*row)
+            )
+            for number, text, last_use, won, *row in rows
+        ]
 
     def newest(self, level: str) -> str | None:
         query = "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1"
@@ -124,12 +166,12 @@ class Progress(Store):
 
     def measures(self, level: str, text: str) -> Measures | None:
         rows = self._rows(
-            "SELECT ticks, size, distance, wins, coalesce(starts, 0), goals FROM version "
-            "WHERE level = ? AND digest = ? AND ticks NOT NULL",
+            "SELECT ticks, size, distance, wins, starts, goals FROM version "
+            "WHERE level = ? AND digest = ?",
             _encodable(level),
             _digest(text),
         )
-        return Measures(*rows[0])._replace(goals=_split(rows[0][-1])) if rows else None
+        return _measures(*rows[0]) if rows else None
 
     def holds(self, text: str) -> bool:
         return bool(self._rows("SELECT 1 FROM version WHERE digest = ? LIMIT 1", _digest(text)))
@@ -141,8 +183,9 @@ class Progress(Store):
         query = "INSERT OR REPLACE INTO fact VALUES (?, ?)"
         self.write(lambda connection: connection.execute(query, (name, value)))
 
-    def _write_level(self, work: Callable[..., None], level: str, *values: object) -> None:
-        self.write(lambda connection: work(connection, _encodable(level), *values))
+    def _run(self, level: str, statement: str, **values: object) -> None:
+        parameters = {"level": _encodable(level), "time": _timestamp(), **values}
+        self.write(lambda connection: connection.execute(statement, parameters))
 
     def _rows(self, query: str, *values: str) -> list[Any]:
         return self.read(lambda connection: connection.execute(query, values).fetchall())
@@ -151,72 +194,25 @@ class Progress(Store):
         return next((value for (value,) in self._rows(query, *values)), None)
 
 
-def _begin(connection: sqlite3.Connection, level: str) -> None:
-    connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
-    connection.execute(
-        "UPDATE level SET begun = ? WHERE name = ? AND begun IS NULL", (_timestamp(), level)
-    )
-
-
-def _reveal(connection: sqlite3.Connection, level: str, hints: int) -> None:
-    connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
-    connection.execute("UPDATE level SET hints = max(hints, ?) WHERE name = ?", (hints, level))
-
-
-def _answer(connection: sqlite3.Connection, level: str, question: str, query: str) -> None:
-    connection.execute(
-        "INSERT OR REPLACE INTO answer VALUES (?, ?, ?)",
-        (level, _encodable(question), _encodable(query)),
-    )
-
-
-def _win(connection: sqlite3.Connection, level: str, text: str, measures: Measures | None) -> None:
-    time = _timestamp()
-    _keep(connection, level, text)
-    connection.execute("UPDATE level SET won = coalesce(won, ?) WHERE name = ?", (time, level))
-    connection.execute(
-        "UPDATE version SET won = coalesce(won, ?) WHERE level = ? AND digest = ?",
-        (time, level, _digest(text)),
-    )
-    if measures is not None:
-        _measure(connection, level, text, measures)
-
-
 def _keep(connection: sqlite3.Connection, level: str, *texts: str) -> None:
     for text in texts:
-        _begin(connection, level)
-        connection.execute(_KEEP, (level, _digest(text), _encodable(text), _timestamp()))
-        connection.execute(_FORGET, (level, MOST_VERSIONS))
+        values = {
+            "level": level,
+            "digest": _digest(text),
+            "text": _encodable(text),
+            "time": _timestamp(),
+            "most": MOST_VERSIONS,
+        }
+        for statement in (_BEGIN, _KEEP, _FORGET):
+            connection.execute(statement, values)
 
 
-def _measure(connection: sqlite3.Connection, level: str, text: str, measures: Measures) -> None:
-    key = level, _digest(text)
-    (stored_goals,) = connection.execute(
-        "SELECT goals FROM version WHERE level = ? AND digest = ?", key
-    ).fetchone()
-    connection.execute(
-        "UPDATE version SET ticks = ?, size = ?, distance = ?, goals = ?, "
-        "wins = coalesce(?, wins), starts = CASE WHEN ? THEN ? ELSE starts END "
-        "WHERE level = ? AND digest = ?",
-        (
-            measures.ticks,
-            measures.size,
-            measures.distance,
-            "\n".join(dict.fromkeys((*_split(stored_goals), *measures.goals))),
-            measures.wins,
-            measures.wins is not None,
-            measures.starts,
-            *key,
-        ),
-    )
-
-
-def _version(row: tuple[Any, ...]) -> Version:
-    number, text, last_use, won, ticks, size, distance, wins, starts, goals = row
-    measures = None
-    if ticks is not None:
-        measures = Measures(ticks, size, distance, wins, starts or 0, _split(goals))
-    return Version(number, text, datetime.fromisoformat(last_use), won is not None, measures)
+def _measures(
+    ticks: int | None, size: int, distance: float, wins: int | None, starts: int | None, goals: str
+) -> Measures | None:
+    if ticks is None:
+        return None
+    return Measures(ticks, size, distance, wins, starts or 0, _split(goals))
 
 
 def _split(goals: str) -> tuple[str, ...]:
