@@ -167,8 +167,7 @@ def main() -> None:
     paths = changed_paths(base)
     if not paths:
         sys.exit(f"nothing differs from {base}; name another branch or commit: CHANGED=BRANCH")
-    tests = nearest(paths, Nearness(), measured_costs(), PROCESSOR_SECONDS)
-    print(*tests, sep="\n")
+    print(*nearest(paths, Nearness(), measured_costs(), PROCESSOR_SECONDS), sep="\n")
 
 
 if __name__ == "__main__":

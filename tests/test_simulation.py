@@ -82,8 +82,7 @@ def test_each_team_has_its_program_and_points() -> None:
     assert sim.program.for_team(second).text != AHEAD
     sim.run(20)
     assert set(sim.points) == {team.name for team in level.teams}
-    robot = next(each for each in level.robots if each.team == second)
-    assert sim.why(robot.name).rows == 1
+    assert sim.why(next(each for each in level.robots if each.team == second).name).rows == 1
 
 
 @pytest.mark.parametrize(
@@ -169,8 +168,7 @@ def test_a_replay_has_all_ticks(tmp_path: Path) -> None:
         sim.record(tmp_path / "empty.replay")
     sim.run(30)
     sim.record(tmp_path / "mine.replay")
-    replay = load_replay(tmp_path / "mine.replay")
-    assert [*replay.states()][-1] == sim.frame.after
+    assert [*load_replay(tmp_path / "mine.replay").states()][-1] == sim.frame.after
     with pytest.raises(InputError, match="can't be written"):
         sim.record(tmp_path / "nowhere" / "mine.replay")
 

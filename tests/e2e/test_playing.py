@@ -85,8 +85,7 @@ def test_a_level_is_edited_with_the_mouse_saved_and_survives_a_hangup(player: Pl
     tmux.drag((30, 8), (30, 18))
     tmux.wait_for("● not saved", "finding")
     tmux.press("s", sees="Saved as short")
-    walls = load_level(player.folder / "short.toml").walls
-    assert walls[10:15, 15:45].any()
+    assert load_level(player.folder / "short.toml").walls[10:15, 15:45].any()
     tmux.press("h", "Tab")
     column, line = place_of("+", tmux.wait_for("Robot Pip at 12, 12.5", "+"))
     tmux.drag((column, line), (column + 8, line))

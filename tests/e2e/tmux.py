@@ -142,8 +142,7 @@ class Tmux:
 
         def holds() -> object:
             nonlocal screen
-            screen = self.screen
-            return condition(screen)
+            return condition(self.screen)
 
         until(holds, lambda: f"{what}; instead:\n{screen}")
         return screen

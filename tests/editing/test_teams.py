@@ -152,5 +152,4 @@ WEB_LEVELS = st.fixed_dictionaries(
 @settings(deadline=None)
 @given(WEB_LEVELS)
 def test_nothing_is_added_to_a_level_on_its_way_there_and_back(written: dict[str, Any]) -> None:
-    level = read_web(json.dumps(written), "level", "")
-    says_no_more(read(write_native(level)), written)
+    says_no_more(read(write_native(read_web(json.dumps(written), "level", ""))), written)

@@ -76,8 +76,7 @@ def aggregates(text: str) -> Iterator[Aggregate]:
     """All aggregates that are written in an expression or a body, outer ones first."""
     for match in _AGGREGATE.finditer(text):
         stop = _closing(text, match.end())
-        inside = text[match.end() : stop]
-        value, *bodies = split(inside, ":-")
+        value, *bodies = split(text[match.end() : stop], ":-")
         if bodies:
             value, *by = split(value, "->")
             yield Aggregate(match[1], value, "".join(by), bodies[0], text[match.start() : stop + 1])

@@ -129,8 +129,7 @@ async def test_a_wall_stops_robots_from_the_next_tick_on(game: Game) -> None:
     await game.run_until(tick=20)
     before, original = game.frame, game.level
     assert not before.after.robots[0].blocked
-    x = int(before.after.robots[0].x)
-    game.change_level(walled(original, x + 2))
+    game.change_level(walled(original, int(before.after.robots[0].x) + 2))
     assert game.history.marks.marks_at(20)[0].kind == "edit"
     await game.run_until(tick=30)
     assert game.frame.after.robots[0].blocked

@@ -296,8 +296,7 @@ async def test_a_game_and_a_measuring_process_find_the_same(
 
 
 async def test_who_goes_back_before_a_wall_was_not_blocked(file: Path, play: Play) -> None:
-    level = load_level(file)
-    game = play(BACKWARDS, level)
+    game = play(BACKWARDS, load_level(file))
     await game.run_until(tick=40)
     assert game.history.is_blocked_up_to(40)
     first = next(tick for tick in range(40) if game.history.is_blocked_up_to(tick))
@@ -326,8 +325,7 @@ def test_a_mirrored_level_is_the_same_from_the_other_side() -> None:
     assert math.sin(mirrored.robots[0].angle) == pytest.approx(math.sin(level.robots[0].angle))
     assert (mirrored.walls == level.walls[:, ::-1]).all()
     assert not mirrored.walls.flags.writeable
-    twice = mirror(mirrored)
-    assert alike(replace(twice, robots=level.robots), level)
+    assert alike(replace(mirror(mirrored), robots=level.robots), level)
 
 
 def test_what_is_not_a_second_goal_is_refused(file: Path) -> None:

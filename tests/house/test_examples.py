@@ -265,8 +265,7 @@ def test_python_in_a_page_runs(name: str) -> None:
 
 @pytest.mark.slow
 def test_the_page_on_python_runs(folder: Path) -> None:
-    told = run_python(python_in("python.md"))
-    assert re.match(r"10 [\d.]+ \{'Ada': 10\} False\n", told)
+    assert re.match(r"10 [\d.]+ \{'Ada': 10\} False\n", run_python(python_in("python.md")))
     assert (folder / "crow.replay").exists()
 
 

@@ -107,8 +107,7 @@ def test_only_the_app_and_the_commands_know_the_main_screen_even_for_types() -> 
 
 @pytest.mark.parametrize("name", PUBLIC_NAMES)
 def test_every_public_name_can_be_imported_and_documents_itself(name: str) -> None:
-    thing = getattr(logical_robots_tui, name)
-    assert thing.__doc__
+    assert getattr(logical_robots_tui, name).__doc__
 
 
 def test_public_names_are_listed_and_unknown_ones_refused() -> None:

@@ -28,8 +28,7 @@ def pretend(folder: Path, *, answers: str) -> str:
 
 
 def test_help_lists_every_target() -> None:
-    makefile = (CHECKOUT / "Makefile").read_text()
-    (phony,) = re.findall(r"^\.PHONY: (.*)$", makefile, re.MULTILINE)
+    (phony,) = re.findall(r"^\.PHONY: (.*)$", (CHECKOUT / "Makefile").read_text(), re.MULTILINE)
     listed = re.findall(r"^  make (\w+)", make("help").stdout, re.MULTILINE)
     assert sorted(listed) == sorted(phony.split())
 

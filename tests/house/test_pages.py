@@ -34,8 +34,7 @@ def section(page: str, heading: str = "") -> str:
 
 
 def page_of(command: str) -> str:
-    fallback = COMMAND_PAGES.get(command.split(" ")[0], "commands.md")
-    return COMMAND_PAGES.get(command, fallback)
+    return COMMAND_PAGES.get(command, COMMAND_PAGES.get(command.split(" ")[0], "commands.md"))
 
 
 CALLS = ("logical-robots {}", "`{}`")

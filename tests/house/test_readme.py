@@ -87,8 +87,7 @@ def test_the_readme_is_short() -> None:
 
 def test_a_page_that_is_written_by_hand_is_not_long() -> None:
     lengths = {page.stem: len(page.read_text().splitlines()) for page in PAGES[1:]}
-    long = {page for page, length in lengths.items() if length > 250}
-    assert long <= {"learn", "solutions"}
+    assert {page for page, length in lengths.items() if length > 250} <= {"learn", "solutions"}
 
 
 def test_every_command_in_the_readme_exists() -> None:

@@ -50,8 +50,7 @@ def test_a_run_tells_what_it_has_cost(pytester: pytest.Pytester) -> None:
 def test_a_quick_run_that_does_too_much_fails_and_says_what(
     pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, is_whole: bool
 ) -> None:
-    name = "ticks played"
-    monkeypatch.setitem(BOUNDS, name, Bound(0, "it takes time"))
+    monkeypatch.setitem(BOUNDS, "ticks played", Bound(0, "it takes time"))
     pytester.makeconftest(CONFTEST)
     pytester.makepyfile(PLAYS_A_TICK)
     options = ["--all"] if is_whole else []
@@ -63,8 +62,7 @@ def test_a_quick_run_that_does_too_much_fails_and_says_what(
 
 
 def test_a_run_ends_if_its_sources_are_edited_meanwhile(pytester: pytest.Pytester) -> None:
-    package = pytester.mkpydir("logical_robots_tui")
-    (package / "b.py").write_text("b = 1", encoding="utf-8")
+    (pytester.mkpydir("logical_robots_tui") / "b.py").write_text("b = 1", encoding="utf-8")
     pytester.makeconftest(CONFTEST)
     pytester.makepyfile(EDITS_A_SOURCE)
     run = pytester.runpytest_inprocess("-p", "no:cacheprovider", "-W", "ignore")

@@ -162,8 +162,7 @@ def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
     assert {*runs["final"]} == {*runs["clock_max"]} == {35}
     clocks = results.to_pandas("series").query("measure == 'clock'")
     assert sorted({*clocks["tick"]})[:3] == [1, 10, 20]
-    means = clocks.groupby("Near").number.mean()
-    assert list(means) == pytest.approx(list(runs["clock_mean"]))
+    assert list(clocks.groupby("Near").number.mean()) == pytest.approx(list(runs["clock_mean"]))
     sweep(given, tmp_path / "another", workers=2, progress=False)
     assert exported(tmp_path / "another") == exported(tmp_path / "out")
     # What is only reduce_series anew is not run again.

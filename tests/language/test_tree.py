@@ -146,7 +146,6 @@ def test_spaces_of_every_width_are_spaces() -> None:
 
 @pytest.mark.parametrize("end", ["\r", "\r\n"])
 def test_every_end_of_a_line_ends_it(end: str) -> None:
-    text = f"{TEXT}C(x) :- x = ;"
-    (problem,) = parse(prepare(text.replace("\n", end))).problems
+    (problem,) = parse(prepare(f"{TEXT}C(x) :- x = ;".replace("\n", end))).problems
     assert (problem.line, problem.column) == (4, 12)
     assert len(read(TEXT.replace("\n", end))) == 2

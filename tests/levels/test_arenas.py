@@ -39,8 +39,7 @@ def matches(*cases: tuple[Any, ...]) -> pytest.MarkDecorator:
 def scores(level: Level, programs: list[str]) -> tuple[float, ...]:
     """What each team has at the end of a match, in which nothing is remarked."""
     names = [team.name for team in level.teams]
-    texts = map(program_text, programs)
-    program = Program.compile(dict(zip(names, texts, strict=True)))
+    program = Program.compile(dict(zip(names, map(program_text, programs), strict=True)))
     played = verdict(level, program, level.match_ticks or 0)
     assert played.notices == {}
     return played.points
@@ -148,5 +147,4 @@ def test_who_takes_another_seat_takes_the_scores_along(name: str, seat: int, sta
 @matches(*((name, seat, start) for start in STARTS for name, seat in SEATS))
 def test_the_solution_beats_all_sparring_partners(name: str, seat: int, start: int) -> None:
     found = played(name, seat, start)
-    others = [*found[:seat], *found[seat + 1 :]]
-    assert found[seat] > 1.2 * max(others)
+    assert found[seat] > 1.2 * max([*found[:seat], *found[seat + 1 :]])

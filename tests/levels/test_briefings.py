@@ -37,8 +37,7 @@ def all_follow_amber() -> bool:
 
 
 def ada_sees_the_key() -> bool:
-    text = step("11-the-gate", "briefing")
-    found = list(moments("11-the-gate", text, 1500))
+    found = list(moments("11-the-gate", step("11-the-gate", "briefing"), 1500))
     gate = next(area for area in found[-1].state.areas if area.name == "Gate")
     return not gate.active and min(moment.to("Key", "Ada") for moment in found) < 40
 
@@ -83,8 +82,7 @@ def reach_grows_from_the_archive() -> bool:
 
 
 def two_still_meet_in_the_door() -> bool:
-    text = step("14-right-of-way", "briefing")
-    *_, last = moments("14-right-of-way", text, 800)
+    *_, last = moments("14-right-of-way", step("14-right-of-way", "briefing"), 800)
     places = sorted(memory["place"] for memory in last.memories.values())
     return places == ["door", "door", "gate", "gate", "road", "road"]
 

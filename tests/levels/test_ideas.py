@@ -169,8 +169,7 @@ def test_no_constant_engines_win(name: str) -> None:
 @pytest.mark.proof
 @each_level
 def test_no_periodic_engines_win(name: str) -> None:
-    simple = is_simple(load_level(name))
-    assert winners(name, PERIODIC if simple else PERIODIC[::7]) == {}
+    assert winners(name, PERIODIC if is_simple(load_level(name)) else PERIODIC[::7]) == {}
 
 
 def wins(level: Level, program: str, thoughts: int) -> bool:

@@ -40,8 +40,7 @@ each_solution = pytest.mark.parametrize(
 
 
 def test_the_levels_are_numbered_from_1_on() -> None:
-    numbers = [int(name.partition("-")[0]) for name in LEVELS]
-    assert numbers == list(range(1, len(LEVELS) + 1))
+    assert [int(name.partition("-")[0]) for name in LEVELS] == list(range(1, len(LEVELS) + 1))
 
 
 def check_texts(level: Level) -> None:
@@ -141,8 +140,7 @@ def test_the_first_level_is_won_by_changing_the_number_as_its_briefing_says() ->
 def test_the_changed_number_wins_from_19_of_20_varied_starts() -> None:
     level = load_level("01-first-steps")
     text = as_the_first_briefing_says(program_text(level.starter))
-    wins = wins_from_starts(level, Program.compile(text), TICKS_FOR_LOSING)
-    assert len(list(wins)) >= 19
+    assert len(list(wins_from_starts(level, Program.compile(text), TICKS_FOR_LOSING))) >= 19
 
 
 @pytest.mark.slow

@@ -87,8 +87,7 @@ def test_there_is_no_picture_of_a_level_that_is_gone() -> None:
 
 
 def test_code_in_hints_is_shown_as_it_is_typed() -> None:
-    page = files()[FOLDER / "learn.md"]
-    code = re.findall(r"`[^`\n]+`", page)
+    code = re.findall(r"`[^`\n]+`", files()[FOLDER / "learn.md"])
     assert code
     assert not [piece for piece in code if re.search("&(lt|gt|amp);", piece)]
 

@@ -123,8 +123,7 @@ def test_a_changed_line_makes_another_verdict_where_it_plays_a_part(
     for file in files:
         file.write_text("one = 2\n")
         keys.append(key_of(level, ahead))
-    changes = [after != before for before, after in pairwise(keys)]
-    assert changes == [True] * 6 + [False] * 4
+    assert [after != before for before, after in pairwise(keys)] == [True] * 6 + [False] * 4
 
 
 def test_level_start_and_program_make_another_verdict(level: Level, ahead: Program) -> None:

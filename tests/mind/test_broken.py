@@ -109,8 +109,7 @@ def test_no_message_holds_codes_sql_or_a_traceback_and_every_hint_is_short() -> 
 def test_a_program_with_a_piece_cut_out_never_gives_a_traceback(data: st.DataObject) -> None:
     text, _ = data.draw(st.sampled_from(sorted(PROGRAMS.values())))
     start = data.draw(st.integers(0, len(text)))
-    end = data.draw(st.integers(start, min(len(text), start + 12)))
-    damaged = text[:start] + text[end:]
+    damaged = text[:start] + text[data.draw(st.integers(start, min(len(text), start + 12))) :]
     lines = damaged.split("\n")
     for diagnostic in diagnostics(damaged):
         assert 1 <= diagnostic.line <= len(lines)

@@ -125,8 +125,7 @@ def test_there_is_one_compile_process_however_many_compile() -> None:
 
 
 def children(parent: int) -> list[int]:
-    command = ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)]
-    listed = run_command(command).stdout
+    listed = run_command(["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)]).stdout
     return [int(line.split()[0]) for line in listed.splitlines() if "compile_process" in line]
 
 

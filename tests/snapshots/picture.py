@@ -74,8 +74,7 @@ def differences(wanted: list[list[Cell]], found: list[list[Cell]]) -> Iterator[s
 
 
 def _timeless(cells: list[pyte.screens.Char]) -> list[pyte.screens.Char]:
-    line = "".join(cell.data for cell in cells)
-    found = re.search(r"\d+\.\d ms +$", line)
+    found = re.search(r"\d+\.\d ms +$", "".join(cell.data for cell in cells))
     if not found:
         return cells
     first, blank = cells[found.start()], cells[-1]

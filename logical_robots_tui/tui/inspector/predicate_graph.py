@@ -17,7 +17,6 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line, visible
 
 if TYPE_CHECKING:
-
     from logical_robots_tui.mind import Program, QueryPlan
 
 _USERS, _MIDDLE, _USED = 0, 1, 2

@@ -74,8 +74,7 @@ def answer_in_one(
     text: str, predicate: str, rows: list[Any], memories: dict[str, Any], folder: Path
 ) -> list[tuple[Any, ...]]:
     """The same in one statement, which is how the platform evaluates a program."""
-    program = _program(f'@Engine("duckdb");\n{text}')
-    sql = program.FormattedPredicateSql(predicate)
+    sql = _program(f'@Engine("duckdb");\n{text}').FormattedPredicateSql(predicate)
     with duckdb.connect() as connection:
         connection.execute("SET threads = 1")
         _load(connection, rows, memories, folder)

@@ -73,8 +73,7 @@ def values(kind: Any, depth: int) -> Text:
         inner.map(lambda value: f"{{f: {value}, g: 1}}.f"),
     ]
     if not isinstance(kind, list):
-        places = st.integers(-1, 3).map(str)
-        general.append(call("Element", values([kind], depth - 1), places))
+        general.append(call("Element", values([kind], depth - 1), st.integers(-1, 3).map(str)))
     return st.one_of(written, *general, *_OWN[_family(kind)](kind, depth - 1))
 
 

@@ -20,8 +20,7 @@ async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
         for key in "soU":
             press_at_once(game, key, *"n12")
             await game.until(lambda: game.app.screen is not game.main)
-            field = game.app.screen.query_one(Input)
-            await game.until(partial(holds, field, "n12"))
+            await game.until(partial(holds, game.app.screen.query_one(Input), "n12"))
             press_at_once(game, "escape", "n")
             await game.until(lambda: game.app.screen is game.main)
         await game.until(lambda: game.tick == 3)

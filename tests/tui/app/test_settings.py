@@ -87,8 +87,7 @@ async def change(game: Opened, name: str, *keys: str) -> None:
     await game.press("ctrl+p", sees="Find a command")
     await game.press(*"settings", "enter")
     await game.until(lambda: isinstance(game.app.screen, SettingsScreen))
-    names = [row.name for row in rows()]
-    await game.press(*["down"] * names.index(name), *keys, "escape")
+    await game.press(*["down"] * [row.name for row in rows()].index(name), *keys, "escape")
     await game.until(lambda: game.app.screen is game.main)
 
 

@@ -26,8 +26,7 @@ def test_a_command_has_the_keys_that_it_is_given(tmp_path: Path) -> None:
     }
     # What is printed sets the same.
     key_map = KeyMap(COMMANDS, {"step": ("percent_sign",), "restart": ()})
-    table = "\n".join(key_map.as_toml()).removeprefix("[keys]\n")
-    read = keys(tmp_path, table)
+    read = keys(tmp_path, "\n".join(key_map.as_toml()).removeprefix("[keys]\n"))
     assert not read.complaints
     assert read.keys == {name: entry.keys for name, entry in key_map.changeable.items()}
 

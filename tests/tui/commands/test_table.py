@@ -60,8 +60,7 @@ def test_a_command_has_a_title_one_sentence_of_help_and_does_something() -> None
 
 def test_the_table_is_read_without_loading_the_screen_or_the_game() -> None:
     script = "import sys, logical_robots_tui.tui.commands.table; print(*sys.modules)"
-    done = run_command([sys.executable, "-c", script], check=True)
-    loaded = set(done.stdout.split())
+    loaded = set(run_command([sys.executable, "-c", script], check=True).stdout.split())
     assert "logical_robots_tui.tui.commands.general" in loaded
     heavy = ("game", "mind", "world", "editing", "tui.app", "tui.inspector", "tui.level_editor")
     assert not loaded & {"numpy", "sqlite3", "textual.app", "textual.widget"}

@@ -146,8 +146,7 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
         tree.move_cursor(radar)
         await game.until(lambda: game.app.screen.query_one("#radar").display)
         await game.press("enter", until=lambda: len(radar.children) == 31)
-        desire = tree.root.children[2].children[0]
-        tree.move_cursor(desire)
+        tree.move_cursor(tree.root.children[2].children[0])
         await game.until(lambda: not game.app.screen.query_one("#radar").display)
         await game.press("at", "escape", "V")
         await game.until(lambda: "Robot.desire.left_engine for Solo" in view(game).plain)

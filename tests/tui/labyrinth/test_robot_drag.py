@@ -73,8 +73,7 @@ async def test_a_robot_pointed_at_shows_its_card(data_dir: Path, room_file: Path
 async def test_with_a_drag_no_victory_counts(data_dir: Path, room_file: Path, ticks: int) -> None:
     async with opened(data_dir, level=room_file, text=AHEAD, ready=True) as game:
         await game.press(*["n"] * ticks, tick=ticks)
-        x = game.session.frame.after.robots[0].x
-        await game.drag((x, 50), (100, 50), (200, 50))
+        await game.drag((game.session.frame.after.robots[0].x, 50), (100, 50), (200, 50))
         await game.until(lambda: game.session.frame.after.robots[0].x > 190)
         game.session.run_until(1000)
         await game.sees("a robot moved by hand")

@@ -37,8 +37,7 @@ async def test_saves_and_choices_come_late(data_dir: Path, monkeypatch: pytest.M
         game.app.push_screen(QuestionDialog("Above", "All of it?", [("yes", "Yes")]))
         await game.until(lambda: isinstance(game.app.screen, QuestionDialog))
         hold.release()
-        save = next(worker for worker in game.app.workers if worker.group == "save")
-        await save.wait()
+        await next(worker for worker in game.app.workers if worker.group == "save").wait()
         await game.press("y", until=lambda: game.app.screen is saving)
         await game.press("escape", until=lambda: game.app.screen is game.main)
 

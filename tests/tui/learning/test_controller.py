@@ -138,8 +138,7 @@ async def test_a_victory_is_measured_compared_kept_and_clicked(data_dir: Path, s
         await game.until(lambda: game.tick == 0 and game.app.screen is game.main)
         await game.press("m", sees="Results")
         await game.press("m", sees_no="Results")
-    kept = record_of(data_dir)
-    assert kept.measures(str(short), AHEAD) == game.main.recorder.latest
+    assert record_of(data_dir).measures(str(short), AHEAD) == game.main.recorder.latest
 
 
 @pytest.mark.usefixtures("trials")

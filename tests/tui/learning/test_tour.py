@@ -26,8 +26,7 @@ async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: Size) ->
         for number, stop in enumerate(STOPS, start=1):
             await game.sees(f"{stop.title} · {number} of {len(STOPS)}")
             await game.later(0.1)
-            tour = game.main.query_one(Tour)
-            assert game.main.region.contains_region(tour.region)
+            assert game.main.region.contains_region(game.main.query_one(Tour).region)
             assert game.main.query_one(f"#{stop.place}").region.area
             assert game.shows("skip the tour")
             await game.press("enter")

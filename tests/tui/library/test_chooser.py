@@ -224,7 +224,6 @@ def test_a_version_shows_what_would_change() -> None:
     assert card.headline == "★ won   +1 -2"
     assert isinstance(card.preview, Content)
     assert card.preview.plain.split("\n") == ["@ line 2", " b", " c", "-d", "-new", "+old", " e"]
-    inks = {span.style for span in card.preview.spans}
-    assert {INK.good, INK.bad} <= inks
+    assert {INK.good, INK.bad} <= {span.style for span in card.preview.spans}
     same = VersionShelf([then], then.text).card(name)
     assert (same.headline, same.preview) == ("as it is now", then.text)

@@ -80,8 +80,7 @@ async def test_keys_that_come_at_once_are_obeyed_in_order_as_a_paste_with_bracke
     async with writing(PAPER) as desk:
         keys = ["down", "down", "end", *["backspace"] * 2, *"abc", "left", "x", "enter", "y"]
         await desk.at_once(*keys)
-        line = PAPER.splitlines()[2]
-        assert desk.editor.document.get_line(2) == line[:-2] + "abx"
+        assert desk.editor.document.get_line(2) == PAPER.splitlines()[2][:-2] + "abx"
         assert desk.editor.document.get_line(3) == "yc"
         await desk.load("")
         await desk.at_once(*("ctrl+j" if letter == "\n" else letter for letter in PAPER))
@@ -244,8 +243,7 @@ def test_an_editor_s_text_is_taken_or_it_fails(editor: str, left: str | type[Exc
 
 def test_a_new_line_is_indented_as_what_is_before_it_asks() -> None:
     lines = ["", "A(x) :-", "A(x) :-  # why", "  B(x),", "  desire = {", "    f(", "  C(x);", "  "]
-    widths = [len(indentation_after(line)) for line in lines]
-    assert widths == [0, 2, 2, 2, 4, 6, 0, 2]
+    assert [len(indentation_after(line)) for line in lines] == [0, 2, 2, 2, 4, 6, 0, 2]
     assert indentation_after("\tB(x),") == "\t"
     with bounded_work(2.0):
         assert indentation_after(" " * 300_000) == " " * 300_000

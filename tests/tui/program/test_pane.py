@@ -169,8 +169,7 @@ async def test_what_is_copied_is_in_a_file(data_dir: Path, monkeypatch: pytest.M
     async with opened(data_dir, text=STILL, ready=True) as game:
         game.main.permissions = Permissions(clipboard=False)
         await game.press("2", "f6", "ctrl+c", until=copied.exists, sees="Kept in")
-        first = STILL.splitlines()[0]
-        assert game.app.clipboard == copied.read_text("utf-8").strip() == first
+        assert game.app.clipboard == copied.read_text("utf-8").strip() == STILL.splitlines()[0]
         await game.command("select_all")
         await game.press("ctrl+x", until=lambda: copied.read_text("utf-8") == STILL)
         assert game.editor.text == ""

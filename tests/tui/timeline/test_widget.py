@@ -278,8 +278,7 @@ async def test_a_breakpoint_is_made_of_known_names(data_dir: Path, short: Path, 
         await game.press("right", "enter", on=BreakpointList)
         assert list(game.session.breakpoints) == [Breakpoint("rows", "Near")]
         await game.press("a", on=BreakpointForm)
-        events = game.app.screen.query_one(OptionList)
-        events.highlighted = list(EVENTS).index("change")
+        game.app.screen.query_one(OptionList).highlighted = list(EVENTS).index("change")
         await game.until(lambda: game.app.screen.query_one("#column").display)
         await game.press("enter", until=lambda: game.app.screen.query_one("#subject").has_focus)
         await game.press(*"Near", "tab", *"Pip", "tab", *"robot_name", "enter", on=BreakpointList)

@@ -112,8 +112,7 @@ def test_beacons_glow_and_chargers_look_different() -> None:
 
 
 def test_a_square_room_is_drawn_twice_as_many_columns_wide_as_rows_high() -> None:
-    drawn = Drawn(room(200, 200, 20), columns=100, rows=30)
-    tone = drawn.picture.cells.tone
+    tone = Drawn(room(200, 200, 20), columns=100, rows=30).picture.cells.tone
     on_map = tone != tone[15, 0]
     assert on_map.any(axis=0).sum() == 2 * on_map.any(axis=1).sum() == 60
 

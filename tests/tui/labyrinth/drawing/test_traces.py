@@ -72,8 +72,7 @@ def test_an_area_flashes_when_it_is_switched_and_only_then() -> None:
 def test_a_robot_without_a_decision_shows_it_and_a_beacon_pulses() -> None:
     frame = replace(start(LEVEL), decisions=(Decision("Ann", None, None),))
     assert "?" in "".join(Drawn(LEVEL, frame, replace(BARE, names=True)).lines)
-    near = Drawn(LEVEL, frame, BARE, view=VIEW.zoomed(6).centred(60, 100))
-    assert near.text(60, 100) == "?"
+    assert Drawn(LEVEL, frame, BARE, view=VIEW.zoomed(6).centred(60, 100)).text(60, 100) == "?"
     level = room(beacons=(Beacon("lamp", 200, 100),))
     inks = {Drawn(level, look=replace(BARE, pulse=pulse)).ink(200, 100) for pulse in range(4)}
     assert len(inks) == 3
