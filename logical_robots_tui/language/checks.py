@@ -351,10 +351,10 @@ def engines(model: Model, inference: Inference) -> Iterator[Diagnostic]:
         arguments = node.arguments if isinstance(node, tree.Record) else ()
         names = [argument.field for argument in arguments if isinstance(argument.field, str)]
         if set(names) & set(_ENGINES) and tree.REST not in names:
-            problems |= _by_place(_misspelt(names, model))
+            problems |= _misspelt(names, model)
     for shape in inference.column(MAIN, "desire"):
         names = [*shape.names] if isinstance(shape, RecordOf) else []
-        if misspelt := _by_place(_misspelt(names, model, 0.5)):
+        if misspelt := _misspelt(names, model, 0.5):
             problems |= misspelt
         elif names:
             for engine in sorted(set(_ENGINES) - set(names)):
@@ -365,17 +365,19 @@ def engines(model: Model, inference: Inference) -> Iterator[Diagnostic]:
     yield from problems.values()
 
 
-def _by_place(problems: Iterable[Diagnostic]) -> dict[tuple[int, int], Diagnostic]:
-    return {(p.line, p.column): p for p in problems}
-
-
-def _misspelt(names: Iterable[str], model: Model, cutoff: float = 0.76) -> Iterator[Diagnostic]:
+def _misspelt(
+    names: Iterable[str], model: Model, cutoff: float = 0.76
+) -> dict[tuple[int, int], Diagnostic]:
+    """Return warnings about names that are nearly those of engines, by line and column."""
+    problems = {}
     missing = set(_ENGINES) - set(names)
     for name in names:
         similar = closest(name, missing, cutoff)
         if similar and name not in _ENGINES:
             message = f"There is no engine called {name}; this would be ignored"
-            yield model.diagnostic(name, message, f"Did you mean {similar}?")
+            problem = model.diagnostic(name, message, f"Did you mean {similar}?")
+            problems[problem.line, problem.column] = problem
+    return problems
 
 
 def _missing_column(robot: str, column: str, columns: list[str], model: Model) -> Diagnostic:
