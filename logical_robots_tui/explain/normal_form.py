@@ -267,24 +267,21 @@ class _ClauseBuilder:
         span = self._builder.span(node)
         if kind == "literal":
             return Term("literal", span, self._column(node))
-        if tree.variable_of(node) in self._calls:
-            return self._call_term(tree.variable_of(node), self._column(node))
+        if (name := tree.variable_of(node)) in self._calls:
+            column = self._column(node)
+            atom = next(
+                part
+                for part in self._body
+                if isinstance(part, Atom) and name in map(tree.variable_of, _values_in(part, VALUE))
+            )
+            call = self._call(atom)
+            parts = tuple(term for term in call.terms.values() if term.kind != "field")
+            return Term("call", self._builder.span(self._calls[name]), column, parts, call=call)
         if isinstance(node, tree.Aggregate):
             body = self._inner(node) if self._depth < _DEEPEST else None
             return Term("aggregate", span, self._column(node), body=body)
         parts = tuple(map(self._term, _parts_of(node)))
         return Term(kind, span, self._column(node), parts, _names_of(node))
-
-    def _call_term(self, name: str, column: str) -> Term:
-        """Return the term of a call whose value is a variable."""
-        atom = next(
-            part
-            for part in self._body
-            if isinstance(part, Atom) and name in map(tree.variable_of, _values_in(part, VALUE))
-        )
-        call = self._call(atom)
-        parts = tuple(term for term in call.terms.values() if term.kind != "field")
-        return Term("call", self._builder.span(self._calls[name]), column, parts, call=call)
 
     def _inner(self, aggregate: tree.Aggregate) -> Body | None:
         body = tree.conjuncts(aggregate.body)

@@ -35,7 +35,13 @@ def merge_self_joins(tree: exp.Expr) -> None:
     """
     for select in list(tree.find_all(exp.Select)):
         sources = sql.sources(select)
-        for names in _same_robots(select):
+        groups: list[set[str]] = []
+        for condition in sql.conjuncts(select):
+            if pair := _same_robot(condition):
+                overlapping_groups = [names for names in groups if names & pair]
+                groups = [names for names in groups if not names & pair]
+                groups.append(pair.union(*overlapping_groups))
+        for names in groups:
             first_names: dict[str, str] = {}
             for name in [name for name in sources if name in names]:
                 table = sql.table_name(sources[name])
@@ -115,16 +121,6 @@ def columns_read(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
             if name is not None and column.name.lower() != "id":
                 columns_by_table[name].add(column.name.lower())
     return {name: tuple(sorted(columns)) for name, columns in columns_by_table.items()}
-
-
-def _same_robots(select: exp.Select) -> list[set[str]]:
-    groups: list[set[str]] = []
-    for condition in sql.conjuncts(select):
-        if pair := _same_robot(condition):
-            overlapping_groups = [names for names in groups if names & pair]
-            groups = [names for names in groups if not names & pair]
-            groups.append(pair.union(*overlapping_groups))
-    return groups
 
 
 def _same_robot(condition: exp.Expr) -> set[str]:
