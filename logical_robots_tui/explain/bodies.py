@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typing
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TypeAlias, TypeVar
 
 from logical_robots_tui.explain.why.probing import PredicateCall, SourceSpan
@@ -200,23 +200,18 @@ def outer_aggregates(node: Tree) -> Iterator[tree.Aggregate]:
     return (n for n in tree.walk(node, tree.is_aggregate) if isinstance(n, tree.Aggregate))
 
 
+@dataclass(frozen=True)
 class CallablePredicates:
     """The predicates that rules may call.
 
-    Args:
+    Attributes:
         functions: The required columns of each predicate that needs arguments.
         origins: For each copy, its original and the predicate made with ``:=``.
     """
 
-    def __init__(
-        self,
-        functions: Mapping[str, Collection[str]],
-        tables: Mapping[str, str],
-        origins: Mapping[str, tuple[str, str]],
-    ) -> None:
-        self.functions = functions
-        self.tables = tables
-        self.origins = origins
+    functions: Mapping[str, Collection[str]]
+    tables: Mapping[str, str]
+    origins: Mapping[str, tuple[str, str]]
 
     def __contains__(self, name: object) -> bool:
         return name in self.functions or name in self.tables

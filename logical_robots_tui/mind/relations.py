@@ -64,7 +64,7 @@ class Relations:
         self, databases: MindDatabases, inputs: Inputs, view: View, budget: QueryBudget
     ) -> None:
         self._databases, self._plain = databases, databases.plain_tables
-        self._inputs, self._view, self.budget = inputs, view, budget
+        self._inputs, self._view, self.budget = self._query_arguments = inputs, view, budget
         self._plain.register(SAME, _same_in_sql, 2)
         self._plain.register(ALIKE, lambda left, right: alike(from_sql(left), from_sql(right)), 2)
         self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
@@ -125,10 +125,6 @@ class Relations:
         first, last = self._view.memories
         visible_names = [name for n, name in self._inputs.memory_rows if first <= n <= last]
         return [name for name in visible_names if same(self._inputs.memory_values.get(name), value)]
-
-    @property
-    def _query_arguments(self) -> tuple[Inputs, View, QueryBudget]:
-        return self._inputs, self._view, self.budget
 
     def spend(self, steps: int) -> None:
         """Count steps outside of queries; FailureError if over budget, Stopped if stopped."""

@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, value_of
@@ -171,7 +172,6 @@ class Stages:
 
     def __init__(self, relations: Relations, members: Mapping[str, Probing]) -> None:
         self._relations, self._members = relations, members
-        self._stages: dict[tuple[str, str], int] | None = None
 
     def first_row(self, probing: Probing, rows: Sequence[Row]) -> Row:
         """Return the row to explain; of several of `Robot`, the last one counts."""
@@ -188,11 +188,10 @@ class Stages:
         return [candidate for candidate in rows if self._stage(name, candidate) < stage]
 
     def _stage(self, name: str, row: Row) -> int:
-        if self._stages is None:
-            self._stages = self._compute_stages()
         return self._stages.get((name, _key(row)), _NEVER)
 
-    def _compute_stages(self) -> dict[tuple[str, str], int]:
+    @cached_property
+    def _stages(self) -> dict[tuple[str, str], int]:
         rows = {
             name: {_key(row): row for row in self._relations.rows(name, probing.sources)}
             for name, probing in self._members.items()

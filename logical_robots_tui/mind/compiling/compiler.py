@@ -9,7 +9,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 from logica.compiler import dialects, functors, universe
@@ -155,7 +155,6 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         self.fixpoints = fixpoints
         self.trees: dict[str, exp.Query] = {}  # by statement
         self.kinds: dict[str, Mapping[str, Kind]] = {}  # of columns, by predicate
-        self._step_queries: dict[Fixpoint, tuple[str, ...]] = {}
         super().__init__(rules, **options)
 
     def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
@@ -166,7 +165,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         }
         for recursion in self.fixpoints:
             if any(name in statements for name in recursion.names):
-                growth_query = fixpoint.growth_query(recursion, self._steps())
+                growth_query = fixpoint.growth_query(recursion, self._step_queries)
                 checks[recursion.names[0]] = (recursion.depth, growth_query)
         return {name: check for name, check in checks.items() if check[1]}
 
@@ -175,7 +174,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         recursion = next((f for f in self.fixpoints if name in f.names), None)
         sql = recursion.all_rows(name) if recursion else super().FormattedPredicateSql(name)
         text, query_tree, self.kinds[name] = as_on_duckdb(
-            fixpoint.with_fixpoints(sql, self._steps()), self.tables
+            fixpoint.with_fixpoints(sql, self._step_queries), self.tables
         )
         if query_tree is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
             self.trees[text] = query_tree
@@ -194,14 +193,13 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
                 statements[name] = self.FormattedPredicateSql(name).rstrip().removesuffix(";")
         return statements
 
-    def _steps(self) -> dict[Fixpoint, tuple[str, ...]]:
-        if not self._step_queries:
-            compile_predicate = super().FormattedPredicateSql
-            self._step_queries = {
-                recursion: tuple(map(compile_predicate, recursion.step_predicates))
-                for recursion in self.fixpoints
-            }
-        return self._step_queries
+    @cached_property
+    def _step_queries(self) -> dict[Fixpoint, tuple[str, ...]]:
+        compile_predicate = super().FormattedPredicateSql
+        return {
+            recursion: tuple(map(compile_predicate, recursion.step_predicates))
+            for recursion in self.fixpoints
+        }
 
     def UnfoldRecursion(self, rules: list[Raw]) -> list[Raw]:
         """Unroll every recursion in place; the package would repeat statements."""
