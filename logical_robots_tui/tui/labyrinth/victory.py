@@ -6,6 +6,7 @@ import asyncio
 import math
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Frame
@@ -32,6 +33,7 @@ _PAUSE = 1.0
 """Seconds without a key after which a text that is typed may be interrupted."""
 
 
+@dataclass(eq=False)
 class VictoryAnnouncer(SessionListener):
     """Tells the task at a level's start, and what happens; celebrates victories.
 
@@ -43,28 +45,20 @@ class VictoryAnnouncer(SessionListener):
         run: Runs a command.
     """
 
-    def __init__(
-        self,
-        session: Session,
-        briefing: Briefing,
-        recorder: ProgressRecorder,
-        ui: ScreenUi,
-        offers: ScreenOffers,
-        *,
-        pause: Callable[[], float],
-        is_test: Callable[[], bool],
-        look: Callable[[], tuple[Drawing, Palette] | None],
-        following: Callable[[], Awaitable[str | None]],
-        run: Callable[[str], None],
-    ) -> None:
-        self._session, self._briefing, self._recorder = session, briefing, recorder
-        self._ui, self._offers = ui, offers
-        self._pause, self._is_test, self._look = pause, is_test, look
-        self._following, self._run = following, run
-        self._waiting: Victory | None = None
-        self._results: ResultsDialog | None = None
-        self._is_held = False
-        self._tick = 0
+    session: Session
+    briefing: Briefing
+    recorder: ProgressRecorder
+    ui: ScreenUi
+    offers: ScreenOffers
+    pause: Callable[[], float]
+    is_test: Callable[[], bool]
+    look: Callable[[], tuple[Drawing, Palette] | None]
+    following: Callable[[], Awaitable[str | None]]
+    run: Callable[[str], None]
+    _waiting: Victory | None = None
+    _results: ResultsDialog | None = None
+    _is_held: bool = False
+    _tick: int = 0
 
     def level_opened(self, level: Level) -> None:
         self.restarted()
@@ -79,22 +73,22 @@ class VictoryAnnouncer(SessionListener):
         if previous_tick and not frame.tick:
             self._brief()
         elif frame.tick and not previous_tick:
-            self._briefing.close()
-        history = self._session.history
+            self.briefing.close()
+        history = self.session.history
         if frame.tick != previous_tick + 1 or history is None:
             return
-        level = self._session.level
+        level = self.session.level
         if is_match_over(level, frame.tick):
             standing = one_line(standing_words(level, frame.after))
-            self._ui.tell(f"The match is over: {standing}.")
+            self.ui.tell(f"The match is over: {standing}.")
         for mark in history.marks.marks_at(frame.tick):
             if words := trouble(mark):
-                self._ui.tell(words)
+                self.ui.tell(words)
 
     def _brief(self) -> None:
         self._tick = 0
         if not self._is_held:
-            self._briefing.tell(self._session.level)
+            self.briefing.tell(self.session.level)
 
     def won(self, victory: Victory) -> None:
         """Announce a victory, now or once level editing ends."""
@@ -107,13 +101,13 @@ class VictoryAnnouncer(SessionListener):
         self._is_held = is_held
         if not self._tick:
             self._brief()
-        if not is_held and self._session.won_at is not None:
+        if not is_held and self.session.won_at is not None:
             self._announce()
 
     def measured(self, level: Level, measures: Measures, is_here: bool) -> None:
         is_shown = self._results is not None and self._results.is_active
         if not (is_here and is_shown):
-            self._ui.tell(one_line(robustness_line(level, measures)))
+            self.ui.tell(one_line(robustness_line(level, measures)))
 
     def follow(self) -> None:
         """Show in the results what is measured meanwhile."""
@@ -124,39 +118,39 @@ class VictoryAnnouncer(SessionListener):
         from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
         answers = [("solution", "References"), ("versions", "Versions"), ("results", "Close")]
-        self._results = ResultsDialog(self._recorder, "", answers)
-        self._ui.show(self._results, self._obey)
+        self._results = ResultsDialog(self.recorder, "", answers)
+        self.ui.show(self._results, self._obey)
 
     def _announce(self) -> None:
         if self._waiting is not None:
-            self._briefing.close()
-            self._ui.spawn(self._celebrate, "victory", exclusive=True)
+            self.briefing.close()
+            self.ui.spawn(self._celebrate, "victory", exclusive=True)
 
     async def _celebrate(self) -> None:
         from logical_robots_tui.tui.app.ui import NOTICING
         from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
-        following = await self._following()
+        following = await self.following()
         picture = await self._picture_of(following)
-        await self._offers.free()
-        while (pause := self._pause()) < _PAUSE:  # noqa: ASYNC110 - each key begins it anew
+        await self.offers.free()
+        while (pause := self.pause()) < _PAUSE:  # noqa: ASYNC110 - each key begins it anew
             await asyncio.sleep(_PAUSE - pause)
         victory, self._waiting = self._waiting, None
         if victory is None:
             return
         if victory.refusal:
-            self._ui.tell(victory.refusal)
+            self.ui.tell(victory.refusal)
         who = "You made it" if len(victory.level.robots) == 1 else "Everyone made it"
         headline = f"★ {clip(who, 50)} — {count_of(victory.tick, 'tick')} ★"
         answers = [("restart", "Again"), ("leave", "Stay")]
-        if self._is_test():
+        if self.is_test():
             answers[:0] = [("test", "Edit")]
         else:
             answers[:0] = [("next_level", "Next level")] * (following is not None)
             answers[-1:-1] = [("lesson", "Lesson")] * bool(victory.level.lesson)
         noticing = NOTICING if pause < math.inf else 0.0
         self._results = ResultsDialog(
-            self._recorder,
+            self.recorder,
             headline,
             answers,
             seed=victory.tick,
@@ -164,14 +158,14 @@ class VictoryAnnouncer(SessionListener):
             story=victory.level.story,
             picture=picture,
         )
-        self._obey(await self._offers.put(self._results))
+        self._obey(await self.offers.put(self._results))
 
     async def _picture_of(self, level: str | None) -> Cells | None:
         """Draw what comes next; without it the story is told alone."""
         from logical_robots_tui.tui.labyrinth.results import STORY_WIDTH
         from logical_robots_tui.tui.library.cards import miniature, shipped_level
 
-        if level is None or (look := self._look()) is None:
+        if level is None or (look := self.look()) is None:
             return None
         with suppress(LevelError):
             next_level = await asyncio.to_thread(shipped_level, level)
@@ -180,4 +174,4 @@ class VictoryAnnouncer(SessionListener):
 
     def _obey(self, answer: str | None) -> None:
         if answer not in (None, "results", "leave"):
-            self._run(answer)
+            self.run(answer)

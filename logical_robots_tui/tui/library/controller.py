@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,57 +18,49 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 
 
+@dataclass(eq=False)
 class LibraryController:
-    def __init__(
-        self,
-        library: Library,
-        session: Session,
-        ui: Dialogs,
-        recorder: ProgressRecorder,
-        program: ProgramText,
-        own_levels: Path,
-        *,
-        drawing: Callable[[], Drawing],
-        make_level: Callable[[], Awaitable[None]],
-    ) -> None:
-        self._library, self._session, self._ui, self._recorder = library, session, ui, recorder
-        self._program, self._own_levels = program, own_levels
-        self._drawing, self._make_level = drawing, make_level
+    library: Library
+    session: Session
+    ui: Dialogs
+    recorder: ProgressRecorder
+    program: ProgramText
+    own_levels: Path
+    drawing: Callable[[], Drawing]
+    make_level: Callable[[], Awaitable[None]]
 
     async def choose_level(self) -> None:
         from logical_robots_tui.tui.library.level_screen import LevelScreen
 
-        choice = LevelScreen(
-            self._session.opened, self._recorder, self._drawing(), self._own_levels
-        )
-        level = await self._ui.ask(choice)
+        choice = LevelScreen(self.session.opened, self.recorder, self.drawing(), self.own_levels)
+        level = await self.ui.ask(choice)
         if level == "new":
-            await self._make_level()
+            await self.make_level()
         elif level == "daily":
-            await self._library.open_daily()
+            await self.library.open_daily()
         elif level is not None:
-            await self._library.open_level(level)
+            await self.library.open_level(level)
 
     async def choose_program(self) -> None:
         from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 
         chooser = Chooser[ProgramSource](
-            ProgramShelf(self._library.programs), self._session.source.name
+            ProgramShelf(self.library.programs), self.session.source.name
         )
-        source = await self._ui.ask(chooser)
+        source = await self.ui.ask(chooser)
         if source is not None:
-            self._library.open_program(source)
+            self.library.open_program(source)
 
     async def save(self) -> None:
-        if self._session.source.shipped:
+        if self.session.source.shipped:
             await self.save_as()
         else:
-            await self._library.save()
+            await self.library.save()
 
     async def save_as(self) -> None:
         from logical_robots_tui.tui.library.save_dialog import SaveAs
 
-        former, text = self._session.source, self._program.text
-        saved = await self._ui.ask(SaveAs(former, text, self._library.programs))
+        former, text = self.session.source, self.program.text
+        saved = await self.ui.ask(SaveAs(former, text, self.library.programs))
         if saved is not None:
-            self._library.saved(former, saved)
+            self.library.saved(former, saved)

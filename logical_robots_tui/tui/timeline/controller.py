@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
 from math import inf
@@ -251,29 +252,25 @@ class TickSearch:
         return game, game.program, game.history.turns, game.frame.tick, self._question
 
 
+@dataclass(eq=False)
 class Replays:
     """Opens and saves replays; `open_level` opens a level with programs by team."""
 
-    def __init__(
-        self,
-        session: Session,
-        ui: Dialogs,
-        folder: Path,
-        programs: Path,
-        open_level: Callable[[Level, Mapping[str, ProgramSource]], None],
-    ) -> None:
-        self._session, self._ui, self._folder = session, ui, folder
-        self._programs, self._open_level = programs, open_level
+    session: Session
+    ui: Dialogs
+    folder: Path
+    programs: Path
+    open_level: Callable[[Level, Mapping[str, ProgramSource]], None]
 
     async def choose(self) -> None:
         from logical_robots_tui.player.opening import level_of, sources_of
         from logical_robots_tui.tui.library.chooser import Chooser, ReplayShelf
 
-        replay = await self._ui.ask(Chooser["Replay"](ReplayShelf(self._folder), ""))
+        replay = await self.ui.ask(Chooser["Replay"](ReplayShelf(self.folder), ""))
         if replay is not None:
             level = await asyncio.to_thread(level_of, replay)
-            sources = await asyncio.to_thread(sources_of, replay, self._programs)
-            self._open_level(level, sources)
+            sources = await asyncio.to_thread(sources_of, replay, self.programs)
+            self.open_level(level, sources)
             await self.open(replay)
 
     async def open(self, replay: Replay) -> None:
@@ -282,46 +279,46 @@ class Replays:
             programs = [await compile_program(texts) for texts in replay.programs.values()]
         except ProgramError as error:
             mistake = error.diagnostics[0]
-            self._ui.warn(f"A program of this replay no longer compiles: {mistake.message}")
+            self.ui.warn(f"A program of this replay no longer compiles: {mistake.message}")
             return
-        self._session.go_through(programs[0], partial(self._follow, replay, programs))
+        self.session.go_through(programs[0], partial(self._follow, replay, programs))
 
     async def _follow(self, replay: Replay, programs: Sequence[Program], game: Game) -> None:
         from logical_robots_tui.game.replay import play_into
 
-        verifier = await play_into(game, replay, programs, self._session.use)
+        verifier = await play_into(game, replay, programs, self.session.use)
         if verifier.difference is not None:
             tick, reason = verifier.difference
-            self._ui.warn(
+            self.ui.warn(
                 f"The robots do what they did when this was recorded; now tick {tick:,} would be "
                 f"different: {reason}"
             )
         else:
-            self._ui.tell(f"Replay of {replay.last - replay.first:,} ticks: go to any of them.")
+            self.ui.tell(f"Replay of {replay.last - replay.first:,} ticks: go to any of them.")
 
     async def save(self) -> None:
         from logical_robots_tui.editing.level_text import write_native
         from logical_robots_tui.game.replay import SUFFIX, gather
 
-        session = self._session
+        session = self.session
         session.pause()
         history = session.history
         if history is None or not history.last:
-            self._ui.warn("Run the robots first: there is nothing to save before the first tick.")
+            self.ui.warn("Run the robots first: there is nothing to save before the first tick.")
             return
         name = session.source.name
-        path = self._folder / f"{session.level.name}-{datetime.now():%Y%m%d-%H%M%S}{SUFFIX}"
+        path = self.folder / f"{session.level.name}-{datetime.now():%Y%m%d-%H%M%S}{SUFFIX}"
         try:
             replay = await gather(history, write_native, lambda _program: name)
             size = await asyncio.to_thread(_write, path, replay)
         except Superseded:
-            self._ui.warn("The timeline changed before the replay was saved. Save it again.")
+            self.ui.warn("The timeline changed before the replay was saved. Save it again.")
         except InputError as error:
-            self._ui.warn(str(error))
+            self.ui.warn(str(error))
         except OSError as error:
-            self._ui.warn(f"The replay could not be saved: {error.strerror or error}.")
+            self.ui.warn(f"The replay could not be saved: {error.strerror or error}.")
         else:
-            self._ui.tell(f"Saved {path} ({size:,} bytes).")
+            self.ui.tell(f"Saved {path} ({size:,} bytes).")
 
 
 def _write(path: Path, replay: Replay) -> int:
