@@ -68,10 +68,8 @@ class CommandBar(Labels):
 
     def __init__(self) -> None:
         super().__init__("commands")
-        self._typing = False
-        self._game_runs = False
-        self._edits = False
-        self._focus_keys: Sequence[tuple[str, str]] = ()
+        self._situation: tuple[bool, bool, bool, Sequence[tuple[str, str]]]
+        self._situation = False, False, False, ()
 
     def show(
         self,
@@ -83,28 +81,32 @@ class CommandBar(Labels):
     ) -> None:
         """Show a situation's commands, after the focused widget's `focus_keys`."""
         situation = typing, running, editing, focus_keys
-        if situation != (self._typing, self._game_runs, self._edits, self._focus_keys):
-            self._typing, self._game_runs, self._edits, self._focus_keys = situation
+        if situation != self._situation:
+            self._situation = situation
             self.refresh()
 
     def render(self) -> Content:
-        unwanted = "outside" if self._typing else "editor"
+        typing, running, edits, focus_keys = self._situation
+        unwanted = "outside" if typing else "editor"
         bar_entries = [entry for entry in commands() if entry.bar]
         entries = [e for e in bar_entries if e.scope != "level" and e.place != unwanted]
-        if self._edits and not self._typing:
+        if edits and not typing:
             general = [entry for entry in entries if entry.id in _WHILE_EDITING]
             editing = [entry for entry in bar_entries if entry.scope == "level"]
             entries = [*general[:1], *editing, *general[1:]]
-        if self._typing:
+        if typing:
             entries.sort(key=lambda entry: entry.id != "apply")
-        if self._focus_keys:
+        if focus_keys:
             entries = [entry for entry in entries if entry.place == "anywhere"]
-        labels = {entry.id: self._label(entry) for entry in entries}
+        labels: dict[str, Content] = {}
+        for entry in entries:
+            title = "Pause" if entry.id == "run" and running else entry.bar
+            labels[entry.id] = _label(entry.bar_key(typing=typing), title)
         room = self.size.width - 1
         focus_labels: list[tuple[Content, str]] = []
-        if self._focus_keys:  # as many as leave room for the first command
+        if focus_keys:  # as many as leave room for the first command
             first_width = labels[entries[0].id].cell_length if entries else 0
-            for label in (_label(key, does) for key, does in self._focus_keys):
+            for label in (_label(key, does) for key, does in focus_keys):
                 if room - label.cell_length - _GAP < first_width:
                     break
                 focus_labels.append((label, ""))
@@ -124,10 +126,6 @@ class CommandBar(Labels):
                 room -= need
         fit = [(label, name) for name, label in labels.items() if name in fitting]
         return self.line([*focus_labels, *fit], gap=_GAP)
-
-    def _label(self, entry: Command) -> Content:
-        title = "Pause" if entry.id == "run" and self._game_runs else entry.bar
-        return _label(entry.bar_key(typing=self._typing), title)
 
 
 def _label(key: str, title: str) -> Content:

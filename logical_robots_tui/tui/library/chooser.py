@@ -45,28 +45,21 @@ class Card:
 
 
 class Shelf(Protocol[T_co]):
-    """A source of entries. Its methods may block; they run in a thread."""
+    """A source of entries. Its methods may block; they run in a thread.
+
+    `does` says what is done with the chosen entry. `card` has the details of an entry, and `take`
+    opens one, or any file; both raise `InputError`.
+    """
 
     @property
-    def title(self) -> str:
-        """The title of the box."""
-
+    def title(self) -> str: ...
     @property
-    def placeholder(self) -> str:
-        """The placeholder of the filter."""
-
+    def placeholder(self) -> str: ...
     @property
-    def does(self) -> str:
-        """What is done with the chosen entry."""
-
-    def names(self) -> Sequence[str]:
-        """Return the names of the entries."""
-
-    def card(self, name: str) -> Card:
-        """Return the details of an entry; raises `InputError`."""
-
-    def take(self, name_or_path: str) -> T_co:
-        """Open an entry, or any file; raises `InputError`."""
+    def does(self) -> str: ...
+    def names(self) -> Sequence[str]: ...
+    def card(self, name: str) -> Card: ...
+    def take(self, name_or_path: str) -> T_co: ...
 
 
 class Chooser(Dialog[T], Generic[T]):

@@ -37,19 +37,11 @@ class SaveDialog(Dialog[Result]):
 
     @abstractmethod
     def file(self, name: str) -> Path:
-        """Return the file for a name.
-
-        Raises:
-            InputError: The name is invalid.
-        """
+        """Return the file for a name, or raise InputError if that is invalid."""
 
     @abstractmethod
     async def save(self, path: Path) -> Result:
-        """Save in a file, and return what was saved.
-
-        Raises:
-            InputError: It can't be written.
-        """
+        """Save in a file, and return what was saved, or raise InputError."""
 
     def replaces(self, path: Path) -> bool:
         return is_there(path)

@@ -364,14 +364,11 @@ class ListeningDriver(LinuxDriver):
 
 @runtime_checkable
 class BacklogApp(Protocol):
-    """An app that counts its unhandled events."""
+    """An app that counts its keys and other events that wait, and can drop the keys."""
 
     @property
-    def backlog(self) -> int:
-        """Return the number of waiting keys and other events."""
-
-    def drop_typed(self) -> None:
-        """Drop the waiting keys."""
+    def backlog(self) -> int: ...
+    def drop_typed(self) -> None: ...
 
 
 def _bound(size: Size) -> Size:
