@@ -179,27 +179,21 @@ class CommandProvider(Provider):
     async def discover(self) -> Hits:
         for entry in self.entries():
             if entry.id != "palette":
-                yield DiscoveryHit(
-                    self._line(entry), self._caller(entry), text=entry.title, help=entry.help
-                )
+                yield DiscoveryHit(*self._offer(entry), text=entry.title, help=entry.help)
 
     async def search(self, query: str) -> Hits:
         words = query.casefold().split()
         for entry in self.entries():
             score = entry.match(words)
             if score > 0 and entry.id != "palette":
-                yield Hit(
-                    score, self._line(entry), self._caller(entry), text=entry.title, help=entry.help
-                )
+                yield Hit(score, *self._offer(entry), text=entry.title, help=entry.help)
 
-    def _line(self, entry: Command) -> Content:
+    def _offer(self, entry: Command) -> tuple[Content, Callable[[], object]]:
         title, keys = Content(entry.title), _keys(entry)
         gap = min(self.app.size.width, _PALETTE_WIDTH) - _PALETTE_EDGES
         gap -= title.cell_length + keys.cell_length
-        return title.append(" " * max(gap, 2)).append(keys)
-
-    def _caller(self, entry: Command) -> Callable[[], object]:
-        return partial(self.screen.run_action, f"command('{entry.id}')")
+        line = title.append(" " * max(gap, 2)).append(keys)
+        return line, partial(self.screen.run_action, f"command('{entry.id}')")
 
 
 class EditingProvider(CommandProvider):

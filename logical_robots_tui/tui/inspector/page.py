@@ -197,7 +197,9 @@ class Page(Vertical):
         # While robots run, the number at the top of the screen is the newer one.
         tick_part = [] if self._session.running else [Content(f"tick {tick}")]
         parts = [name, *tick_part, *([Content(remark)] if remark else [])]
-        if self.replays and self._questions.is_by_another_program(tick):
+        history, program = self._session.history, self._session.program
+        decider = history.program_at(tick) if history else None
+        if self.replays and decider and program and decider.texts != program.texts:
             parts.append(Content.styled("by the current program", INK.warn))
         self._heading.update(Content(" · ").join(parts), layout=False)
         if not self.display:

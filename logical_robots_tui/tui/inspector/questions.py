@@ -90,11 +90,6 @@ class InspectorQuestions:
     def context(self) -> tuple[Inquiry, Program]:
         return self._inquiry(), self.program
 
-    def is_by_another_program(self, tick: int) -> bool:
-        history, program = self.session.history, self.session.program
-        decided = history.program_at(tick) if history else None
-        return bool(decided and program and decided.texts != program.texts)
-
     def is_function(self, name: str) -> bool:
         matches = (predicate for predicate in self.session.predicates if predicate.name == name)
         return any(predicate.kind == "program" and predicate.is_function for predicate in matches)

@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import is_shipped
@@ -263,10 +263,13 @@ class LevelController(SessionListener):
 
         async with self._saving:
             levels, path = self.levels, self._path
-            on_disk = await asyncio.to_thread(_on_disk, levels.saved)
-            if on_disk == "another":
+            try:
+                disk_level = await asyncio.to_thread(load_level, Path(levels.saved.source))
+            except LevelError:
+                disk_level = None  # there is no level that could be lost
+            if disk_level is not None and not alike(disk_level, levels.saved):
                 return None
-            if levels.is_saved and on_disk == "same":
+            if levels.is_saved and disk_level is not None:
                 self.ui.tell("It is already saved.")
                 return True
             level = levels.edited
@@ -458,15 +461,6 @@ class LevelController(SessionListener):
         self.session.change_level(new_level, self.editor.poses.between(old_level, new_level))
         end = self.session.clock.now()
         self._change_from = end + max(_AGAIN_AFTER, _SHARE * (end - start))
-
-
-def _on_disk(saved: Level) -> Literal["same", "another", "none"]:
-    """Compare a level's file with what was last read or saved. Blocks."""
-    try:
-        disk_level = load_level(Path(saved.source))
-    except LevelError:
-        return "none"  # there is no level that could be lost
-    return "same" if alike(disk_level, saved) else "another"
 
 
 def _draft_of(state: tuple[str, str, Level | None]) -> Draft | Key:

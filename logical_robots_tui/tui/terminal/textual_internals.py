@@ -173,7 +173,11 @@ class KeyQueue:
             self._waiting.append(event)
             return True
         focused = self._typed_into
-        if focused is None or self._is_text(event) or not self._has_priority(event):
+        if focused is None or self._is_text(event):
+            return False
+        assert isinstance(event, events.Key)
+        active = self._app.screen.active_bindings.get(event.key)
+        if active is None or not active.binding.priority:
             return False
         # It would come before the text that was typed for the focused widget.
         self._typed_into = None
@@ -200,11 +204,6 @@ class KeyQueue:
         return isinstance(event, events.Paste) or (
             focused is not None and focused.check_consume_key(event.key, event.character)
         )
-
-    def _has_priority(self, event: events.Key | events.Paste) -> bool:
-        assert isinstance(event, events.Key)
-        active = self._app.screen.active_bindings.get(event.key)
-        return active is not None and active.binding.priority
 
     def _hold(self) -> None:
         self._answering = True

@@ -109,29 +109,24 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
         if not isinstance(table, ResultTable):
             yield _text_field(name, "failed" if table is not None else "not known")
             continue
-        rows = _rows_of(robot, table)
+        place = table.columns.index("robot_name") if "robot_name" in table.columns else None
+        viewers = table.viewers or [robot] * len(table.rows)
+        rows = [
+            row
+            for row, viewer in zip(table.rows, viewers, strict=True)
+            if viewer == robot and (place is None or row[place] == robot)
+        ]
         plus = "+" if table.truncated else ""
         words = f"{len(rows):,}{plus} {'rows' if plus or len(rows) != 1 else 'row'}"
         text = Content.styled(words, INK.dim)
         if len(rows) == 1 and not plus:
-            pairs = zip(table.columns, rows[0], strict=True)
             cells = [
-                ((f"{one_line(c)} ", INK.dim), ink_value(v, 60))
-                for c, v in pairs
-                if c != "robot_name"
+                ((f"{one_line(column)} ", INK.dim), ink_value(value, 60))
+                for column, value in zip(table.columns, rows[0], strict=True)
+                if column != "robot_name"
             ]
             text = Content("  ").join(Content.assemble(*pair) for pair in cells) if cells else text
         yield Content.assemble("  ", (f"{one_line(name)}  ", INK.title)).append(text)
-
-
-def _rows_of(robot: str, table: ResultTable) -> list[tuple[Value, ...]]:
-    place = table.columns.index("robot_name") if "robot_name" in table.columns else None
-    return [
-        row
-        for number, row in enumerate(table.rows)
-        if (not table.viewers or table.viewers[number] == robot)
-        and (place is None or row[place] == robot)
-    ]
 
 
 def _difference(old_memory: Value, new_memory: Value) -> Iterator[Content]:
