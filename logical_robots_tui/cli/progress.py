@@ -195,7 +195,11 @@ def _check(file: Path, seconds: int, *, as_json: bool) -> int:
             }
         )
         if not as_json:
-            print(_line(level, measures or claim, problem), flush=True)
+            numbers = measures or claim
+            robust = "" if numbers.wins is None else f"{numbers.wins} of {numbers.starts}"
+            cells = f"{numbers.ticks:6}  {numbers.size:5}  {numbers.distance:8,.0f}  {robust:>8}"
+            verdict = harmless(problem) or "confirmed"
+            print(f"{harmless(level):24}  {cells}  {verdict}", flush=True)
     is_confirmed = all(result["confirmed"] for result in results)
     if as_json:
         print_json({"confirmed": is_confirmed, "results": results})
@@ -247,9 +251,3 @@ def _differences(claim: Measures, measures: Measures) -> Iterator[str]:
     for goal in claim.goals:
         if goal not in measures.goals:
             yield f'"{goal}" claimed, not reached'
-
-
-def _line(level: str, measures: Measures, problem: str) -> str:
-    robust = "" if measures.wins is None else f"{measures.wins} of {measures.starts}"
-    numbers = f"{measures.ticks:6}  {measures.size:5}  {measures.distance:8,.0f}  {robust:>8}"
-    return f"{harmless(level):24}  {numbers}  {harmless(problem) or 'confirmed'}"

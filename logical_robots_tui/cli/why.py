@@ -400,13 +400,12 @@ def _link(link: game.Link) -> dict[str, Any]:
         },
         "from": [
             {
-                "name": path_text(read.path, read.kind) if read else value.name,
+                "name": path_text(read.path, read.kind) if (read := value.read) else value.name,
                 "robot": read.robot if read else None,
                 "value": read.value if read else value.value,
                 "link": index,
             }
             for value, index in zip(link.inputs, link.input_links, strict=False)
-            for read in [value.read]
         ],
         "more": source.excess if source else 0,
         "problem": link.problem or None,

@@ -59,6 +59,9 @@ def plan_tournament(file: Given, players: Path) -> tuple[Manifest, dict[str, str
         raise InputError("There are fewer than two players", place=str(players), hint=_HINT)
     contestants = [_player(name, entry, level, inputs) for name, entry in named_entries]
     is_swiss = table.format == "swiss" or (not table.format and len(contestants) >= SWISS_FROM)
+    count, most_rounds = len(contestants), 1
+    if is_swiss:
+        most_rounds = min(math.ceil(math.log2(count)) + _MORE_ROUNDS, count - 1 + count % 2)
     manifest = Manifest(
         "tournament",
         table.title or spec.file.stem,
@@ -73,9 +76,9 @@ def plan_tournament(file: Given, players: Path) -> tuple[Manifest, dict[str, str
         players=tuple(contestants),
         teams=tuple(team.name for team in level.teams),
         match=Cell(digest(text), "", level.name, "", ticks),
-        most_rounds=_rounds(len(contestants)) if is_swiss else 1,
+        most_rounds=most_rounds,
     )
-    pairs = tuple(combinations(range(len(contestants)), 2))
+    pairs = tuple(combinations(range(count), 2))
     if is_swiss:
         pairs = pair_off(manifest, {}) or ()
     return _with_round(manifest, pairs), inputs
@@ -133,10 +136,6 @@ def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifes
             )
     rounds = (*manifest.rounds, tuple(pairs))
     return msgspec.structs.replace(manifest, cells=tuple(cells), rounds=rounds)
-
-
-def _rounds(players: int) -> int:
-    return min(math.ceil(math.log2(players)) + _MORE_ROUNDS, players - 1 + players % 2)
 
 
 def next_round(manifest: Manifest, ledger: Ledger) -> Manifest | None:

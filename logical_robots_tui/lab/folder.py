@@ -371,23 +371,22 @@ class Ledger:
             raise LedgerError(message, place=str(self._file), hint=hint)
 
     def outcomes(self) -> dict[str, str]:
-        return dict(self._rows(f"SELECT job, outcome {self._results_clause()}"))
+        return dict(self._results("outcome"))
 
     def results(self) -> dict[str, Result]:
-        rows = self._rows(f"SELECT job, result {self._results_clause()}")
         read = msgspec.json.Decoder(Result).decode
         try:
-            return {job: read(result) for job, result in rows}
+            return {job: read(result) for job, result in self._results("result")}
         except (msgspec.DecodeError, RecursionError, TypeError, ValueError) as error:
             raise LedgerError("A result in it is damaged", place=str(self._file)) from error
 
     def engines(self) -> Mapping[str, str]:
-        return dict(self._rows(f"SELECT job, engine {self._results_clause()}"))
+        return dict(self._results("engine"))
 
-    def _results_clause(self) -> str:
-        quoted = "'" + self._engine + "'"
-        condition = "" if self._mixed else f"WHERE engine = {quoted}"
-        return f"FROM results {condition} ORDER BY engine = {quoted}, engine"
+    def _results(self, column: str) -> list[Any]:
+        sql = f"SELECT job, {column} FROM results"  # noqa: S608 - the column is ours
+        condition = "" if self._mixed else "WHERE engine = ?1"
+        return self._rows(f"{sql} {condition} ORDER BY engine = ?1, engine", self._engine)
 
     def record(self, entries: Iterable[Entry]) -> dict[str, str]:
         """Record runs in one transaction; return outcomes by job. An earlier result is kept.
