@@ -13,7 +13,7 @@ from logical_robots_tui.world import Level, WorldState
 from logical_robots_tui.world.dynamics import points
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.decision import Decision
+    from logical_robots_tui.mind.decision import Decision, Notice
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,15 +91,21 @@ def events_between(level: Level, previous: Frame, frame: Frame) -> Iterator[str]
     for index, goal in zip(goal_indices, goals(level, frame.after), strict=True):
         if previous.after.areas[index].visitors != frame.after.areas[index].visitors:
             yield goal.words
-    old_notices = {(d.robot_name, notice.kind) for d in previous.decisions for notice in d.notices}
-    for decision in frame.decisions:
-        for notice in decision.notices:
-            if (decision.robot_name, notice.kind) not in old_notices:
-                yield f"{decision.robot_name}: {notice.message}"
+    for name, notice in new_notices(previous, frame):
+        yield f"{name}: {notice.message}"
     if frame.after.won_at == frame.tick and previous.after.won_at is None:
         yield f"Won after {frame.tick} ticks."
     if is_match_over(level, frame.tick):
         yield f"The match is over: {standing_words(level, frame.after)}."
+
+
+def new_notices(previous: Frame, frame: Frame) -> Iterator[tuple[str, Notice]]:
+    """Yield the notices of kinds that a robot had not in the previous tick, with its name."""
+    old_kinds = {(d.robot_name, notice.kind) for d in previous.decisions for notice in d.notices}
+    for decision in frame.decisions:
+        for notice in decision.notices:
+            if (decision.robot_name, notice.kind) not in old_kinds:
+                yield decision.robot_name, notice
 
 
 def ends(level: Level, frame: Frame) -> bool:

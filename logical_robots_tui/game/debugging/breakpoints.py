@@ -9,6 +9,7 @@ from dataclasses import replace
 from statistics import fmean
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
+from logical_robots_tui.game.frame import new_notices
 from logical_robots_tui.mind import ProgramError, QueryError, ResultTable
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.values import SensorRow, Value
@@ -336,7 +337,9 @@ def _occurrences(point: Breakpoint, previous: Frame, frame: Frame) -> Iterator[s
         case "loses sight":
             yield from _losses(point, previous, frame)
         case _:
-            yield from _notices(point, previous, frame)
+            for name, notice in new_notices(previous, frame):
+                if point.robot in ("", name) and point.subject in ("", notice.kind):
+                    yield f"{name}: {notice.message}"
 
 
 def _moves(point: Breakpoint, start: Frame, end: Frame, verb: str) -> Iterator[str]:
@@ -363,13 +366,3 @@ def _distances(row: SensorRow) -> dict[str, float]:
         for ray in row["sensor"]["radar"]
         if ray["object"] in ("beacon", "robot")
     }
-
-
-def _notices(point: Breakpoint, previous: Frame, frame: Frame) -> Iterator[str]:
-    old_notices = {(d.robot_name, n.kind) for d in previous.decisions for n in d.notices}
-    for decision in frame.decisions:
-        if point.robot in ("", decision.robot_name):
-            for notice in decision.notices:
-                is_new = (decision.robot_name, notice.kind) not in old_notices
-                if is_new and point.subject in ("", notice.kind):
-                    yield f"{decision.robot_name}: {notice.message}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -184,23 +185,23 @@ class HistoryBranch:
         return RecordedTick(self.levels.level_at(tick - bool(moment.decisions)), previous, moment)
 
     def up_to(self, tick: int) -> HistoryBranch:
-        copy = HistoryBranch.__new__(HistoryBranch)
-        copy.marks = self.marks.copy(tick)
-        copy.levels = self.levels.up_to(tick)
-        copy.hits = {t: hits for t, hits in self.hits.items() if t <= tick}
-        copy._length = self._length
-        copy._oldest = self._oldest
-        copy._unreliable_from = self._unreliable_from if not self.is_reliable_up_to(tick) else None
-        copy._blocked_from = self._blocked_from if self.is_blocked_up_to(tick) else None
-        copy._programs = self.programs(tick)
+        branch = copy(self)
+        branch.marks = self.marks.up_to(tick)
+        branch.levels = self.levels.up_to(tick)
+        branch.hits = {t: hits for t, hits in self.hits.items() if t <= tick}
+        branch._unreliable_from = (
+            self._unreliable_from if not self.is_reliable_up_to(tick) else None
+        )
+        branch._blocked_from = self._blocked_from if self.is_blocked_up_to(tick) else None
+        branch._programs = self.programs(tick)
         begins = [*map(_begin_of, self.packs), self._loose[0].after.tick]
         count = bisect_right(begins, tick) - 1
-        copy.packs = self.packs[:count]
+        branch.packs = self.packs[:count]
         begin = begins[count]
-        copy._loose = [self.moment(number) for number in range(begin, tick + 1)]
-        copy._blocked = self._blocked_until(tick)
-        copy._rounds = Rounds()
-        return copy
+        branch._loose = [self.moment(number) for number in range(begin, tick + 1)]
+        branch._blocked = self._blocked_until(tick)
+        branch._rounds = Rounds()
+        return branch
 
     def _blocked_until(self, tick: int) -> dict[str, int]:
         counts: dict[str, int] = {}
@@ -287,11 +288,11 @@ class Levels:
         self._latest = level
 
     def up_to(self, tick: int) -> Levels:
-        copy = Levels(self._ticks[0], self.level_at(tick))
+        levels = Levels(self._ticks[0], self.level_at(tick))
         index = max(bisect_right(self._ticks, tick), 1)
-        copy._ticks = self._ticks[:index]
-        copy._earlier = self._earlier[: index - 1]
-        return copy
+        levels._ticks = self._ticks[:index]
+        levels._earlier = self._earlier[: index - 1]
+        return levels
 
     def forget_before(self, tick: int) -> None:
         index = bisect_right(self._ticks, tick) - 1

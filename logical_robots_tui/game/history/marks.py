@@ -6,6 +6,7 @@ import math
 from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Collection, Iterator, Sequence
+from copy import copy
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 from logical_robots_tui.wording import clip, one_line
@@ -144,14 +145,13 @@ class Marks:
             return None
         return min(ticks) if steps > 0 else max(ticks)
 
-    def copy(self, last: int) -> Marks:
-        copy = Marks.__new__(Marks)
-        copy._robots, copy._areas = self._robots.copy(), self._areas.copy()
-        copy._places = self._places
+    def up_to(self, last: int) -> Marks:
+        marks = copy(self)
+        marks._robots, marks._areas = self._robots.copy(), self._areas.copy()
         ends = {kind: bisect_right(ticks, last) for kind, ticks in self._ticks.items()}
-        copy._ticks = {kind: ticks[: ends[kind]] for kind, ticks in self._ticks.items()}
-        copy._bits = {kind: bits[: ends[kind]] for kind, bits in self._bits.items()}
-        return copy
+        marks._ticks = {kind: ticks[: ends[kind]] for kind, ticks in self._ticks.items()}
+        marks._bits = {kind: bits[: ends[kind]] for kind, bits in self._bits.items()}
+        return marks
 
     def forget_before(self, tick: int) -> None:
         for kind, ticks in self._ticks.items():
