@@ -130,21 +130,14 @@ class Game:
         self._listeners.append(listener)
 
     def frame_at(self, tick: int) -> Frame:
-        """Restore the exact frame of a past tick.
-
-        Raises:
-            NoSuchTickError: History does not reach that far.
-        """
+        """Restore the exact frame of a past tick, or raise NoSuchTickError."""
         return self._frame if tick == self._frame.tick else self._past.frame(tick)
 
     async def query(self, predicate: str, frame: Frame | None = None) -> ResultTable:
         """Return the rows of a predicate at a frame, by default the current one.
 
-        The current program is evaluated, even for ticks that another program decided.
-
-        Raises:
-            Superseded: The program changed, or a newer query came, before the answer was ready.
-            QueryError: The predicate has no rows of its own, or failed.
+        The current program is evaluated, even for ticks that another program decided. Raises
+        QueryError, and Superseded if the program changed or a newer query came meanwhile.
         """
         frame = frame or self._frame
         program, level = self.program, self.history.level_at(frame.tick)
@@ -162,10 +155,8 @@ class Game:
     async def step(self) -> Frame:
         """Compute the next tick, or replay it from history, and make it the current one.
 
-        Cancelling the call stops the thinking and leaves the game where it was.
-
-        Raises:
-            Superseded: The game was restarted, rewound or reprogrammed in the meantime.
+        Cancelling the call stops the thinking and leaves the game where it was. Raises Superseded
+        if the game was restarted, rewound or reprogrammed in the meantime.
         """
         await self._advance(1)
         return self._frame
@@ -175,11 +166,7 @@ class Game:
         return self.go_to(max(self._frame.tick - ticks, self.history.first))
 
     def go_to(self, tick: int) -> Frame:
-        """Go to a tick in history. The game continues from there.
-
-        Raises:
-            NoSuchTickError: History does not hold it.
-        """
+        """Go to a tick in history, from which the game continues, or raise NoSuchTickError."""
         frame = self.frame_at(tick)
         if frame is not self._frame:
             self._supersede()
@@ -208,11 +195,7 @@ class Game:
         self._is_program_wanted = True
 
     def change_level(self, level: Level, poses: Mapping[str, Pose] | None = None) -> Frame:
-        """Change the level from the end of the current tick on; earlier ticks are unaffected.
-
-        Raises:
-            ValueError: A pose is for an unknown robot.
-        """
+        """Change the level from the end of the current tick on; earlier ticks are unaffected."""
         frame, old_level = self._frame, self.level
         old_names = former_names(old_level, level)
         values: dict[str, Value] = {name: frame.memories[old] for name, old in old_names.items()}
@@ -240,10 +223,7 @@ class Game:
     def change_branch(self) -> Frame:
         """Switch to the branch that was abandoned when another branch began, and to its program.
 
-        The tick stays the same, if the other branch holds it.
-
-        Raises:
-            NoSuchTickError: There is no other branch.
+        The tick stays the same, if the other branch holds it. May raise NoSuchTickError.
         """
         self._supersede()
         history = self.history
@@ -284,8 +264,7 @@ class Game:
     ) -> Frame:
         """Step flat out until a tick, a breakpoint or a condition is met, or the game ends.
 
-        Raises:
-            Superseded: The game was restarted, rewound or reprogrammed in the meantime.
+        Raises Superseded as `step` does.
         """
         while tick is None or self._frame.tick < tick:
             limit = None if tick is None else tick - self._frame.tick

@@ -289,10 +289,7 @@ async def compile_program(text: str | Texts, report: Report | None = None) -> Pr
     """Compile a program, or those of teams, without blocking the event loop.
 
     Cancelling the call ends the compilation. `report` is called on the event loop with the numbers
-    of compiled predicates and of all.
-
-    Raises:
-        ProgramError: The program is wrong; the error holds diagnostics with line, column and hint.
+    of compiled predicates and of all. Raises ProgramError for a wrong program.
     """
     loop = asyncio.get_running_loop()
 

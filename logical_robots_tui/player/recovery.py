@@ -40,15 +40,17 @@ Offering: TypeAlias = "Callable[[Offers], Awaitable[None]]"
 
 
 class Offers(Protocol):
-    """Asks the player when nothing else needs attention."""
+    """Asks the player when nothing else needs attention.
 
-    async def at_hand(self, find: Callable[[], Awaitable[T]]) -> T:
-        """Return what `find` finds while nothing covers the game."""
+    `at_hand` returns what `find` finds while nothing covers the game, `ask` the name of the answer,
+    or None; the answer ``show`` shows `text`.
+    """
+
+    async def at_hand(self, find: Callable[[], Awaitable[T]]) -> T: ...
 
     async def ask(
         self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
-    ) -> str | None:
-        """Return the name of the answer, or None; the answer ``show`` shows `text`."""
+    ) -> str | None: ...
 
 
 def short_name(draft: Draft) -> str:

@@ -124,31 +124,21 @@ async def nothing() -> None:
 
 
 class SessionListener:
-    """Receives a session's events; each method does nothing unless overridden."""
+    """Receives a session's events; each method does nothing unless overridden.
 
-    def level_opened(self, level: Level) -> None:
-        """The player has opened a level."""
+    A level is saved as edited, and changed when the frame on the screen has another version of it
+    than the one before. The robots have won while moving forward; that is told once for each
+    program and tick. They have stopped at breakpoints.
+    """
 
-    def level_saved(self, level: Level) -> None:
-        """The current level has been saved as edited."""
-
-    def level_changed(self) -> None:
-        """The frame on the screen has a different version of the level than the previous one."""
-
-    def restarted(self) -> None:
-        """The level has been restarted."""
-
-    def program_used(self, program: Program) -> None:
-        """The robots start to use a program."""
-
-    def tick_shown(self, frame: Frame) -> None:
-        """A tick has been shown on the screen."""
-
-    def won(self, victory: Victory) -> None:
-        """The robots have won while moving forward; once for each program and tick."""
-
-    def stopped(self, hits: tuple[Hit, ...]) -> None:
-        """The robots have stopped at breakpoints."""
+    def level_opened(self, level: Level) -> None: ...
+    def level_saved(self, level: Level) -> None: ...
+    def level_changed(self) -> None: ...
+    def restarted(self) -> None: ...
+    def program_used(self, program: Program) -> None: ...
+    def tick_shown(self, frame: Frame) -> None: ...
+    def won(self, victory: Victory) -> None: ...
+    def stopped(self, hits: tuple[Hit, ...]) -> None: ...
 
 
 Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
@@ -190,17 +180,12 @@ class ProgramState(NamedTuple):
 
 
 class ProgramText(Protocol):
-    """The editable text of the current program."""
+    """The editable text of the current program; undo restores what `put` replaces."""
 
     @property
-    def text(self) -> str:
-        """The text."""
-
-    def load(self, text: str) -> None:
-        """Load another program's text."""
-
-    def put(self, text: str) -> None:
-        """Replace the text of the same program; undo restores the old one."""
+    def text(self) -> str: ...
+    def load(self, text: str) -> None: ...
+    def put(self, text: str) -> None: ...
 
 
 Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
@@ -208,26 +193,24 @@ Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
 
 
 class Spawn(Protocol):
-    def __call__(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Run `work`; an exclusive one cancels the other work of its group."""
+    """Starts background work; exclusive work cancels the other work of its group."""
+
+    def __call__(self, work: Work, group: str, *, exclusive: bool) -> None: ...
 
 
 class Ui(Protocol):
-    """Messages, questions and background work for whoever changes what a player has."""
+    """Messages, questions and background work for whoever changes what a player has.
 
-    def tell(self, message: str) -> None:
-        """Show a message."""
+    `choose` asks a question and returns the name of the answer, or None; only for background work.
+    """
 
-    def warn(self, message: str) -> None:
-        """Show a warning."""
-
-    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Start background work; exclusive work cancels the other work of its group."""
+    def tell(self, message: str) -> None: ...
+    def warn(self, message: str) -> None: ...
+    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None: ...
 
     async def choose(
         self, title: str, question: str, answers: Sequence[tuple[str, str]]
-    ) -> str | None:
-        """Ask a question and return the name of the answer, or None; only for background work."""
+    ) -> str | None: ...
 
 
 async def run_or_warn(ui: Ui, work: Callable[..., T], *values: Any) -> T | None:

@@ -93,8 +93,7 @@ def read_settings(path: Path, read_keys: Callable[[Mapping[str, Any], Complain],
 def write_setting(path: Path, name: str, value: object) -> None:
     """Write one setting into a file, which keeps its comments; None leaves it to the game.
 
-    Raises:
-        InputError: The file is not valid, or can't be written.
+    Raises InputError if the file is not valid, or can't be written.
     """
     try:
         text = _edit_text(read_text(path, _MOST_BYTES) if path.exists() else "", name, value)

@@ -42,12 +42,8 @@ class World:
     ``WorldState``, and the last reading of the robots; the same level and the same desires always
     give the same future.
 
-    Args:
-        level: The level to run, from its start.
-        like: A world of a level with nearly the same walls, which makes this one faster to create.
-
-    Raises:
-        ValueError: Two robots of the level have the same name.
+    `like` is a world of a level with nearly the same walls, which makes this one faster to create.
+    Raises ValueError if two robots have the same name.
     """
 
     def __init__(self, level: Level, *, like: World | None = None) -> None:
@@ -93,11 +89,9 @@ class World:
     def sense(self) -> list[SensorRow]:
         """Begin a tick: advance the clock and return what every robot senses.
 
-        Until ``act`` finishes the tick, calling it again returns the same rows.
-
-        Returns:
-            One ``{"robot_name": ..., "sensor": {...}}`` per robot in file order: plain dicts,
-            lists, numbers and text. Don't modify them: the next rows may share lists with them.
+        Until ``act`` finishes the tick, calling it again returns the same rows: one
+        ``{"robot_name": ..., "sensor": {...}}`` per robot in file order, plain dicts, lists,
+        numbers and text. Don't modify them: the next rows may share lists with them.
         """
         if self._rows is None:
             self._rows, self._visible_beacons = self._look(self._state.tick + 1)
@@ -114,15 +108,9 @@ class World:
     def act(self, desires: Mapping[str, DesireLike]) -> None:
         """Finish the tick: batteries, driving, pushing out, switches, visits, victory.
 
-        Begins the tick itself if ``sense`` didn't.
-
-        Args:
-            desires: By robot name, each a `Desire` or a pair of numbers. A robot without one stops;
-                so does an engine whose power is not a finite number.
-
-        Raises:
-            ValueError: A name is not a robot of the level, or something is not a desire; nothing
-                has changed then.
+        Begins the tick itself if ``sense`` didn't. A robot without a desire, by its name, stops;
+        so does an engine whose power is not a finite number. Raises ValueError for an unknown
+        name, or what is not a desire; nothing has changed then.
         """
         for name in sorted(desires.keys() - set(self._names)):
             hint = did_you_mean(name, self._names)
@@ -185,10 +173,7 @@ class World:
     def restore(self, state: WorldState) -> None:
         """Go back or forward to a saved state; the future from there is exactly reproducible.
 
-        The state is one that ``save`` returned for a world of the same level.
-
-        Raises:
-            ValueError: The state has different robots, areas or tallies than the level.
+        Raises ValueError unless ``save`` returned it for a world of the same level.
         """
         robots = [robot.name for robot in state.robots]
         areas = [area.name for area in state.areas]

@@ -51,13 +51,8 @@ class Change:
 async def last_change(memories: AsyncIterator[Sequence[Value]], path: Path, tick: int) -> Change:
     """Return the last change of a part of a memory, up to a tick.
 
-    Args:
-        memories: The robot's memory after the tick, after the tick before, and so on, in batches.
-        path: The part.
-        tick: The tick.
-
-    Raises:
-        QueryError: There is no such part after the tick.
+    `memories` are those after the tick, after the tick before, and so on, in batches. Raises
+    QueryError if there is no such part after the tick.
     """
     changes: _Changes | None = None
     async for batch in memories:

@@ -176,17 +176,11 @@ def list_arenas() -> list[str]:
 
 
 def load_level(path_or_name: str | Path) -> Level:
-    """Read a level.
+    """Read a level, or raise LevelError, whose ``place`` names the file and the line or key.
 
-    Args:
-        path_or_name: Path of a ``.toml`` level of this game or a ``.json`` level of the web
-            platform; the format of any other file is guessed from its first character. Text without
-            a folder and an ending is the name or number of a shipped level, or the name of a
-            labyrinth of the day.
-
-    Raises:
-        LevelError: The level doesn't exist, can't be read, or is invalid. Its ``place`` names the
-            file and the line or key.
+    A path is that of a ``.toml`` level of this game or a ``.json`` level of the web platform; the
+    format of any other file is guessed from its first character. Text without a folder and an
+    ending is the name or number of a shipped level, or the name of a labyrinth of the day.
     """
     path = Path(path_or_name)
     is_name = isinstance(path_or_name, str) and not set(path_or_name) & {"/", "\\"}
