@@ -316,11 +316,6 @@ class RobotEnv(gymnasium.Env[Observation, Action]):
         self.robots.close()
 
 
-def _register() -> None:
-    for name in list_levels():
-        key = f"LogicalRobots/{name}"
-        if key not in gymnasium.registry:
-            gymnasium.register(key, f"{__name__}:{RobotEnv.__name__}", kwargs={"level": name})
-
-
-_register()
+for _name in list_levels():
+    if (_key := f"LogicalRobots/{_name}") not in gymnasium.registry:
+        gymnasium.register(_key, f"{__name__}:{RobotEnv.__name__}", kwargs={"level": _name})

@@ -165,20 +165,17 @@ class Simulation:
             ProgramError: The query is wrong.
             QueryError: The query failed.
         """
-        is_met = self._test(until)
+        question = self.program.question(until) if isinstance(until, str) else None
         for _ in range(ticks):
             self.step()
-            if self.over or is_met():
+            if self.over:
+                break
+            if question is not None:
+                if matching_rows(question, self._ask(question)).rows:
+                    break
+            elif callable(until) and until(self):
                 break
         return self.frame
-
-    def _test(self, until: str | Callable[[Simulation], bool] | None) -> Callable[[], bool]:
-        if until is None:
-            return lambda: False
-        if not isinstance(until, str):
-            return lambda: until(self)
-        question = self.program.question(until)
-        return lambda: bool(matching_rows(question, self._ask(question)).rows)
 
     def look(self) -> list[SensorRow]:
         """Return what the robots see right now; not to be changed."""
@@ -339,11 +336,9 @@ def check_robots(names: Iterable[str], robots: Collection[str]) -> None:
 
 
 def _level(level: Level | str | Path) -> Level:
-    if isinstance(level, Level):
-        return level
     if isinstance(level, str) and "\n" in level:
         return read_level(level, "level")
-    return load_level(level)
+    return level if isinstance(level, Level) else load_level(level)
 
 
 def _program(

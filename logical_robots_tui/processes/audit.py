@@ -84,7 +84,9 @@ class _AuditHook:
             path, _, flags = arguments
             self._check(path, is_writing=bool(flags & _WRITING))
         elif event == "sqlite3.connect":
-            self._check_database(arguments[0])
+            name = os.fsdecode(arguments[0])
+            if name not in ("", ":memory:"):
+                self._check(unquote(name.removeprefix("file:").partition("?")[0]), is_writing=True)
         elif event in _CHANGE_EVENTS:
             for path in arguments[: 2 if event in _TWO_PATHS else 1]:
                 self._check(path, is_writing=True)
@@ -110,11 +112,6 @@ class _AuditHook:
         elif not is_writing and any(_is_within(real, folder) for folder in self._code_folders):
             return
         raise PermissionError(EACCES, REFUSAL, str(path))
-
-    def _check_database(self, name: str | bytes | os.PathLike[str]) -> None:
-        text = os.fsdecode(name)
-        if text not in ("", ":memory:"):
-            self._check(unquote(text.removeprefix("file:").partition("?")[0]), is_writing=True)
 
 
 def _is_within(path: str, folder: str) -> bool:

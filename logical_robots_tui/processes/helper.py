@@ -44,7 +44,7 @@ _BEGIN = (
     "import sys; sys.path[:] = sys.argv.pop(1).split(':'); "
     "from importlib import import_module; import_module(sys.argv.pop(1)).main()"
 )
-_INHERITED_VARIABLES = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH")
+_INHERITED_VARIABLES = {"DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH"}
 """Environment variables without which Python itself may not start."""
 
 
@@ -63,7 +63,13 @@ class Helper(subprocess.Popen[bytes]):
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 cwd="/",
-                env=_environment(),
+                env={
+                    "HOME": "/",
+                    "LOGICAL_ROBOTS_CACHE_DIR": "",
+                    "OPENBLAS_NUM_THREADS": "1",
+                    "PYTHONNOUSERSITE": "1",
+                    **{name: os.environ[name] for name in _INHERITED_VARIABLES & os.environ.keys()},
+                },
                 pass_fds=[read_end],
                 start_new_session=True,  # a keyboard interrupt is for the game alone
             )
@@ -97,16 +103,6 @@ def _words(module: str, *arguments: str) -> list[str]:
     home = str(Path(__file__).resolve().parents[2])
     paths = dict.fromkeys([home, *(str(Path(p).resolve()) for p in sys.path if p)])
     return [sys.executable, *_FLAGS, "-c", _BEGIN, os.pathsep.join(paths), module, *arguments]
-
-
-def _environment() -> dict[str, str]:
-    return {
-        "HOME": "/",
-        "LOGICAL_ROBOTS_CACHE_DIR": "",
-        "OPENBLAS_NUM_THREADS": "1",
-        "PYTHONNOUSERSITE": "1",
-        **{name: os.environ[name] for name in _INHERITED_VARIABLES if name in os.environ},
-    }
 
 
 def begin(processor_seconds: int | None) -> list[str]:

@@ -411,7 +411,18 @@ class Store:
             return
         self._in_memory = _empty()
         if copy and self._file is not None:
-            self._in_memory = _memory_copy(self._file) or self._in_memory
+            memory_copy = _connect(":memory:")
+            try:
+                uri = f"{self._file.absolute().as_uri()}?mode=ro"
+                with contextlib.closing(_connect(uri, uri=True)) as original:
+                    # Copying would wait forever for another holder of the file; reading does not.
+                    original.execute("BEGIN")
+                    original.execute("SELECT count(*) FROM sqlite_master").fetchone()
+                    original.backup(memory_copy)
+                prepare(memory_copy)
+                self._in_memory = memory_copy
+            except (OSError, sqlite3.Error, DamagedStoreError, NewerError):
+                memory_copy.close()
         self._tell(message)
 
     def _disconnect(self) -> None:
@@ -436,34 +447,14 @@ def _empty() -> sqlite3.Connection:
     return connection
 
 
-def _memory_copy(file: Path) -> sqlite3.Connection | None:
-    """Return an in-memory copy of a read-only file; None if it can't be read either."""
-    copy = _connect(":memory:")
-    try:
-        with contextlib.closing(
-            _connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)
-        ) as original:
-            # Copying would wait forever for another holder of the file; reading does not.
-            original.execute("BEGIN")
-            original.execute("SELECT count(*) FROM sqlite_master").fetchone()
-            original.backup(copy)
-        prepare(copy)
-    except (OSError, sqlite3.Error, DamagedStoreError, NewerError):
-        copy.close()
-        return None
-    return copy
-
-
 def _is_sound(file: Path) -> bool:
     try:
-        with contextlib.closing(_connect(str(file))) as connection:
+        with contextlib.suppress(NewerError), contextlib.closing(_connect(str(file))) as connection:
             prepare(connection)
     except DamagedStoreError:
         return False
     except sqlite3.DatabaseError as error:
         return _code(error) not in _DAMAGE_CODES
-    except NewerError:
-        return True
     return True
 
 
