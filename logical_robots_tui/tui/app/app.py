@@ -40,7 +40,7 @@ from logical_robots_tui.tui.terminal.capabilities import (
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
-from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
+from logical_robots_tui.tui.terminal.textual_internals import KeyQueue, keep_copy
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
 if TYPE_CHECKING:
@@ -256,7 +256,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         if self.main.permissions.clipboard:
             super().copy_to_clipboard(text)
         else:
-            self._clipboard = text
+            keep_copy(self, text)
 
     def action_settings(self) -> None:
         from logical_robots_tui.tui.app.settings_screen import SettingsScreen

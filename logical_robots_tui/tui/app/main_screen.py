@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from textual import events, on
 from textual.app import ComposeResult
-from textual.binding import BindingsMap
 from textual.geometry import Size
 from textual.message import Message
 from textual.screen import Screen
@@ -59,6 +58,7 @@ from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
+from logical_robots_tui.tui.terminal.textual_internals import WidgetBindings
 from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.tui.timeline.controller import Replays, TickSearch, TimelineController
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -84,9 +84,7 @@ class MainScreen(Screen[None], SessionListener):
     def __init__(self, opening: Opening, recorder: ProgressRecorder) -> None:
         super().__init__(id="main")
         clock = opening.clock
-        # A class variable would be shared by all players, and a keymap can't remove a binding.
-        self._own_keys = BindingsMap.merge([self._bindings, key_bindings(*commands("screen"))])
-        self._bindings = self._own_keys
+        self._keys = WidgetBindings(self, key_bindings(*commands("screen")))
         self._opening, self.permissions = opening, opening.permissions
         self.data_dir, self.recorder = opening.data_dir, recorder
         self.ui = ScreenUi(self)
@@ -204,7 +202,7 @@ class MainScreen(Screen[None], SessionListener):
         self.announcer.hold(is_on)
         ends = ("test", "stop_editing", "edit_level") if self.editing.is_testing else ()
         ending = key_bindings(*map(command, ends), does="test")
-        self._bindings = BindingsMap.merge([ending, self._own_keys])
+        self._keys.put_first(ending)
 
     def _suit(self, level: Level, text: str) -> None:
         self._suited = self.session.source.draft

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from textual import on
-from textual.binding import BindingsMap
 from textual.content import Content
 from textual.widgets import Static
 
@@ -15,6 +14,7 @@ from logical_robots_tui.tui.labyrinth.briefing import Briefing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
 from logical_robots_tui.tui.layout.arrangement import Pane
+from logical_robots_tui.tui.terminal.textual_internals import WidgetBindings
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level, Robot, RobotState
@@ -49,7 +49,7 @@ class LabyrinthPane(Pane, can_focus=True):
         self.briefing = briefing
         self._shown: tuple[Level, Frame] | None = None
         super().__init__(self.view, self.card, briefing.beside, title="Map")
-        self._own_keys = self._bindings
+        self.keys = WidgetBindings(self)
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self.select(self.view.selected))
@@ -93,10 +93,6 @@ class LabyrinthPane(Pane, can_focus=True):
             note = f"{note} · {ghost_note}" if note else ghost_note
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
         self.select(self.view.selected)
-
-    def take_keys(self, keys: BindingsMap | None = None) -> None:
-        """Let keys be commands while the pane has the focus, beside its own."""
-        self._bindings = BindingsMap.merge([keys or BindingsMap(), self._own_keys])
 
     def action_pan(self, across: int, down: int, far: bool = False) -> None:
         if self.view.overlay is not None:

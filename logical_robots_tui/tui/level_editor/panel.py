@@ -208,13 +208,13 @@ class EditPanel:
         pane, (is_on, is_testing) = self._pane, self._shown
         if is_on:
             pane.view.overlay = self
-            pane.take_keys(self._keys)
+            pane.keys.put_first(self._keys)
             pane.select(None)
             pane.briefing.close()
             pane.note("editing")
         else:
             pane.view.overlay = None
-            pane.take_keys()
+            pane.keys.put_first()
             key = command("test").key_name
             pane.note(f"test: {key} ends it" if is_testing else "")
             pane.view.redraw()

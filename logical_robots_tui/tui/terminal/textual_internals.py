@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual._context import active_app
+from textual.binding import BindingsMap
 from textual.document import _wrapped_document
 from textual.document._wrapped_document import WrappedDocument
 from textual.geometry import Offset, Region
@@ -55,6 +56,23 @@ def mark_rendered_stale(widget: Widget, regions: Iterable[Region]) -> None:
 def handle_exception(app: App[object], error: Exception) -> None:
     """End an app with an error, as if a message handler had raised it."""
     app._handle_exception(error)
+
+
+def keep_copy(app: App[Any], text: str) -> None:
+    """Keep a text for pasting without sending it to the terminal's clipboard."""
+    app._clipboard = text
+
+
+class WidgetBindings:
+    """The keys of one widget. Textual's are those of its class, and a keymap can't remove any."""
+
+    def __init__(self, widget: Widget, *additions: BindingsMap) -> None:
+        self._widget, self._bindings = widget, BindingsMap.merge([widget._bindings, *additions])
+        self.put_first()
+
+    def put_first(self, *bindings: BindingsMap) -> None:
+        """Let other keys come first, until the next call."""
+        self._widget._bindings = BindingsMap.merge([*bindings, self._bindings])
 
 
 class HangingDocument(WrappedDocument):

@@ -7,6 +7,7 @@ from textual import _ansi_sequences, _compositor, events
 from textual._styles_cache import StylesCache
 from textual._xterm_parser import XTermParser
 from textual.app import App
+from textual.binding import Binding, BindingsMap
 from textual.document._wrapped_document import WrappedDocument
 from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Region
@@ -90,6 +91,12 @@ async def test_what_is_taken_from_inside_does_what_it_is_for(data_dir: Path) -> 
         assert view.render_lines(view.size.region)[0].text == before.text
         textual_internals.mark_rendered_stale(view, [Region(0, 0, view.size.width, 1)])
         assert view.render_lines(view.size.region)[0].text == " " * view.size.width
+        textual_internals.keep_copy(game.app, "mine")
+        assert game.app.clipboard == "mine"
+        keys = textual_internals.WidgetBindings(view)
+        for bindings in ([BindingsMap([Binding("j", "bell")])], []):
+            keys.put_first(*bindings)
+            assert ("j" in view._bindings.key_to_bindings) is bool(bindings)
 
 
 def test_each_thing_that_is_taken_from_inside_is_tried_in_this_folder() -> None:
