@@ -94,7 +94,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     collect_seldom()
     # Our arrays are small: starting more numpy threads would take longer than they save.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    _open_missing_streams()
+    # Closed standard streams get the null device, before a file gets their descriptor.
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            null = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - stays open
+            setattr(sys, name, null)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
     logging.getLogger("logical_robots_tui").handlers = [CrashLog(logging.ERROR)]
@@ -144,14 +148,6 @@ def parser(name: str = "") -> argparse.ArgumentParser:
         import_module(f"logical_robots_tui.cli.{_HOMES[member]}")
         add_command(commands, member)
     return top
-
-
-def _open_missing_streams() -> None:
-    """Open the null device for closed standard streams, before a file gets their descriptor."""
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            null = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - stays open
-            setattr(sys, name, null)
 
 
 SHELLS = ("bash", "zsh", "fish")

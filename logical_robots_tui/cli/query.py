@@ -7,7 +7,7 @@ import asyncio
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui import game, mind, world
@@ -269,21 +269,18 @@ class Printer:
             self._has_begun = True
             print(ticks_of(diagnosis))
         for finding in findings[self._printed :]:
-            print("", *_finding_lines(finding), sep="\n", flush=True)
+            place = f"line {finding.span.line}" if finding.span is not None else "the run"
+            head = f"{finding.severity}, {place}, tick {finding.tick}: "
+            sentence = harmless(f"{finding.message} {finding.hint}")
+            lines = textwrap.wrap(f"{head}{sentence}", _width(), subsequent_indent="  ")
+            if finding.see_also:
+                lines.append(f"  {finding.see_also}")
+            print("", *lines, sep="\n", flush=True)
             self._printed += 1
 
 
 def _width() -> int:
     return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
-
-
-def _finding_lines(finding: Finding) -> Iterator[str]:
-    line = f"line {finding.span.line}" if finding.span is not None else "the run"
-    head = f"{finding.severity}, {line}, tick {finding.tick}: "
-    sentence = harmless(f"{finding.message} {finding.hint}")
-    yield from textwrap.wrap(f"{head}{sentence}", _width(), subsequent_indent="  ")
-    if finding.see_also:
-        yield f"  {finding.see_also}"
 
 
 def _diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:

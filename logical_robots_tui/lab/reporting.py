@@ -120,7 +120,11 @@ def _sweep_lines(manifest: Manifest, all_runs: list[RunRecord]) -> list[str]:
         lines += _bars(f"Starts won{suffix}", shares)
         spreads = {label: _spreads(manifest, runs) for label, runs in groups.items()}
         for name in _spreads(manifest, []):
-            medians = {label: s[0] for label, named in spreads.items() if (s := named[name])}
+            medians = {
+                label: spread[0]
+                for label, by_measure in spreads.items()
+                if (spread := by_measure[name])
+            }
             if len({*medians.values()}) > 1:
                 lines += _bars(f"{name}, medians{suffix}", medians)
     for name, (ticks, curves) in _over_time(manifest, all_runs).items():
@@ -236,13 +240,12 @@ def _spread(values: Iterable[float | None]) -> Spread | None:
 
 
 def _spreads(manifest: Manifest, runs: list[RunRecord]) -> dict[str, Spread | None]:
-    """Return medians and quartiles of runs by measure; outside a sweep of ticks only."""
-    names = measures_of(manifest).keys() - {"won", "rules"}
-    if manifest.kind != "sweep":
-        names = {"ticks"}
+    """Return medians and quartiles by measure; for anything but a sweep, of ticks only."""
+    measures = measures_of(manifest)
+    names = measures.keys() - {"won", "rules"} if manifest.kind == "sweep" else {"ticks"}
     return {
         name: _spread(measure(run.result) for run in runs)
-        for name, measure in measures_of(manifest).items()
+        for name, measure in measures.items()
         if name in names
     }
 
@@ -331,7 +334,7 @@ def _variation(manifest: Manifest, all_runs: list[RunRecord]) -> str:
         )
         group_spreads = [_spreads(manifest, runs) for runs in groups.values()]
         for title in _spreads(manifest, []):
-            spreads = [named[title] for named in group_spreads]
+            spreads = [by_measure[title] for by_measure in group_spreads]
             if len({spread for spread in spreads if spread}) > 1:
                 parts.append(_chart(f"{title}, over {name}", name, [*groups], {"median": spreads}))
     if len(names) == 2:
