@@ -211,11 +211,6 @@ def _cost(robot: Robot, left: float, right: float) -> float:
     return robot.battery_consumption_rate * (abs(left) / 2 + abs(right) / 2)
 
 
-def is_dead(robot: Robot, mover: Mover) -> bool:
-    """Return whether an empty battery stops a robot; a robot without consumption drives on."""
-    return robot.has_battery and mover.battery_level <= 0 and robot.battery_consumption_rate > 0
-
-
 def next_active(area: Area, active: bool, visible_beacons: AbstractSet[str]) -> bool:
     """Return whether an area is on after this tick; the beacons are those on any radar."""
     if area.off_beacon and area.off_beacon in visible_beacons:

@@ -19,7 +19,6 @@ from logical_robots_tui.world.dynamics import (
     body_of,
     charging_sources,
     drive,
-    is_dead,
     is_inside,
     is_won,
     next_active,
@@ -29,7 +28,7 @@ from logical_robots_tui.world.dynamics import (
     start_tallies,
     tally_tick,
 )
-from logical_robots_tui.world.level import Area, Level, Robot
+from logical_robots_tui.world.level import Area, Level
 from logical_robots_tui.world.sensing import Senses
 
 _ROOM = 32 * 1024**2  # bytes of address space that arrays of rays may take
@@ -136,7 +135,8 @@ class World:
         ):
             if not is_divided:
                 run_battery(robot, mover, left, right, sources)
-            mover.dead = is_dead(robot, mover)
+            is_empty = robot.has_battery and mover.battery_level <= 0
+            mover.dead = is_empty and robot.battery_consumption_rate > 0
             if mover.dead:
                 left = right = 0.0
             blockers = [b for b in bodies if b is not body] if level.solid_robots else ()
@@ -249,18 +249,24 @@ def change_state(
     """
     if unknown_names := poses.keys() - {robot.name for robot in new.robots}:
         raise ValueError(f"There are no robots {sorted(unknown_names)}.")
-    start = start_state(new)
-    if state.tick == 0:
-        return replace(start, robots=tuple(_apply_pose(robot, poses) for robot in start.robots))
+    start, robots = start_state(new), []
     old_robots = {robot.name: robot for robot in old.robots}
     bodies = {robot.name: robot for robot in state.robots}
-    old_names = former_names(old, new)
-    robots = tuple(
-        _apply_pose(_continue_robot(robot, old_robots[name], bodies[name]), poses)
-        if (name := old_names.get(robot.name)) is not None
-        else _apply_pose(first, poses)
-        for robot, first in zip(new.robots, start.robots, strict=True)
-    )
+    old_names = former_names(old, new) if state.tick else {}
+    for robot, body_at_start in zip(new.robots, start.robots, strict=True):
+        body = body_at_start
+        if (name := old_names.get(robot.name)) is not None:
+            charge = body_at_start.battery_level
+            if old_robots[name].has_battery or not robot.has_battery:
+                charge = min(bodies[name].battery_level, charge)
+            body = replace(bodies[name], name=robot.name, battery_level=charge)
+        if robot.name in poses:
+            x, y, angle = poses[robot.name]
+            angle = float(angle) % (2 * math.pi)
+            body = replace(body, x=float(x), y=float(y), angle=angle)
+        robots.append(body)
+    if state.tick == 0:
+        return replace(start, robots=tuple(robots))
     old_states: dict[tuple[object, ...], list[bool]] = {}
     for area, area_state in zip(old.areas, state.areas, strict=True):
         old_states.setdefault(_switch(area), []).append(area_state.active)
@@ -277,7 +283,7 @@ def change_state(
     tallies = state.tallies
     if scoring != new_scoring:
         tallies = start_tallies(new, robots, area_states)
-    return WorldState(state.tick, robots, tuple(area_states), state.won_at, tallies)
+    return WorldState(state.tick, tuple(robots), tuple(area_states), state.won_at, tallies)
 
 
 def former_names(old: Level, new: Level) -> dict[str, str]:
@@ -289,20 +295,6 @@ def former_names(old: Level, new: Level) -> dict[str, str]:
         if len(pairs) == 1 and pairs[0][0] not in names:
             names[pairs[0][1]] = pairs[0][0]
     return names
-
-
-def _continue_robot(robot: Robot, old_robot: Robot, body: RobotState) -> RobotState:
-    charge = min(body.battery_level, float(robot.battery_capacity))
-    if robot.has_battery and not old_robot.has_battery:
-        charge = float(robot.battery_capacity)
-    return replace(body, name=robot.name, battery_level=charge)
-
-
-def _apply_pose(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
-    if body.name not in poses:
-        return body
-    x, y, angle = poses[body.name]
-    return replace(body, x=float(x), y=float(y), angle=float(angle) % (2 * math.pi))
 
 
 def _switch(area: Area) -> tuple[object, ...]:
