@@ -40,7 +40,7 @@ class LevelFinding:
 def check(level: Level) -> list[LevelFinding]:
     """Return all likely mistakes, or only those that prevent loading; at most about a second."""
     oddity_entities = ((o, getattr(level, o.kind)[o.index]) for o in oddities(level))
-    return load_errors(level) or [
+    return [*load_errors(level)] or [
         *(LevelFinding(f"{o.message} {o.hint}".rstrip(), e.x, e.y) for o, e in oddity_entities),
         *_placement(level),
         *_goals(level),
@@ -49,11 +49,7 @@ def check(level: Level) -> list[LevelFinding]:
     ]
 
 
-def load_errors(level: Level) -> list[LevelFinding]:
-    return [*_load_errors(level), *(clash for clash in _duplicate_names(level) if clash.forbids)]
-
-
-def _load_errors(level: Level) -> Iterator[LevelFinding]:
+def load_errors(level: Level) -> Iterator[LevelFinding]:
     top = Fields(words_of(level), level.name)
     try:
         read_words(top)
@@ -76,6 +72,7 @@ def _load_errors(level: Level) -> Iterator[LevelFinding]:
                 is_finite = math.isfinite(entity.x) and math.isfinite(entity.y)
                 x, y = (entity.x, entity.y) if is_finite else (None, None)
                 yield LevelFinding(f'"{entity.name}": {error.message}', x, y, forbids=True)
+    yield from (clash for clash in _duplicate_names(level) if clash.forbids)
 
 
 def _duplicate_names(level: Level) -> Iterator[LevelFinding]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 from logical_robots_tui.game.source import reference_names, shipped_texts
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import shipped_folder
-from logical_robots_tui.progress import Bests, Measures, Progress
+from logical_robots_tui.progress import Bests, Measures
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import GoalKind, alike
@@ -140,12 +140,6 @@ def is_reference(level: Level, text: str) -> bool:
 def is_by_the_book(history: History, level: Level, tick: int) -> bool:
     """Return whether the level matched its file in every tick up to this one."""
     return not history.is_changed_up_to(tick) and alike(history.level_at(0), level)
-
-
-def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
-    """Save a victory that counts under a level's key. Blocks."""
-    if victory.verdict == "counts":
-        progress.win(key, victory.program.text, victory.measures)
 
 
 def robustness_line(level: Level, measures: Measures) -> str:

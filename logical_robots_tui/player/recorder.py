@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game import ProgramSource, level_key
 from logical_robots_tui.game.source import shipped_texts
-from logical_robots_tui.game.victory import Victory, keep_victory, references_for
+from logical_robots_tui.game.victory import Victory, references_for
 from logical_robots_tui.player.drafts import Draft
 from logical_robots_tui.player.session_state import SessionListener, Ui, nothing
 from logical_robots_tui.progress import NEW, Bests, LevelRecord, Measures, Progress, Version
@@ -157,9 +157,9 @@ class ProgressRecorder(SessionListener):
         self.is_mixed = victory.measures is None
         if self.is_reference:
             return
-        key = self._key
-        self._write(lambda progress: keep_victory(progress, key, victory))
-        if self._trials.get(key, ("",))[0] != victory.program.text:
+        key, text = self._key, victory.program.text
+        self._write(lambda progress: progress.win(key, text, victory.measures))
+        if self._trials.get(key, ("",))[0] != text:
             measure = partial(self._measure, victory.level, key, victory.program)
             self._ui.spawn(measure, f"measure {key}", exclusive=True)
 

@@ -248,7 +248,20 @@ class Watch:
         question = self._questions.get(point.subject)
         if point.event != "change" and question is not None and not isinstance(question, Exception):
             table = matching_rows(question, table)
-        return _rows_for(point, table)
+        rows: Sequence[tuple[Value, ...]] = table.rows
+        if point.robot and "robot_name" in table.columns:
+            index = table.columns.index("robot_name")
+            rows = [row for row in rows if row[index] == point.robot]
+        else:
+            rows = table.in_mind_of(point.robot).rows
+        if not point.column:
+            return list(rows)
+        if point.column not in table.columns:
+            if not table.rows:
+                return []
+            raise QueryError(f"{point.subject} has no column {point.column}.")
+        index = table.columns.index(point.column)
+        return [(row[index],) for row in rows]
 
     def _table(self, subject: str, frame: Frame, mind: Mind, stop: threading.Event) -> ResultTable:
         entry = self._tables.get(subject)
@@ -279,23 +292,6 @@ class Watch:
         if mind.program.predicate(subject) is not None:
             return None
         raise question
-
-
-def _rows_for(point: Breakpoint, table: ResultTable) -> _Rows:
-    rows: Sequence[tuple[Value, ...]] = table.rows
-    if point.robot and "robot_name" in table.columns:
-        index = table.columns.index("robot_name")
-        rows = [row for row in rows if row[index] == point.robot]
-    else:
-        rows = table.in_mind_of(point.robot).rows
-    if not point.column:
-        return list(rows)
-    if point.column not in table.columns:
-        if not table.rows:
-            return []
-        raise QueryError(f"{point.subject} has no column {point.column}.")
-    index = table.columns.index(point.column)
-    return [(row[index],) for row in rows]
 
 
 def _subtract(rows: _Rows, other_rows: _Rows) -> _Rows:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import unified_diff
 from itertools import islice
@@ -65,7 +64,10 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
                 mind, robot, frame.sensors, frame.memories_before, stop=stop
             )
             proofs.append(_lines(explainer.proof(nodes=_MOST_NODES)))
-        return tuple(_differing_lines(*proofs))
+        lines, other_lines = proofs
+        difference = islice(unified_diff(lines, other_lines, n=_CONTEXT, lineterm=""), 2, None)
+        shown = (line for line in difference if not line.startswith(_FROM_THE_TOP))
+        return tuple("@" if line.startswith("@@") else line for line in shown)
 
     try:
         lines = await thinker.do(compare)
@@ -86,11 +88,3 @@ def _line(node: ProofNode) -> str:
         return f"{node.text} does not hold"
     values = " or ".join(spell(value, _LONGEST_VALUE) for value in node.values)
     return f"{node.text} = {values}" if values else node.text
-
-
-def _differing_lines(lines: list[str], other_lines: list[str]) -> Iterator[str]:
-    for line in islice(unified_diff(lines, other_lines, n=_CONTEXT, lineterm=""), 2, None):
-        if not line.startswith("@@"):
-            yield line
-        elif not line.startswith(_FROM_THE_TOP):
-            yield "@"

@@ -117,8 +117,16 @@ _open_packs = OpenPacks(_HEAVIEST_OPEN)
 
 def lay_out(moments: Sequence[Moment]) -> list[Any]:
     """Return moments as lists; equal parts of memories are there only once."""
+    runs: list[Any] = []
     # Robots and areas may come and go when the level is edited.
-    return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
+    for names, group in groupby(moments, _names_of):
+        run, values, robots = list(group), _Values(), [*enumerate(names[0])]
+        facts = [(m.after.won_at, m.after.tallies, *_facts_of(m), bool(m.decisions)) for m in run]
+        areas = [[(area.active, area.visitors) for area in m.after.areas] for m in run]
+        bodies = [[body_of(m.after.robots[i]) for m in run] for i, _ in robots]
+        thoughts = [[_thought_of(m, i, name, values) for m in run] for i, name in robots]
+        runs.append((run[0].after.tick, *names, facts, areas, bodies, thoughts, values.all))
+    return runs
 
 
 def moment_in(runs: Sequence[Any], index: int) -> Moment:
@@ -166,16 +174,6 @@ def _memory(places: Any, values: Sequence[Value]) -> Value:
 def _names_of(moment: Moment) -> tuple[list[str], list[str]]:
     state = moment.after
     return [robot.name for robot in state.robots], [area.name for area in state.areas]
-
-
-def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
-    first, values = moments[0].after, _Values()
-    facts = [(m.after.won_at, m.after.tallies, *_facts_of(m), bool(m.decisions)) for m in moments]
-    areas = [[(area.active, area.visitors) for area in m.after.areas] for m in moments]
-    robots = [*enumerate(robot.name for robot in first.robots)]
-    bodies = [[body_of(m.after.robots[i]) for m in moments] for i, _ in robots]
-    thoughts = [[_thought_of(m, i, name, values) for m in moments] for i, name in robots]
-    return first.tick, *_names_of(moments[0]), facts, areas, bodies, thoughts, values.all
 
 
 class _Values:

@@ -71,7 +71,7 @@ def test_any_strokes_undos_and_saves_load_back_as_the_level(done: list[tuple[str
                 assert file.read_bytes() == before
             else:
                 getattr(editor, what)(*more)
-            assert not load_errors(editor.level)
+            assert not [*load_errors(editor.level)]
             assert (editor.entity is None) == (editor.selected is None)
         last = editor.level
         save_level(last, file)
