@@ -159,7 +159,6 @@ class Costs:
 
     @property
     def excesses(self) -> list[str]:
-        """Return what a quick run did more often than it may, and where most."""
         excesses: list[str] = []
         if not self._is_quick:
             return excesses
@@ -175,7 +174,8 @@ class Costs:
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         cache: pytest.Cache | None = getattr(self._config, "cache", None)
         if cache is not None and self.by_test:
-            cache.set(CACHE_KEY, {**cache.get(CACHE_KEY, {}), **_rounded(self.by_test)})
+            costs = {test: round(seconds, 3) for test, seconds in self.by_test.items()}
+            cache.set(CACHE_KEY, {**cache.get(CACHE_KEY, {}), **costs})
         if session.exitstatus == pytest.ExitCode.OK and self.excesses:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
@@ -190,7 +190,3 @@ class Costs:
         )
         for excess in self.excesses:
             terminalreporter.write_line(f"A quick run does too much: {excess}", red=True)
-
-
-def _rounded(costs: dict[str, float]) -> dict[str, float]:
-    return {test: round(seconds, 3) for test, seconds in costs.items()}

@@ -154,14 +154,9 @@ class Line:
             for end in (client, server):
                 end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._ends += client, server
-            threading.Thread(target=self._up, args=(client, server), daemon=True).start()
-            threading.Thread(target=self._down, args=(server, client), daemon=True).start()
-
-    def _up(self, client: socket.socket, server: socket.socket) -> None:
-        self._pump(client, server)
-
-    def _down(self, server: socket.socket, client: socket.socket) -> None:
-        self._pump(server, client, self.BUCKET if self.rate else 65536)
+            chunk = self.BUCKET if self.rate else 65536
+            for ends in ((client, server), (server, client, chunk)):
+                threading.Thread(target=self._pump, args=ends, daemon=True).start()
 
     def _pump(self, source: socket.socket, target: socket.socket, chunk: int = 0) -> None:
         """Carry bytes until one side ends; those in chunks are counted and take their time."""

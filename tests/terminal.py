@@ -50,7 +50,8 @@ class Terminal:
 
     def __enter__(self) -> Self:
         self._ours, theirs = os.openpty()
-        self._tell_size(theirs)
+        size = struct.pack("HHHH", self._screen.lines, self._screen.columns, 0, 0)
+        ioctl(theirs, termios.TIOCSWINSZ, size)
         self.process = subprocess.Popen(
             self._command,
             stdin=theirs,
@@ -87,14 +88,12 @@ class Terminal:
 
     @property
     def game(self) -> int:
-        """The process of the game, which the command has forked."""
         pid = self.process.pid
         (found,) = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
         return int(found)
 
     @property
     def traffic(self) -> int:
-        """How many bytes were ever written to the screen."""
         return len(self._raw)
 
     @property
@@ -103,7 +102,6 @@ class Terminal:
         return self._answered
 
     def fileno(self) -> int:
-        """What to wait on for something to read."""
         return self._ours
 
     def receive(self) -> bool:
@@ -111,7 +109,6 @@ class Terminal:
         return self._read(0.0)
 
     def has_received(self, text: str, since: int = 0) -> bool:
-        """Whether a text came in after so many bytes of `traffic`."""
         return self._raw.find(text.encode(), since) >= 0
 
     def send(self, keys: str, sees: str = "") -> None:
@@ -166,19 +163,16 @@ class Terminal:
         self.wait_for(lambda: self._raw.find(sought, begun) >= 0)
 
     def wait_for_quiet(self, seconds: float = 1.0) -> None:
-        """Read on until nothing has been written for some time."""
         deadline = monotonic() + PATIENCE
         while select.select([self._ours], [], [], seconds)[0] and self._read(deadline):
             assert monotonic() < deadline, f"it writes on after {PATIENCE} s:\n{self.text}"
 
     def read_for(self, seconds: float) -> None:
-        """Read on for some time, whether anything is written or not."""
         end = monotonic() + seconds
         while self._read(end) and monotonic() < end:
             pass
 
     def finish(self) -> int:
-        """Read to the end and return the exit status."""
         deadline = monotonic() + PATIENCE
         while self._read(deadline):
             assert monotonic() < deadline, f"it goes on after {PATIENCE} s:\n{self.text}"
@@ -198,10 +192,6 @@ class Terminal:
         self.send("\x1b[1;1R" * (questions - self._answered))
         self._answered = questions
         return bool(chunk)
-
-    def _tell_size(self, terminal: int) -> None:
-        size = struct.pack("HHHH", self._screen.lines, self._screen.columns, 0, 0)
-        ioctl(terminal, termios.TIOCSWINSZ, size)
 
 
 def _hear_signals() -> None:

@@ -129,8 +129,7 @@ def test_a_hostile_client_gets_no_shell_file_or_forwarding(school: School, tmp_p
     assert not stolen.exists()
     assert school.ssh("-s", words=("sftp",)).returncode != 0
 
-    said = {"-O": "game needs a terminal", "-s": "Connection closed"}
-    for how, words in said.items():
+    for how, words in {"-O": "game needs a terminal", "-s": "Connection closed"}.items():
         assert words in PAGE.read_text()
         copied = tmp_path / "copied"
         done = school.scp(how, "/etc/passwd", copied)

@@ -119,7 +119,9 @@ class _Judge:
             yield Claim((*steps, *told), made, True, f"said to hold: {steps} with {told}")
         yield from self._denials(branch.held, (*steps, *told), made)
         for node in branch.failing:
-            failing = self._failing(node)
+            failing = _step(node)
+            if node.kind == "call" and failing.partition("(")[0] in self._valued:
+                failing = f"result_ == {failing}"
             bound = {*names(", ".join([*steps, failing]))}
             is_anyhow = node.remark.startswith("no match") and not self._is_open
             here = [] if is_anyhow else [c for c in known if bound.issuperset(names(c))]
@@ -139,11 +141,6 @@ class _Judge:
                 for claim in filter(None, [equal(child.text, value) for value in child.values[:3]]):
                     said = f"said of {node.text}: {claim}, after {before}"
                     yield Claim((*before, claim), made, True, said)
-
-    def _failing(self, node: ProofNode) -> str:
-        text = _step(node)
-        is_value = node.kind == "call" and text.partition("(")[0] in self._valued
-        return f"result_ == {text}" if is_value else text
 
     def _denials(self, nodes: Sequence[ProofNode], fixed: _Fixed, made: str) -> Iterator[Claim]:
         for node in nodes:
@@ -252,7 +249,6 @@ def _holding(node: ProofNode) -> tuple[str, ...]:
 
 
 def _row(node: ProofNode, written: Written) -> tuple[str, ...]:
-    """What is claimed of the columns of a row."""
     told = [child for child in node.children if child.kind == "column" and child.values]
     return tuple(
         equal(value, child.values[0])

@@ -99,8 +99,7 @@ def test_exports_of_moodle_canvas_gradescope_and_nbgrader_are_matched(tmp_path: 
         },
         ROSTER + "1004,Dot\n",
     )
-    got = {s.id: (s.submission, s.late, s.remarks) for s in manifest.students}
-    assert got == {
+    assert {s.id: (s.submission, s.late, s.remarks) for s in manifest.students} == {
         "1001": ("Ada Lovelace_398021", False, ()),
         "1002": ("müllerzoë_12345", True, ()),
         "1003": ("Cem Aydin_1003", False, ()),

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from logical_robots_tui.world import Level, World
+from logical_robots_tui.world import World
 
 
 def plain_look(world: World) -> list[dict[str, Any]]:
@@ -40,7 +40,9 @@ def _cast(world: World, looker: str, heading: float) -> tuple[int, str, str]:
     for d in range(1, 200):
         px = here.x + math.cos(heading) * d
         py = here.y + math.sin(heading) * d
-        if _is_wall(level, math.floor(px), math.floor(py)):
+        column, row = math.floor(px), math.floor(py)
+        is_inside = 0 <= column < level.width and 0 <= row < level.height
+        if not is_inside or level.walls[row, column]:
             return d, "wall", "wall"
         for robot in world.robots:
             if robot.name != looker and math.hypot(px - robot.x, py - robot.y) < 9:
@@ -53,9 +55,3 @@ def _cast(world: World, looker: str, heading: float) -> tuple[int, str, str]:
             if is_solid and math.hypot(px - area.x, py - area.y) < area.radius:
                 return d, "wall", area.name
     return 200, "none", "nothing"
-
-
-def _is_wall(level: Level, column: int, row: int) -> bool:
-    if not (0 <= column < level.width and 0 <= row < level.height):
-        return True
-    return bool(level.walls[row, column])

@@ -36,7 +36,6 @@ kinds = st.recursive(
 
 
 def example(kind: Any) -> str:
-    """An example of a kind, as TryCast takes it."""
     if isinstance(kind, list):
         return f"[{example(kind[0])}]"
     if isinstance(kind, dict):
@@ -74,11 +73,8 @@ def values(kind: Any, depth: int) -> Text:
     ]
     if not isinstance(kind, list):
         general.append(call("Element", values([kind], depth - 1), st.integers(-1, 3).map(str)))
-    return st.one_of(written, *general, *_OWN[_family(kind)](kind, depth - 1))
-
-
-def _family(kind: Any) -> str:
-    return "list" if isinstance(kind, list) else "record" if isinstance(kind, dict) else str(kind)
+    family = "list" if isinstance(kind, list) else "record" if isinstance(kind, dict) else kind
+    return st.one_of(written, *general, *_OWN[family](kind, depth - 1))
 
 
 def _written(kind: Any, depth: int) -> Text:
@@ -96,7 +92,6 @@ def _written(kind: Any, depth: int) -> Text:
 
 
 def _spelled(kind: Any, depth: int) -> Text:
-    """Texts that spell a value, of this kind or another."""
     return st.one_of(
         call("ToString", values(kind, depth)),
         st.sampled_from([*SAID, *SPELLED]).map(lambda text: json.dumps(text, ensure_ascii=False)),

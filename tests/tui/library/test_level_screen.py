@@ -169,8 +169,7 @@ def test_a_card_fills_its_room_whatever_it_tells(
 ) -> None:
     level = replace(load_level(NAMES[0]), title=title, idea=idea)
     card = LevelCard("99-x", level, record, is_here=chosen)
-    picture = miniature(load_level(NAMES[0]), width - 2, rows, Drawing.ASCII, DARK)
-    for shown in (picture, None):
+    for shown in (miniature(load_level(NAMES[0]), width - 2, rows, Drawing.ASCII, DARK), None):
         strips = card_strips(card, shown, width, rows, chosen)
         assert [strip.cell_length for strip in strips] == [width] * (rows + LINES_AROUND)
 
