@@ -53,7 +53,6 @@ FOLDERS_OF_DATA = {
 
 
 def git(*arguments: str) -> str:
-    """Return what git prints in this checkout."""
     done = subprocess.run(
         ["git", *arguments], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
     )
@@ -162,7 +161,6 @@ def measured_costs() -> dict[str, float]:
 
 
 def main() -> None:
-    """Print the files of tests to run for what differs from a branch."""
     base = sys.argv[1] if len(sys.argv) > 1 else "main"
     paths = changed_paths(base)
     if not paths:

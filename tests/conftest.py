@@ -156,7 +156,6 @@ class _Sources:
 
 
 def _compiled(config: pytest.Config) -> Path:
-    """The folder of compiled programs, which outlives the run."""
     return config.rootpath / ".pytest_cache" / f"compiled-{sys.implementation.cache_tag}"
 
 
@@ -189,7 +188,6 @@ def compiled_programs(pytestconfig: pytest.Config) -> Iterator[None]:
 def dist(
     pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory, worker_id: str
 ) -> Path:
-    """The folder of a wheel and an sdist, freshly built or named by an option."""
     if pytestconfig.option.built:
         return Path(pytestconfig.option.built).absolute()
     with _one_at_a_time(tmp_path_factory, worker_id) as folder:
@@ -212,7 +210,6 @@ def sdist(dist: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Installed:
-    """The wheel in an environment outside of the checkout."""
     with _one_at_a_time(tmp_path_factory, worker_id) as folder:
         done = folder / "installed" / "elsewhere"
         if done.exists():

@@ -14,8 +14,6 @@ _SETTLED = 20  # frames after which robots run, and none is still being compiled
 
 
 class Crowd:
-    """Reads from all terminals, so that none of them waits."""
-
     def __init__(self, terminals: Sequence[Terminal]) -> None:
         self._terminals = terminals
 

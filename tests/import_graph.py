@@ -29,7 +29,6 @@ def imported_names(tree: ast.AST, folder: str) -> Iterator[str]:
 
 
 def _statements(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield the statements in all blocks, without looking into expressions."""
     nodes = [tree]
     for node in nodes:
         yield node

@@ -16,8 +16,6 @@ CHECKOUT = Path(__file__).parents[1]
 
 @dataclass(frozen=True)
 class Installed:
-    """A virtual environment with the wheel in it, and a folder to run it from."""
-
     root: Path
     elsewhere: Path
 
@@ -38,7 +36,6 @@ def clean_environment() -> dict[str, str]:
 
 
 def build(folder: Path) -> None:
-    """Build the sdist into a folder, and the wheel from the sdist."""
     _run(sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, CHECKOUT)
 
 

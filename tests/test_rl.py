@@ -20,7 +20,6 @@ HOME = "04-everybody-home"
 
 @pytest.fixture
 def mixed() -> Iterator[RobotsEnv]:
-    """One robot learns, and a program drives the others."""
     env = RobotsEnv(HOME, [load_level(HOME).robots[0].name], "everybody-home", ticks=60)
     yield env
     env.close()
@@ -76,7 +75,6 @@ def test_learners_act_among_robots_that_a_program_drives(mixed: RobotsEnv) -> No
 
 @cache
 def powers_that_win() -> list[tuple[float, float]]:
-    """The engines of each tick with which the solution wins the first level."""
     simulation, powers = Simulation("01-first-steps", "first-steps"), []
     while not simulation.won:
         (decision,) = simulation.step().decisions

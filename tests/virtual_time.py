@@ -169,7 +169,6 @@ class Hold:
         self._released = threading.Event()
 
     def here(self) -> None:
-        """Wait in a thread until released."""
         self._loop.call_soon_threadsafe(self._begin)
         assert self._released.wait(PATIENCE)
 

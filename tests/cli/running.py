@@ -51,8 +51,6 @@ def _refuse(constant: str) -> None:
 
 
 class Command:
-    """The command in this process, its output caught."""
-
     def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
         self._capsys = capsys
 

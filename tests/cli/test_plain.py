@@ -28,8 +28,6 @@ further = "Be there in fewer ticks."
 
 
 class TypedCommand:
-    """The game without a screen, and what is typed into it."""
-
     def __init__(self, command: Command, level: Path, program: Path, data: Path) -> None:
         self._command, self._level, self.program = command, level, program
         self.options = ("--data-dir", data)

@@ -28,7 +28,6 @@ class Player:
         self.tmux.start(self.command, *arguments, "--data-dir", self.folder / "data")
 
     def play_short_way(self) -> None:
-        """Start the game on a level that is won by going straight ahead."""
         self.play("play", "short.toml", "ahead.l")
         self.tmux.wait_for("tick 0", "· applied")
 

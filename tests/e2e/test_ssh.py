@@ -93,7 +93,6 @@ def wait_for_frames(terminal: Terminal, number: int) -> None:
     ],
 )
 def test_a_game_sends_little_or_nothing(host: Host, tmp_path: Path, allowed: int, how: Any) -> None:
-    """Bytes a frame."""
     with playing(host, tmp_path, *how) as (line, terminal):
         run(terminal)
         before = line.traffic

@@ -78,7 +78,6 @@ class Tmux:
 
     @property
     def game(self) -> int:
-        """The process of the game, which what `start` started has forked."""
         (found,) = Path(f"/proc/{self.pid}/task/{self.pid}/children").read_text().split()
         return int(found)
 
@@ -108,7 +107,6 @@ class Tmux:
         self.wait_until(lambda screen: screen.strip() == PROMPT.strip(), "an empty screen")
 
     def paste(self, text: str) -> None:
-        """Paste a text as a terminal does, in brackets."""
         self._tmux("load-buffer", "-", text=text)
         self._tmux("paste-buffer", "-p")
 

@@ -46,7 +46,6 @@ def drawn(*rows: str) -> Level:
 
 
 def sketch(level: Level) -> list[str]:
-    """The walls of a small level, as ``drawn`` takes them."""
     return ["".join("#" if wall else "." for wall in row) for row in level.walls.tolist()]
 
 

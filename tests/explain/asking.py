@@ -41,25 +41,21 @@ def proof(text: str, predicate: str = "Robot", *, depth: int = 100, **given: Any
 
 
 def the_rule(text: str, predicate: str = "Robot", **asked: Any) -> RuleOutcome:
-    """What is told of the only rule of a predicate."""
     (rule,) = why(text, predicate, **asked).rules
     return rule
 
 
 def stop(rule: RuleOutcome) -> ProofNode:
-    """The part of a rule that failed."""
     assert rule.stopped_by is not None
     return rule.stopped_by
 
 
 def asked(node: ProofNode) -> Ask:
-    """What a node can be asked."""
     assert node.query is not None
     return node.query
 
 
 def find(node: ProofNode, text: str) -> ProofNode:
-    """The first node below another one whose text begins so."""
     return next(each for _, each in node.walk() if each.text.startswith(text))
 
 

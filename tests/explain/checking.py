@@ -102,7 +102,6 @@ def claims_of(node: ProofNode, *, itself: bool = False) -> list[str]:
 
 
 def _claims(node: ProofNode) -> Iterator[str | None]:
-    """What is claimed of the variables and expressions of one derivation."""
     for child in node.children:
         if child.kind in ("aggregate", "denial", "contributor", "rule", "note", "column"):
             if child.kind == "column":
@@ -128,7 +127,6 @@ def wrong_aggregates(node: ProofNode) -> Iterator[str]:
 
 
 def _wrong_aggregate(node: ProofNode) -> Iterator[str]:
-    """What is false about the elements of an aggregate."""
     value: Any = node.values[0]
     elements = [n.values[0] for _, n in node.walk() if n.kind == "contributor"]
     note = next((n for n in node.children if n.kind == "note" and "aggregates" in n.text), None)

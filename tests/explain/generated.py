@@ -22,7 +22,6 @@ _RECURSIONS = (
 
 
 def program(seed: int) -> str:
-    """The program of a number: a few predicates, each with the columns x and y."""
     lot = Random(seed)
     number, one = lot.randint, lot.choice
 

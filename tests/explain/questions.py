@@ -36,7 +36,6 @@ class Scene:
         return Explainer(self.mind, self.robot, self.rows, self.memories)
 
     def there(self, name: str) -> list[dict[str, Any]]:
-        """The rows of a predicate that are about this robot."""
         table = self.mind.query(name, self.rows, self.memories).in_mind_of(self.robot)
         found = [dict(zip(table.columns, each, strict=True)) for each in table.rows]
         return [each for each in found if each.get("robot_name", self.robot) == self.robot]
@@ -44,15 +43,12 @@ class Scene:
 
 @dataclass(frozen=True)
 class Asked:
-    """How many questions were asked, and what was false in the answers."""
-
     number: int
     false: list[str]
 
 
 @contextmanager
 def alone(text: str) -> Iterator[Scene]:
-    """A program of one robot that sees nothing."""
     program = Program.compile(text)
     with closing(Mind(program, limits=Limits(query_seconds=60))) as mind:
         names = [p.name for p in program.predicates if p.kind == "program" and p.has_rows]
@@ -62,7 +58,6 @@ def alone(text: str) -> Iterator[Scene]:
 
 @contextmanager
 def together(team: Team) -> Iterator[Scene]:
-    """The last tick of a team, as one of the robots sees it."""
     *_, (rows, memories) = team.ticks()
     with closing(team.mind()) as mind:
         known = [p for p in team.program.predicates if p.kind == "program" and p.has_rows]
@@ -71,7 +66,6 @@ def together(team: Team) -> Iterator[Scene]:
 
 
 def asked(scene: Scene) -> Asked:
-    """Ask for rows that are there, and for some that are not."""
     checker = Checker(scene.mind.program, scene.mind, scene.rows, scene.memories, scene.robot)
     number = 0
     claims: list[Claim] = []

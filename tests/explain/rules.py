@@ -101,7 +101,6 @@ def apart(aggregate: Aggregate, rule: str) -> Aggregate:
 
 
 def names(text: str) -> Iterator[str]:
-    """The variables that an expression or a body mentions."""
     for match in _NAME.finditer(text):
         if match[0][0] not in '".' and not match[0].endswith("?") and match[0] not in _WORDS:
             yield match[0]
@@ -121,7 +120,6 @@ def equal(expression: str, value: Any) -> str:
 
 
 def spelled(value: Any) -> str:
-    """A value as Logica writes it."""
     if isinstance(value, dict):
         return f"{{{', '.join(f'{name}: {spelled(each)}' for name, each in value.items())}}}"
     if isinstance(value, list):

@@ -53,8 +53,6 @@ _DISTANCE = (
 
 @dataclass(frozen=True)
 class Team:
-    """A program, and what its robots may see."""
-
     text: str
     memory: Literal["own", "seen", "all"]
     sensor: Literal["own", "all"]
@@ -103,8 +101,6 @@ def _sensed(name: str, clock: int, lot: Random) -> Any:
 
 @dataclass(frozen=True)
 class _Relation:
-    """A predicate that has rows, with the type of each column."""
-
     name: str
     columns: dict[str, str]
 

@@ -119,7 +119,6 @@ def test_a_lie_would_be_found() -> None:
 
 
 def level_for(program: str) -> Level:
-    """The level that a program is for, or one that it can be tried in."""
     name = program.removesuffix("-starter")
     return load_level(next((it for it in list_levels() if it[3:] == name), "06-breadcrumbs"))
 
@@ -186,7 +185,6 @@ def test_each_row_of_a_predicate_has_a_true_proof_and_no_other_has(name: str) ->
 
 
 def check_proofs(mind: Mind, rows: Any, memories: Any, most: int) -> None:
-    """Put what proofs of decisions say into their rules."""
     checked = 0
     checker = Checker(mind.program, mind, rows, memories)
     for robot in [sensed["robot_name"] for sensed in rows][:2]:

@@ -19,7 +19,6 @@ def pytest_asyncio_loop_factories() -> dict[str, type[VirtualLoop]]:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of recordings, in a cache that no other test has."""
     monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
     return tmp_path / "cache" / "runs"
 

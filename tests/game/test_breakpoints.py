@@ -30,7 +30,6 @@ def game(play: Play) -> Game:
 
 
 async def stops(game: Game, *breakpoints: Breakpoint, ticks: int = 200) -> list[Hit]:
-    """All that is hit in a run of so many ticks, which stops each time."""
     for breakpoint_ in breakpoints:
         game.breakpoints.add(breakpoint_)
     hits: list[Hit] = []

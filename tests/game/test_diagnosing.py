@@ -35,7 +35,6 @@ def kinds(diagnosis: Diagnosis) -> list[str]:
 
 
 def the(diagnosis: Diagnosis, kind: str) -> tuple[Finding, SourceSpan]:
-    """The first finding of a kind, and its place."""
     finding = next(finding for finding in diagnosis.findings if finding.kind == kind)
     assert finding.span is not None
     return finding, finding.span

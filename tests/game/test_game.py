@@ -169,7 +169,6 @@ async def test_a_condition_or_a_listener_ends_a_run_and_shows_nothing_beyond(gam
 
 
 async def waited(pace: Pace) -> float:
-    """How long a pace has one wait."""
     began = virtual_loop().time()
     await pace.wait()
     return virtual_loop().time() - began

@@ -32,8 +32,6 @@ LEVEL = make_level(Robot(name, 1.5, 2.5) for name in ROBOTS)
 
 @dataclass(frozen=True)
 class Deed:
-    """What a robot does in a tick that a test makes up."""
-
     desire: Desire | None
     memory: Value
     notices: tuple[Notice, ...]

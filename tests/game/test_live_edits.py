@@ -66,7 +66,6 @@ deeds = st.one_of(
 
 
 def edited(game: Game, edit: int, poses: int) -> Frame:
-    """Change the level under way, and put elsewhere who is still there."""
     level = EDITS[edit](game.level)
     names = {robot.name for robot in level.robots}
     there = {name: pose for name, pose in POSES[poses].items() if name in names}

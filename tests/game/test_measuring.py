@@ -162,7 +162,6 @@ async def test_measuring_ends_with_its_process_when_it_is_cancelled(level: Level
 
 
 def measuring_processes() -> list[str]:
-    """Commands that measure for this process."""
     commands = []
     for children in Path("/proc/self/task").glob("*/children"):
         for pid in children.read_text().split():

@@ -53,7 +53,6 @@ def forged(key: str, pieces: list[Any], moments: int) -> bytes:
 
 
 def content_of(path: Path) -> tuple[str, list[Any], int]:
-    """The key, the pieces as data, and the number of moments of a recording."""
     _, line, rest = path.read_bytes().split(b"\n", 2)
     index = json.loads(line)
     pieces = []

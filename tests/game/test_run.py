@@ -49,7 +49,6 @@ async def frames(
 
 
 async def known(level: Level, text: str = COUNTER) -> int:
-    """How many ticks are known to a run that is just opened."""
     async with opened(level, text) as run:
         return run.last
 

@@ -43,7 +43,6 @@ EXAMPLES = {text: lines for text, lines in (HELPS | TEXTS).items() if lines}
 
 
 def _write_level(folder: Path, name: str = "gate.toml", page: str = "levels.md") -> None:
-    """The first level of a page, as somebody's own."""
     level = next(block.text for block in blocks(DOCS / page) if block.language == "toml")
     (folder / name).write_text(level, "utf-8")
 
@@ -64,7 +63,6 @@ def _write_files_of_lab(folder: Path) -> None:
 
 
 def _write_files_of(page: str, folder: Path) -> None:
-    """The files that a page prints, under the names that it gives them."""
     text = (DOCS / page).read_text("utf-8")
     for name, content in re.findall(r"^`([^`\n]+)`:\n\n```\w+\n(.*?)^```$", text, re.M | re.S):
         file = folder / name
@@ -183,7 +181,6 @@ def test_the_examples_of_a_text_do_what_they_say(
 def _run(
     line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> tuple[int, str]:
-    """The exit status of a line, and all that it says."""
     if _needs_a_shell(line):
         return _run_in_shell(line)
     name, *arguments = shlex.split(line)

@@ -44,7 +44,6 @@ def sleeps(path: Path) -> Iterator[str]:
 
 
 def statements(body: Iterable[ast.AST]) -> Iterator[ast.stmt]:
-    """The simple statements of a function, in the order of its text."""
     for node in body:
         inside = [
             child

@@ -20,7 +20,6 @@ def make(
 
 
 def pretend(folder: Path, *, answers: str) -> str:
-    """An executable that pretends to be Python."""
     fake = folder / "fake-python"
     fake.write_text(f"#!/bin/sh\n{answers}\n")
     fake.chmod(0o755)

@@ -28,7 +28,6 @@ COMMAND_PAGES = {"level": "level-editor.md", "lab": "lab.md", "lab play": "gradi
 
 
 def section(page: str, heading: str = "") -> str:
-    """The text below a heading of a page of docs, or the whole page."""
     text = (CHECKOUT / "docs" / page).read_text("utf-8")
     return text.partition(f"\n## {heading}\n")[2].partition("\n## ")[0] if heading else text
 

@@ -29,13 +29,11 @@ WON_BY = ("01-first-steps", "first-steps")
 
 
 def metadata(wheel: Path) -> Message:
-    """The metadata of a wheel; its payload is the description."""
     (name,) = (n for n in zipfile.ZipFile(wheel).namelist() if n.endswith(".dist-info/METADATA"))
     return email.message_from_string(zipfile.ZipFile(wheel).read(name).decode())
 
 
 def classified_pythons(wheel: Path) -> list[str]:
-    """The versions, such as 3.12, that the classifiers name."""
     classifiers = "\n".join(metadata(wheel).get_all("Classifier", []))
     return re.findall(r"^Programming Language :: Python :: (\d\.\d+)$", classifiers, re.MULTILINE)
 

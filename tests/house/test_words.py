@@ -63,7 +63,6 @@ NAMES = ("points for ", "until for ")
 
 
 def beginnings(node: ast.expr, known: Mapping[str, list[ast.expr]]) -> Iterator[str]:
-    """The literal texts with which an expression can begin."""
     match node:
         case ast.Constant(value=str(text)):
             yield text

@@ -37,7 +37,6 @@ ENDLESS = "N(x) :- x in Range(3000);\n" + STILL.format("Sum{x * y :- N(x), N(y)}
 
 
 def lane(title: str) -> str:
-    """A level that the program of the experiment wins within 100 ticks."""
     return LANE.replace("A lane", title)
 
 
@@ -63,7 +62,6 @@ def write_files(folder: Path, files: Mapping[str, str | bytes]) -> Path:
 
 
 def page_of(folder: Path) -> str:
-    """The report of a folder, a page that runs nothing and needs nothing else."""
     page = (folder / "report.html").read_text("utf-8")
     for outside in ("<script", "href=", "src=", "@import", "url("):
         assert outside not in page
@@ -80,7 +78,6 @@ def exported(folder: Path) -> dict[str, bytes]:
 
 
 def recorded(folder: Path) -> int:
-    """The number of results in a ledger, which another process may be writing."""
     try:
         with closing(sqlite3.connect(f"file:{folder}/ledger.db?mode=ro", uri=True)) as ledger:
             (count,) = ledger.execute("SELECT count(*) FROM results").fetchone()
@@ -121,8 +118,6 @@ class InlineEngine:
 
 
 class Background:
-    """The command in a process of its own, in a session of its own."""
-
     def __init__(self, *arguments: object) -> None:
         self.process = subprocess.Popen(
             [sys.executable, "-m", "logical_robots_tui", *map(str, arguments)],
@@ -147,14 +142,12 @@ class Background:
         return found
 
     def kill(self) -> None:
-        """Kill it, and wait until none of its workers is left."""
         workers = self.workers()
         self.process.kill()
         self.process.communicate(timeout=PATIENCE)
         until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in workers))
 
     def interrupt(self) -> None:
-        """Type ^C: all processes of the terminal get it."""
         os.killpg(self.process.pid, signal.SIGINT)
 
     def finish(self) -> tuple[int, str]:

@@ -141,7 +141,6 @@ def test_looking_for_pairs_ends_where_one_player_has_met_all_others() -> None:
 
 
 def rounds_of(count: int, rounds: int) -> list[tuple[tuple[int, int], ...]]:
-    """The rounds of a tournament in which the higher number wins."""
     players = tuple(TournamentPlayer(f"p{n:02}", f"{n * 7919 % 1000:03}") for n in range(count))
     manifest = Manifest("tournament", "", "", 0, False, (), (), 1, 1, (), players=players)
     for _ in range(rounds):

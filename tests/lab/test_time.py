@@ -42,8 +42,6 @@ def test_a_program_that_thinks_too_much_is_too_slow_at_a_tick_that_is_always_the
 
 
 class Recorder(InlineEngine):
-    """An engine that runs one task at a time and takes long for some programs."""
-
     def __init__(self) -> None:
         super().__init__(1)
         self.order: list[str] = []
@@ -95,7 +93,6 @@ def test_students_whose_programs_take_long_come_last(tmp_path: Path) -> None:
 
 @pytest.fixture
 def graded(tmp_path: Path) -> Path:
-    """An assignment with a student whose program for one level has no end."""
     names = [
         f"all/{name}/{level}.l"
         for name in ("ada", "ben")

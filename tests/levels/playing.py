@@ -51,18 +51,15 @@ def solution_of(name: str) -> str:
 
 
 def measured(name: str) -> Measures:
-    """The measures of the program that wins a level."""
     return reference_table()[name][solution_of(name)]
 
 
 @cache
 def references_of(name: str) -> list[str]:
-    """The names of a level's reference programs, its solution first."""
     return reference_names(solution_of(name))
 
 
 def reference_cases() -> list[Any]:
-    """Each level with each of its reference programs, for `parametrize`."""
     return [
         pytest.param(level, program, marks=slow(thoughts > LONG, thoughts > most))
         for level, programs in reference_table().items()
@@ -73,7 +70,6 @@ def reference_cases() -> list[Any]:
 
 
 def ticks_to_win(level: Level, program: Program | str, ticks: int) -> int | None:
-    """The tick of victory, or None if it isn't reached in so many ticks."""
     if isinstance(program, str):
         program = Program.compile(program)
     won_at = verdict(level, program, ticks).won_at
@@ -88,7 +84,6 @@ def wins_from_starts(level: Level, program: Program, ticks: int) -> Iterator[int
 
 
 def code_in(lesson: str) -> list[str]:
-    """The blocks of code in a lesson."""
     return re.findall(r"^```\n(.*?)^```$", lesson, re.DOTALL | re.MULTILINE)
 
 

@@ -37,7 +37,6 @@ def matches(*cases: tuple[Any, ...]) -> pytest.MarkDecorator:
 
 
 def scores(level: Level, programs: list[str]) -> tuple[float, ...]:
-    """What each team has at the end of a match, in which nothing is remarked."""
     names = [team.name for team in level.teams]
     program = Program.compile(dict(zip(names, map(program_text, programs), strict=True)))
     played = verdict(level, program, level.match_ticks or 0)

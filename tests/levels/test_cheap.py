@@ -47,7 +47,6 @@ HAVE_THE_IDEA = {
 
 @cache
 def cheap_programs(name: str) -> dict[str, str]:
-    """The texts of the cheap programs for a level, by name."""
     level = load_level(name)
     found = {path.stem: path.read_text("utf-8") for path in sorted((CHEAP / name).iterdir())}
     for path in sorted((CHEAP / "any").iterdir()):
@@ -65,7 +64,6 @@ def cheap_programs(name: str) -> dict[str, str]:
 
 
 def patience(name: str) -> int:
-    """The ticks within which a varied start is to be won."""
     return patience_for(measured(name).ticks)
 
 

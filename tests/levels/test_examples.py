@@ -47,7 +47,6 @@ def test_a_hand_on_the_wall_leads_out_of_a_labyrinth(program: str) -> None:
 
 
 def ticks_near_each_other(program: str) -> int:
-    """How often two robots are near each other in a sea."""
     return sum(
         math.dist((a.x, a.y), (b.x, b.y)) < 100
         for moment in moments(EXAMPLES["herd"], program_text(program), 1500)

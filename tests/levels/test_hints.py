@@ -58,14 +58,12 @@ def test_the_program_that_results_from_the_last_hint_wins(name: str) -> None:
 
 
 def engines(moment: Moment) -> list[tuple[float, float]]:
-    """The desires that ``Robot`` has at a moment."""
     table = moment.tables["Robot"]
     desires: list[Any] = [row[table.columns.index("desire")] for row in table.rows]
     return [(desire["left_engine"], desire["right_engine"]) for desire in desires]
 
 
 def chosen(moment: Moment, predicate: str) -> dict[str, str]:
-    """The labels of the rays that a predicate has for each robot."""
     table = moment.tables[predicate]
     name, ray = table.columns.index("robot_name"), table.columns.index("ray")
     rows: list[Any] = list(table.rows)

@@ -94,7 +94,6 @@ def is_simple(level: Level) -> bool:
 
 
 def played(script: Script, ticks: int) -> Iterator[Engines]:
-    """The engines of each tick."""
     one_round = [engines for duration, engines in script for _ in range(duration)]
     for tick in range(ticks):
         yield one_round[tick % len(one_round)]
@@ -117,7 +116,6 @@ def win_by_driving(level: Level, script: Script, ticks: int) -> int | None:
 
 
 def win_in_a_world(level: Level, script: Script, ticks: int) -> int | None:
-    """The same in any level, by playing it."""
     world = World(level)
     for left, right in played(script, ticks):
         world.act(dict.fromkeys((r.name for r in level.robots), Desire(left, right)))
@@ -127,7 +125,6 @@ def win_in_a_world(level: Level, script: Script, ticks: int) -> int | None:
 
 
 def winners(name: str, scripts: list[Script]) -> dict[Script, int]:
-    """Which scripts win a level, and in which tick."""
     level = load_level(name)
     win, ticks = (win_by_driving, TICKS) if is_simple(level) else (win_in_a_world, TICKS_OF_A_WORLD)
     ticks = ticks // math.ceil(len(level.robots) / 20)
@@ -135,7 +132,6 @@ def winners(name: str, scripts: list[Script]) -> dict[Script, int]:
 
 
 def with_goal(level: Level, x: float, y: float) -> Level:
-    """The level with a small goal for its first robot somewhere else."""
     goal = replace(level.areas[0], x=x, y=y, radius=2.0, victory_robots=(level.robots[0].name,))
     return replace(level, areas=(goal,))
 

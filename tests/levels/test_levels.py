@@ -44,7 +44,6 @@ def test_the_levels_are_numbered_from_1_on() -> None:
 
 
 def check_texts(level: Level) -> None:
-    """Check that the texts of a level are there and fit a pane."""
     assert level.lesson
     lines = level.briefing.split("\n")
     assert 3 <= len(lines) <= 6

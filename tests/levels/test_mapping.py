@@ -42,7 +42,6 @@ def play() -> tuple[list[Any], set[tuple[str, str]]]:
 def dijkstra(
     places: dict[str, tuple[float, float]], roads: set[tuple[str, str]]
 ) -> dict[str, float]:
-    """Return how far every place is from the base along straight roads."""
     beside: dict[str, set[str]] = {name: set() for name in places}
     for one, other in roads:
         beside[one].add(other)

@@ -78,8 +78,6 @@ def rounded(value: Any) -> Any:
 
 
 class Ticks(NamedTuple):
-    """What is written of a run."""
-
     ticks: int
     digest: str
     rows: dict[str, str]
@@ -122,7 +120,6 @@ def first_difference(expected: Ticks, found: Ticks) -> str:
 
 
 def written() -> dict[tuple[str, str], Ticks]:
-    """What the file says of each level and program."""
     runs: dict[tuple[str, str], Ticks] = {}
     rows: dict[str, str] = {}
     for line in FILE.read_text("utf-8").splitlines() if FILE.exists() else ():

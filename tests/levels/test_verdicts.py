@@ -32,7 +32,6 @@ def level() -> Level:
 
 @pytest.fixture(scope="module")
 def ahead() -> Program:
-    """Drives on and on."""
     return Program.compile(AHEAD)
 
 

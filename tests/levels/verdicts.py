@@ -70,7 +70,6 @@ def key_of(level: Level, program: Program) -> str:
 
 
 def read(name: str) -> Verdict | None:
-    """A verdict that was kept, or None if there is none or it is damaged."""
     content = folder().read(name, LARGEST) or b""
     digest, text = content[:64], content[64:]
     if hashlib.sha256(text).hexdigest().encode() != digest:
@@ -80,7 +79,6 @@ def read(name: str) -> Verdict | None:
 
 
 def play(level: Level, program: Program, ticks: int) -> Verdict:
-    """Play a level until it is won or repeats itself, for so many ticks at most."""
     rounds, circling, notices = Rounds(), 0, dict[str, int]()
     repetition = Repetition(level, program)
     last = start_frame(level)

@@ -38,7 +38,6 @@ PROGRAMS = programs()
 
 
 def diagnostics(text: str) -> tuple[Diagnostic, ...]:
-    """Errors of a program that can't run, or the warnings of one that can."""
     try:
         return Program.compile(text).warnings
     except ProgramError as error:

@@ -38,7 +38,6 @@ def _nothing_is_compiled_yet(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def process() -> subprocess.Popen[bytes]:
-    """The compile process, warm."""
     with suppress(ProgramError):
         Program.compile("Robot(")
     running = compilation._compiler._process

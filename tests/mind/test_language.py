@@ -91,7 +91,6 @@ CIRCLE = "A(0); A(n + 1) :- C(n); B(n + 1) :- A(n); C(n + 1) :- B(n);"
 
 
 def last(rules: str) -> object:
-    """The largest number of the predicate A."""
     ((value,),) = here(f"{rules} Answer(value: Max{{n :- A(n)}});")
     return value
 

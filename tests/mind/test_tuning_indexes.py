@@ -52,7 +52,6 @@ def test_few_robots_have_an_index_for_lists_alone_and_without_lists_a_crowd_asks
 
 
 def automatic(program: Program, rows: list[Any], memories: Any, memory: Any = "own") -> Any:
-    """Steps of the plan that make an index on their own."""
     with closing(Mind(program, memory)) as mind:
         plan = mind.query_plan("Robot", rows, memories).plan
     return [line for line in plan if "AUTOMATIC" in line]
@@ -140,7 +139,6 @@ GAPS = Path(__file__).with_name("gaps.l").read_text("utf-8")
 
 
 def looking(count: int) -> list[Any]:
-    """Robots that see something near at two places, each at others."""
     near = (20, "wall", "wall")
     return [row(f"R{n}", sees={n % 9: near, 12 + n % 17: near}) for n in range(count)]
 

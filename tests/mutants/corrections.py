@@ -70,7 +70,6 @@ def _undone(commit: str) -> dict[str, str]:
 
 
 def _merged(today: str, after: str, before: str) -> str:
-    """Undo what led from `before` to `after` wherever today's text still has it."""
     with tempfile.TemporaryDirectory() as folder:
         paths = [Path(folder) / name for name in ("today", "after", "before")]
         for path, text in zip(paths, (today, after, before), strict=True):
@@ -84,8 +83,7 @@ class Copy:
     def __init__(self, folder: Path, workers: int) -> None:
         self._folder = folder
         self._workers = workers
-        names = git("ls-files", "--cached", "--others", "--exclude-standard").splitlines()
-        for name in names:
+        for name in git("ls-files", "--cached", "--others", "--exclude-standard").splitlines():
             if (ROOT / name).is_file():
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(ROOT / name, folder / name)
@@ -124,7 +122,6 @@ class Copy:
 
 
 def main() -> None:
-    """Undo each correction, and print by what that is noticed."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("commits", nargs="*", help="only these of the list")
     parser.add_argument("--all", action="store_true", help="run all tests if the quick ones pass")

@@ -27,7 +27,6 @@ def command(capsys: pytest.CaptureFixture[str]) -> Command:
 
 
 def joined(texts: Mapping[str, str]) -> str:
-    """The text that older versions wrote for the programs of teams."""
     lines = {team: text.count("\n") + 1 for team, text in texts.items()}
     return "\n".join(["# teams: " + json.dumps(lines), *texts.values()])
 

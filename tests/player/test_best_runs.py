@@ -29,7 +29,6 @@ from tests.short import AHEAD, LEVEL
 
 @asynccontextmanager
 async def kept(tmp_path: Path) -> AsyncIterator[tuple[Table, BestRuns, list[str]]]:
-    """Sit down at a level whose best runs are kept; the list grows with each."""
     async with table(tmp_path) as at:
         best, news = BestRuns(at.session, at.ui, tmp_path / "runs"), list[str]()
         best.on_kept = lambda: news.append("kept")

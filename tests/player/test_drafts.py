@@ -57,7 +57,6 @@ def offered(folder: Path, kind: Kind = "program") -> list[str]:
 
 @contextmanager
 def another_process(folder: Path, text: str, how: str = "waits") -> Iterator[subprocess.Popen[str]]:
-    """Another session, in a process that is killed in the end."""
     command = [sys.executable, "-c", ANOTHER, str(folder), text, how]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

@@ -26,8 +26,6 @@ ANSWERS = st.lists(st.sampled_from(["yes", "no", None]), max_size=4)
 
 
 class Editor:
-    """The text in the editor of a session, and the program that is applied."""
-
     def __init__(self, source: ProgramSource, text: str) -> None:
         self.source, self.text = source, text
         self.level = LEVEL
@@ -44,8 +42,6 @@ class Editor:
 
 
 class Player:
-    """Somebody at the screen: answers the questions, and is told nothing."""
-
     def __init__(self, answers: list[str | None]) -> None:
         self._answers = answers
         self.asked: list[tuple[str, str | None]] = []
@@ -117,7 +113,6 @@ class Session:
         await self.recorder.close()
 
     async def at_hand(self) -> set[str]:
-        """All texts that a player of this session can get."""
         offered = {draft.text for draft in self.drafts.adopt("program")}
         versions = {version.text for version in await self.recorder.versions()}
         return {self.editor.text, self.editor.source.text} | offered | versions

@@ -29,8 +29,6 @@ FAST = AHEAD.replace("0.5", "0.9")
 
 
 class Screen(Background, Dialogs):
-    """Works on the event loop and keeps what is said; nothing is to be asked."""
-
     def __init__(self) -> None:
         super().__init__()
         self.said: list[str] = []
@@ -101,12 +99,10 @@ class Table:
         return self.session.frame.tick
 
     def state_of(self, level: Path) -> str:
-        """What the record says of a level in the end."""
         with closing(Progress(self.data_dir / FILE_NAME)) as progress:
             return progress.record(str(level)).state
 
     async def edit(self, *points: Point) -> None:
-        """Paint a wall, and wait until the game has followed."""
         self.editing.open()
         self.paint(*points)
         await self.until(lambda: self.session.levels.shown is self.session.levels.edited)
@@ -121,7 +117,6 @@ class Table:
 
 @asynccontextmanager
 async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
-    """Sit down at a level that is won by going straight ahead."""
     file, program = tmp_path / "short.toml", tmp_path / "mine.l"
     file.write_text(LEVEL, "utf-8")
     program.write_text(text, "utf-8")

@@ -14,8 +14,6 @@ MARKS = ascii_letters + "".join(map(chr, range(0xC0, 0x800)))
 
 
 class Cell(NamedTuple):
-    """One cell of a screen: its character, and colours and attributes in words."""
-
     text: str
     look: str
 

@@ -22,7 +22,6 @@ def bars(shown: Shown) -> list[Widget]:
 
 
 async def compare_panes(shown: Shown) -> None:
-    """Compare one pane after the other, each of which fills its screen."""
     game, main = shown.game, shown.game.main
     await shown.compare("bars", *bars(shown))
     await shown.compare("map", main.labyrinth)

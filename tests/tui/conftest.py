@@ -187,7 +187,6 @@ class Opened:
         on: type | None = None,
         until: Callable[[], object] | None = None,
     ) -> None:
-        """Wait until all that is to follow is so."""
         texts = (sees,) if isinstance(sees, str) else sees
         if texts or any(wanted is not None for wanted in (tick, sees_no, on, until)):
             await self.until(
@@ -211,7 +210,6 @@ class Opened:
         await self.wait(**awaited)
 
     async def command(self, name: str, **awaited: Unpack[Awaited]) -> None:
-        """Give a command as the palette does, and wait."""
         self.main.action_command(name)
         await self.wait(**awaited)
 
@@ -273,7 +271,6 @@ class Opened:
         await later(seconds)
 
     async def run_until(self, tick: int) -> None:
-        """Let the robots run to a tick, without a look at the ticks before."""
         self.session.run_until(tick)
         await self.until(lambda: self.tick == tick and not self.session.busy)
 
@@ -282,7 +279,6 @@ class Opened:
         await self.until(lambda: self.tick == there)
 
     async def ready(self) -> None:
-        """Wait until the first program is compiled and everything is loaded."""
         await self.until(
             lambda: (
                 self.session.state.phase in ("applied", "mistake")
@@ -293,7 +289,6 @@ class Opened:
             await self.until(lambda: self.inspector.query("PredicatePage"))
 
     async def write(self, text: str, **awaited: Unpack[Awaited]) -> None:
-        """Put a text into the editor as a paste, apply it, and wait."""
         self.editor.put(text)
         await self.press("f4", **awaited)
 
@@ -318,7 +313,6 @@ class Opened:
 
 
 def cell_of(view: LabyrinthView, place: tuple[float, float]) -> tuple[int, int]:
-    """The column and row of the labyrinth that show a place of the map."""
     cell = view.view and view.view.cell(*place)
     assert cell, f"{place} is out of sight"
     return cell[1], cell[0]

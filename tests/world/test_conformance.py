@@ -117,7 +117,6 @@ def _check_senses(
 
 
 def _events(before: WorldState, after: WorldState) -> list[list[Any]]:
-    """Return what changed in one tick, in the words of the traces."""
     events: list[list[Any]] = []
     names = [robot.name for robot in after.robots]
     for i, (old, new) in enumerate(zip(before.areas, after.areas, strict=True)):

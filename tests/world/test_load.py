@@ -20,7 +20,6 @@ WEB = LEVELS[0].read_text("utf-8")
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A package folder of our own, with nothing shipped yet."""
     folder = tmp_path / "place" / "package"
     folder.mkdir(parents=True)
     monkeypatch.setattr(paths, "__file__", str(folder / "paths.py"))

@@ -163,7 +163,6 @@ _KEYS = sorted({*small(), *Robot.__slots__, *Beacon.__slots__, *Area.__slots__})
 
 
 def _spoiled(level: dict[str, Any], key: str, value: object) -> dict[str, Any]:
-    """Return a level with one value replaced wherever the key makes sense."""
     if key in {"width", "height", "walls", "robots"}:
         return {**level, key: value}
     kinds = ("robots", "beacons", "areas")

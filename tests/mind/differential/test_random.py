@@ -88,7 +88,6 @@ def texts(depth: int) -> Text:
 
 
 def programs() -> Text:
-    """Whole robot programs over the names `sensor` and `memory`."""
     ray = st.sampled_from(["x.distance", "x.angle", "x.distance * x.angle", "x.distance / 4"])
     number = numbers(2)
     return st.fixed_dictionaries(

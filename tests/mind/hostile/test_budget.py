@@ -57,8 +57,6 @@ def uses_all() -> Program:
 
 
 def break_callback(mind: Mind, callback: str, error: Callable[[], BaseException]) -> None:
-    """Let each callback of this kind raise, in all databases of a mind."""
-
     def fail(*_: Any) -> Any:
         raise error()
 

@@ -15,8 +15,6 @@ from tests.waiting import PATIENCE
 
 
 class Dialog(ModalScreen[None]):
-    """A dialog whose work has a last word to say."""
-
     def __init__(self, *, closes: bool) -> None:
         super().__init__()
         self.closes = closes

@@ -10,7 +10,6 @@ from logical_robots_tui.tui.commands.table import COMMANDS
 
 
 def keys(folder: Path, text: str) -> Settings:
-    """The settings of a file with this table of keys, from line 2 on."""
     path = folder / "config.toml"
     path.write_text(f"[keys]\n{text}\n", encoding="utf-8")
     return read_settings(path, KeyMap(COMMANDS).read)

@@ -28,7 +28,6 @@ async def ask(game: Opened, query: str, **awaited: Unpack[Awaited]) -> None:
 
 
 def answered(game: Opened) -> str:
-    """The query that what is shown belongs to."""
     about = game.main.query_one("AskPage > .about", Static)
     return str(about.render()) if about.display else line(game).value
 

@@ -53,7 +53,6 @@ async def followed(game: Opened, *keys: str) -> None:
 
 
 async def in_table(game: Opened, name: str) -> None:
-    """Put the cursor on the second value of the first row of a predicate."""
     game.inspector.open(name)
     await game.sees(f"{name} · tick {game.tick}")
     await game.press("enter", until=lambda: game.main.query_one("#rows").has_focus)

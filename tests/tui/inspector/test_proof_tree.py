@@ -13,7 +13,6 @@ from tests.tui.labyrinth.drawing.scenes import room, start
 
 
 def many(count: int) -> ProofNode:
-    """A rule with so many nodes below it, ten below each."""
     waiting: list[ProofNode] = [ProofNode("value", f"v{n}", values=(n,)) for n in range(count)]
     while len(waiting) > 10:
         waiting = [

@@ -252,7 +252,6 @@ async def test_a_row_that_there_is_not_is_told_with_values_and_a_change(data_dir
 
 
 async def prompted(game: Opened, text: str) -> Input:
-    """Ask for other values on the first line that begins with a text."""
     await go_to(game, text)
     await game.press("exclamation_mark", on=ValuesPrompt)
     return game.app.screen.query_one(Input)

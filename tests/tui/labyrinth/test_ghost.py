@@ -46,7 +46,6 @@ class Race:
         await self.at.until(lambda: not self.at.session.busy)
 
     async def choose(self, patch: pytest.MonkeyPatch) -> str:
-        """Race against a replay of what was played so far, and return what is said."""
         assert self.at.session.history is not None
         replay = await gather(self.at.session.history, write_native, lambda _: "mine")
 
@@ -151,7 +150,6 @@ def ghosts(game: Opened) -> list[int]:
 
 
 async def ghosts_at(game: Opened, tick: int) -> list[int]:
-    """Run to a tick, and return the columns of ghosts when it is drawn."""
     await game.run_until(tick)
     await game.until(lambda: game.main.labyrinth.view._frame is game.session.frame)
     return ghosts(game)

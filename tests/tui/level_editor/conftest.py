@@ -44,7 +44,6 @@ class Studio:
 
     @property
     def live(self) -> Level:
-        """The level that the game runs in."""
         return self.game.session.level
 
     async def press(self, *keys: str, **awaited: Unpack[Awaited]) -> None:
@@ -81,7 +80,6 @@ def said(file: Path) -> str:
 
 
 def say(file: Path, text: str) -> None:
-    """Write a level's file, as another program does."""
     file.write_text(text, "utf-8")
 
 
@@ -90,8 +88,6 @@ def replace_in(file: Path, old: str, new: str) -> None:
 
 
 class Answers(Screen):
-    """Answers what is asked in turn, with None in the end."""
-
     def __init__(self) -> None:
         super().__init__()
         self.answers: list[Any] = []
@@ -105,8 +101,6 @@ class Answers(Screen):
 
 @dataclass
 class Bench:
-    """A session and the controller that edits its level, without a screen."""
-
     session: Session
     controller: LevelController
     ui: Answers
@@ -130,7 +124,6 @@ class Bench:
         await until(condition, lambda: repr(self.ui.said))
 
     async def says(self, text: str) -> None:
-        """Wait until something is said, and forget what was."""
         await self.until(lambda: any(text in message for message in self.ui.said))
         self.ui.said.clear()
 
@@ -139,7 +132,6 @@ class Bench:
         await self.says(answer)
 
     async def stroke(self, *points: tuple[float, float]) -> None:
-        """Drag along points of the map, and wait until the game has followed."""
         self.editor.press(*points[0], 1.0)
         for point in points[1:]:
             self.editor.drag(*point)

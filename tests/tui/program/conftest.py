@@ -39,8 +39,6 @@ class PaneApp(CrashSafeApp):
 
 @dataclass(frozen=True)
 class Desk:
-    """The pane, and somebody who writes in it."""
-
     app: PaneApp
     pilot: Pilot[None]
 
@@ -53,7 +51,6 @@ class Desk:
         return self.editor.completion
 
     async def load(self, text: str, row: int = 0, column: int = 0) -> None:
-        """Begin with another text, without an undo history."""
         self.editor.load_text(text)
         self.editor.move_cursor((row, column))
         await virtual_loop().settled()

@@ -45,7 +45,6 @@ def difference_of(colours: ColorSystem | None = ColorSystem.TRUECOLOR) -> CellDi
 
 
 def send(difference: CellDiff, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> str:
-    """Show pieces of lines; returns what is written for that."""
     difference.take(pieces)
     return difference.sequence()
 

@@ -35,7 +35,6 @@ def play(tmp_path: Path, *options: str, code: str = "") -> list[str]:
 
 
 def flood(terminal: Terminal, data: bytes) -> None:
-    """Send without reading what comes back, but for making room."""
     fileno = terminal.fileno()
     os.set_blocking(fileno, False)
     deadline = monotonic() + PATIENCE

@@ -60,8 +60,6 @@ def seeing(name: str, rays: Iterable[tuple[float, float, str]]) -> SensorRow:
 
 
 class Drawn:
-    """A picture to ask questions about, each about a place on the map."""
-
     def __init__(
         self,
         level: Level,
@@ -97,7 +95,6 @@ class Drawn:
         return bool(self.picture.cells.style[self.cell(x, y)] & BOLD)
 
     def tone(self, x: float, y: float) -> RGB:
-        """What the cell looks like from afar."""
         return _colour(int(self.picture.cells.tone[self.cell(x, y)]))
 
 

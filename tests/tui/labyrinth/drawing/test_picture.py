@@ -34,7 +34,6 @@ _looks = st.builds(
 
 @st.composite
 def scenes(draw: st.DrawFn) -> tuple[Level, Frame]:
-    """Draw a level and a frame that no loader and no world would give."""
     width, height = draw(st.integers(1, 300)), draw(st.integers(1, 200))
     walls = np.random.default_rng(draw(st.integers(0, 99))).random((height, width))
     a_robot = st.builds(Robot, _names, *[_numbers] * 3, _colours)

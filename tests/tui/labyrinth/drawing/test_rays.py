@@ -27,7 +27,6 @@ SCENE = room(800, 400, 20, robots=(Robot("Ann", 300.5, 200.5, 0.0, "#ff4040"),))
 
 
 def hits(*ends: tuple[float, str], degrees: float = 4) -> tuple[Level, Frame]:
-    """A scene with rays from the left to the right around straight ahead."""
     middle = (len(ends) - 1) / 2
     rays = [
         (math.radians(degrees) * (middle - i), distance, kind)
