@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli.plain import table
 from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.player.settings import rows
-from logical_robots_tui.schema import tables
+from logical_robots_tui.schema import RECORDS, ListOf, Type
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -31,12 +31,12 @@ Null means "no value"; almost every operation on null gives null. Booleans are s
 
 def page() -> str:
     """The whole page of functions."""
-    return "\n".join([HEAD, *_tables(), "## Fields\n", *tables(), ""])
+    return "\n".join([HEAD, *_tables(), "## Fields\n", *_fields(), ""])
 
 
 def language() -> str:
     """The page on the language, with the table of fields as it should be."""
-    return _filled(LANGUAGE, "fields", tables())
+    return _filled(LANGUAGE, "fields", _fields())
 
 
 def settings() -> str:
@@ -65,6 +65,18 @@ def _settings() -> Iterator[str]:
         values = ", ".join(row.kind.choices) or row.kind
         default = "" if row.default is None else f"`{json.dumps(row.default)}`"
         yield f"| `{row.name}` | {values} | {default} | {row.sentence} |"
+
+
+def _fields() -> Iterator[str]:
+    yield "| field | type | values | what it is |"
+    yield "|---|---|---|---|"
+    for record in RECORDS:
+        for field in record.fields:
+            type_name = "list of rays" if isinstance(field.type, ListOf) else "record"
+            if isinstance(field.type, Type):
+                type_name = field.type.value
+            name = f"`{record.path}.{field.name}`"
+            yield f"| {name} | {type_name} | {field.values} | {field.meaning} |"
 
 
 def _tables() -> Iterator[str]:

@@ -6,7 +6,7 @@ by, completion and the documentation are made from it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from math import radians
@@ -171,18 +171,3 @@ def ray_angle(value: object) -> float | None:
         return None
     angle = value["angle"]
     return float(angle) if isinstance(angle, int | float) else None
-
-
-def tables() -> Iterator[str]:
-    yield "| field | type | values | what it is |"
-    yield "|---|---|---|---|"
-    for record in RECORDS:
-        for field in record.fields:
-            name, type_name = f"`{record.path}.{field.name}`", _name_of(field.type)
-            yield f"| {name} | {type_name} | {field.values} | {field.meaning} |"
-
-
-def _name_of(field: FieldType) -> str:
-    if isinstance(field, Type):
-        return field.value
-    return "list of rays" if isinstance(field, ListOf) else "record"
