@@ -66,8 +66,8 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
             proofs.append(_lines(explainer.proof(nodes=_MOST_NODES)))
         lines, other_lines = proofs
         difference = islice(unified_diff(lines, other_lines, n=_CONTEXT, lineterm=""), 2, None)
-        shown = (line for line in difference if not line.startswith(_FROM_THE_TOP))
-        return tuple("@" if line.startswith("@@") else line for line in shown)
+        visible_lines = (line for line in difference if not line.startswith(_FROM_THE_TOP))
+        return tuple("@" if line.startswith("@@") else line for line in visible_lines)
 
     try:
         lines = await thinker.do(compare)
