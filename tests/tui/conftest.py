@@ -378,7 +378,7 @@ def _quick_run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) 
 
 
 _parse, _map_rules = Stylesheet.parse, vars(Stylesheet)["rules_map"].fget
-_replace_rules = Stylesheet.replace_rules
+_replace_rules, _render_update = Stylesheet.replace_rules, Compositor.render_update
 _parsed: dict[tuple[object, ...], list[RuleSet]] = {}
 _mapped: dict[int, dict[str, list[RuleSet]]] = {}
 _variables: list[dict[str, str]] = []  # of each theme
@@ -413,6 +413,12 @@ def _replaced_by_others(node: DOMNode, rules: RulesMap, animate: bool = False) -
 
 def _drawn_later(self: Compositor, *_: object, **__: object) -> None:
     self._dirty_regions.clear()
+
+
+@pytest.fixture
+def drawn_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw all changes, for a test of how that is done."""
+    monkeypatch.setattr(Compositor, "render_update", _render_update)
 
 
 @pytest.fixture
