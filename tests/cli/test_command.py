@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import logical_robots_tui
+from logical_robots_tui import supervisor
 from logical_robots_tui.cli import command as commands
+from logical_robots_tui.cli import main
 from logical_robots_tui.cli.command import columns, harmless, line_of_json
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.language.reference import REFERENCE
@@ -51,6 +54,15 @@ def test_each_help_fits_a_terminal_of_80_columns_and_has_examples_and_exit_statu
         assert "exit status:" in told
     if words == "level":
         assert all(f"    {name} " in told for name in SUBCOMMANDS)
+
+
+def test_commands_in_whose_process_programs_think_are_bounded() -> None:
+    for module in set(main._HOMES.values()):
+        import_module(f"logical_robots_tui.cli.{module}")
+    parts = {name: parts for name, (_, parts) in commands._COMMANDS.items()}
+    think = {name for name in parts if any("run_args" in part.__qualname__ for part in parts[name])}
+    assert len(think) >= 7
+    assert think <= supervisor._THINKING <= main._HOMES.keys()
 
 
 def test_a_command_that_is_loaded_alone_takes_what_it_takes_among_the_others() -> None:
