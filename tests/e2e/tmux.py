@@ -140,7 +140,8 @@ class Tmux:
 
         def holds() -> object:
             nonlocal screen
-            return condition(self.screen)
+            screen = self.screen
+            return condition(screen)
 
         until(holds, lambda: f"{what}; instead:\n{screen}")
         return screen
