@@ -27,7 +27,7 @@ VALUES = {
     "pairs": json.dumps([{"arg": str(n), "value": n} for n in range(ITEMS // 3)]),
     "record": json.dumps({str(number): number for number in range(ITEMS)}),
     "deep": "[" * 900 + "]" * 900,
-    "very deep": "[" * 5_000 + "]" * 5_000,
+    "very deep": "[" * 100_000 + "]" * 100_000,
     "quotes": '"' * (MAX_TEXT // 2 - 100),
     "digits": "1" * (MAX_TEXT - 100),
     "wild": "%_a" * 300,
