@@ -80,6 +80,7 @@ async def test_a_key_in_a_long_program_takes_no_time(name: str) -> None:
     assert max(opening) < LONGEST_OPENING
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("command", "chunk"), few_of(product(LINES, range(CHUNKS))))
 async def test_a_long_text_in_a_line_takes_no_time(
     command: str, chunk: int, data_dir: Path
