@@ -193,7 +193,7 @@ def test_a_mistake_of_ours_while_compiling_is_told_plainly_and_logged(
         raise ZeroDivisionError("ours")
 
     monkeypatch.setattr(compiler, "compile_text", stumble)
-    answer = msgspec.json.encode(worker.do(CompileProgram("A(1);"), {}))
+    answer = msgspec.json.encode(worker.do(CompileProgram("A(1);"), worker.JOBS))
     monkeypatch.setattr(compilation._Compiler, "_exchange", lambda *_: iter([answer]))
     with pytest.raises(ProgramError, match="gave up on this program"):
         Program.compile(ROBOT + "m = 4242;")
@@ -209,7 +209,7 @@ def test_a_compile_process_does_not_survive_a_program_for_which_there_is_no_memo
 
     monkeypatch.setattr(compiler, "compile_text", stumble)
     with pytest.raises(MemoryError):
-        worker.do(CompileProgram("A(1);"), {})
+        worker.do(CompileProgram("A(1);"), worker.JOBS)
 
 
 def test_compiling_tells_how_far_it_is() -> None:

@@ -76,7 +76,7 @@ def serve(jobs: Mapping[type[Task], Job]) -> None:
     The process's arguments are bytes of address space, and the processor seconds for one task.
 
     Args:
-        jobs: What does them, by their types; compiling programs is known.
+        jobs: What does them, by their types, `JOBS` among them.
     """
     arguments = begin(processor_seconds=None)  # each task has its own bound
     address_space, seconds = int(arguments[0]), float(arguments[1])
@@ -88,7 +88,7 @@ def serve(jobs: Mapping[type[Task], Job]) -> None:
     os.dup2(silence, 2)
     tasks: queue.Queue[bytes] = queue.Queue()
     threading.Thread(target=_read, args=(sys.stdin.buffer, tasks), daemon=True).start()
-    read_task = msgspec.json.Decoder(reduce(or_, [CompileProgram, *jobs])).decode
+    read_task = msgspec.json.Decoder(reduce(or_, jobs)).decode
     warm_up()
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     limit(resource.RLIMIT_AS, address_space)
@@ -99,11 +99,12 @@ def serve(jobs: Mapping[type[Task], Job]) -> None:
     def report(compiled: int, total: int) -> None:
         _write(answers, CompileProgress(compiled, total))
 
+    jobs = {**jobs, CompileProgram: partial(_compile, report=report)}
     while True:
         task = read_task(tasks.get())
         signal.setitimer(signal.ITIMER_PROF, max(seconds, _MIN_SECONDS))  # ends the process
         try:
-            answer = do(task, jobs, report)
+            answer = do(task, jobs)
             signal.setitimer(signal.ITIMER_PROF, 0)
             _write(answers, answer)
         except MemoryError:  # what is left may not be enough to answer
@@ -118,7 +119,7 @@ def _write(answers: IO[bytes], answer: CompileProgress | TaskResult | Refusal | 
 def warm_up() -> None:
     """Load everything that compiling may need while files can still be opened."""
     sys.modules["numpy"] = None  # type: ignore[assignment]  # the package would load it for speed
-    msgspec.json.encode(do(CompileProgram(_SAMPLE), {}))
+    msgspec.json.encode(do(CompileProgram(_SAMPLE), JOBS))
     gc.freeze()
 
 
@@ -128,13 +129,10 @@ def _read(lines: IO[bytes], tasks: queue.Queue[bytes]) -> None:
     os._exit(0)
 
 
-def do(
-    task: Task, jobs: Mapping[type[Task], Job], report: Report | None = None
-) -> TaskResult | Refusal | Failure:
+def do(task: Task, jobs: Mapping[type[Task], Job]) -> TaskResult | Refusal | Failure:
     """Return the result of a task, the diagnostics of its program, or the trace of a bug."""
     try:
-        job = jobs[type(task)] if type(task) in jobs else partial(_compile, report=report)
-        return TaskResult(msgspec.Raw(_encode(job(task))))
+        return TaskResult(msgspec.Raw(_encode(jobs[type(task)](task))))
     except ProgramError as error:
         return Refusal(tuple(map(_shortened, error.diagnostics[: MOST_DIAGNOSTICS + 1])))
     except MemoryError:
@@ -165,7 +163,7 @@ def _shortened(diagnostic: Diagnostic) -> Diagnostic:
     return replace(diagnostic, message=message, hint=hint, excerpt=excerpt)
 
 
-def _compile(task: CompileProgram, report: Report | None) -> Program:
+def _compile(task: CompileProgram, report: Report | None = None) -> Program:
     program, trees = compiler.compile_text(task.text, report)
     _check_preparable(program)
     order = sorted(program.statements, key=lambda name: name not in program.needed)
@@ -192,6 +190,7 @@ def _compile_question(task: CompileQuestion) -> CompiledQuery:
 
 
 JOBS: Mapping[type[Task], Job] = {
+    CompileProgram: _compile,
     SetConstants: lambda task: with_constants(task.text, task.constants),
     CompileQuestion: _compile_question,
 }
