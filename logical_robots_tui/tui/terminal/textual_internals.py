@@ -82,8 +82,8 @@ class HangingDocument(WrappedDocument):
 
     def wrap(self, width: int, tab_width: int | None = None) -> None:
         """Wrap all lines, if need be: Textual asks for it as well when only the height changes."""
-        wanted = width, tab_width or self._tab_width
-        if (self._width, self._tab_width) != wanted or self._lines != self.document.lines:
+        layout = width, tab_width or self._tab_width
+        if (self._width, self._tab_width) != layout or self._lines != self.document.lines:
             super().wrap(width, tab_width)
             self._lines = self.document.lines.copy()
 
@@ -122,7 +122,7 @@ _wrap_offsets = _wrapped_document.compute_wrap_offsets  # type: ignore[attr-defi
 
 
 def _hanging_offsets(text: str, width: int, *arguments: Any, **options: Any) -> list[int]:
-    if len(text) <= width and text.isascii() and "	" not in text:
+    if len(text) <= width and text.isascii() and "\t" not in text:
         return []  # most lines of a long text
     offsets = _wrap_offsets(text, width, *arguments, **options)
     if not offsets or not (indent := _hang(text, width)):
