@@ -223,12 +223,13 @@ def _steps_of(rows: Sequence[Sequence[Any]]) -> int:
 
 
 def same(left: Value, right: Value) -> bool:
-    """Return whether values are equal up to a number's last digits, which text loses."""
+    """Return whether values are equal up to a number's last digits, which text loses.
+
+    A field that a record lacks is null, as it is where rules with different fields give rows.
+    """
     if isinstance(left, dict):
-        return (
-            isinstance(right, dict)
-            and left.keys() == right.keys()
-            and all(same(value, right[key]) for key, value in left.items())
+        return isinstance(right, dict) and all(
+            same(left.get(name), right.get(name)) for name in {**left, **right}
         )
     if isinstance(left, list):
         return isinstance(right, list) and len(left) == len(right) and all(map(same, left, right))
@@ -244,7 +245,7 @@ def alike(left: Value, right: Value) -> bool:
 
 def _sort(value: Value) -> Value:
     if isinstance(value, dict):
-        return {name: _sort(part) for name, part in value.items()}
+        return {name: _sort(value[name]) for name in sorted(value) if value[name] is not None}
     if isinstance(value, list):
         return sorted(map(_sort, value), key=repr)
     return value

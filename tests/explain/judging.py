@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import count
 from random import Random
 from typing import NamedTuple
@@ -12,7 +13,7 @@ from hypothesis import settings
 
 from logical_robots_tui.explain import Ask, ProofNode
 from logical_robots_tui.values import Value
-from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
+from tests.explain.checking import RULES, Checker, Claim, claims_of, wrong_aggregates
 from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
 
 _VALUED = re.compile(r"^(\w+)\([^()]*\) = ", re.MULTILINE)
@@ -66,16 +67,18 @@ class _Judge:
         made = self._copies.get(asked.within or asked.predicate, "")
         self._is_open = asked.predicate in self._open
         for node in nodes:
-            if node.kind == "rule":
-                yield from self._rule(node, asked.given, made)
+            if node.kind in RULES:
+                for derivation in _derivations(node):
+                    yield from self._rule(derivation, asked.given, made)
         for node in nodes:
             yield from self._called(node)
 
     def _called(self, node: ProofNode) -> Iterator[Claim]:
         if node.query is not None:
-            yield from self.answer([n for n in node.children if n.kind == "rule"], node.query)
+            rules = [n for n in node.children if n.kind in RULES]
+            yield from self.answer(rules, node.query)
         for child in node.children:
-            if node.query is None or child.kind != "rule":
+            if node.query is None or child.kind not in RULES:
                 yield from self._called(child)
 
     def _rule(self, node: ProofNode, given: Mapping[str, Value], made: str) -> Iterator[Claim]:
@@ -237,9 +240,17 @@ def _branch(nodes: Sequence[ProofNode], alternative: ProofNode | None = None) ->
 def _inside(rule: ProofNode) -> Iterator[ProofNode]:
     """All nodes of a derivation, without those of the rules that it calls."""
     for child in rule.children:
-        if child.kind != "rule":
+        if child.kind not in RULES:
             yield child
             yield from _inside(child)
+
+
+def _derivations(rule: ProofNode) -> Iterator[ProofNode]:
+    """The rule with each of the derivations of its row that are shown."""
+    others = [child for child in rule.children if child.kind == "derivation"]
+    yield replace(rule, children=tuple(n for n in rule.children if n.kind != "derivation"))
+    for other in others:
+        yield replace(rule, children=other.children)
 
 
 def _holding(node: ProofNode) -> tuple[str, ...]:

@@ -265,15 +265,44 @@ AS_RULES = "Way(x, y) distinct :- E(x, y); Way(x, y) distinct :- Way(x, z), Way(
 
 @pytest.mark.parametrize("rules", [AS_ALTERNATIVES, AS_RULES])
 @pytest.mark.parametrize(
-    ("end", "note"),
+    ("end", "middles"),
     # From rows of earlier steps: of 1 to 5 there is one, by two ways of the same length.
-    [(2, None), (3, None), (4, "1 other derivation"), (5, None)],
+    [(2, []), (3, [2]), (4, [2, 3]), (5, [3])],
 )
-def test_the_other_derivations_of_a_row_are_counted(rules: str, end: int, note: str | None) -> None:
+def test_the_derivations_of_a_row_are_counted_and_shown(
+    rules: str, end: int, middles: list[int]
+) -> None:
     explanation = why(EDGES + rules, "Way", given={"x": 1, "y": end})
     (rule,) = (rule for rule in explanation.rules if rule.row is not None)
-    notes = [node.text for _, node in rule.node.walk() if node.kind == "note"]
-    assert notes == ([f"This row has {note} by this rule"] if note else [])
+    remark = "; 2 derivations, the first shown" if len(middles) > 1 else ""
+    assert rule.node.remark == f"gives this row{remark}"
+    assert [n.values[0] for _, n in rule.node.walk() if n.text == "z"] == middles
+    proved = proof(EDGES + rules, "Way", x=1, y=end)
+    others = [n for top in proved.nodes for _, n in top.walk() if n.kind == "derivation"]
+    assert len(others) == max(len(middles) - 1, 0)
+
+
+def test_other_rules_that_give_the_row_can_be_opened_in_its_proof() -> None:
+    text = "E(x) distinct :- x in [1, 2]; E(x) distinct :- x in [2, 3];"
+    (first, other) = proof(text, "E", col0=2).nodes
+    assert [first.kind, other.kind] == ["rule", "derivation"]
+    assert "x in [2, 3]" in [child.text for child in other.children]
+
+
+NULL_FIELDS = """
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: {a: 1, of: [{x: 1}]}) :-
+  Sensor(robot_name:), robot_name != "Bob";
+Robot(robot_name: "Bob", desire: {left_engine: 1, right_engine: 1}, memory: {a: 1, b: 2, of: of}) :-
+  Sensor(robot_name: "Bob"), of = [{x: 1, y: 2}];
+"""
+
+
+def test_a_row_is_the_rules_though_another_rule_has_more_fields() -> None:
+    explanation = why(NULL_FIELDS)
+    assert explanation.row is not None
+    assert explanation.row["memory"] == {"a": 1, "b": None, "of": [{"x": 1, "y": None}]}
+    assert [rule.row is not None for rule in explanation.rules] == [True, False]
+    assert why(NULL_FIELDS, given={"memory": {"a": 1, "of": [{"x": 1}]}}).rows == 1
 
 
 def test_derivations_that_take_long_to_count_are_not() -> None:
@@ -281,4 +310,4 @@ def test_derivations_that_take_long_to_count_are_not() -> None:
     text = "N(i) :- i in Range(70); S(s) distinct :- N(a), N(b), N(c), a + b == c * 138, s = 0;"
     (rule,) = why(text, "S", limits=Limits(query_steps=4_500_000)).rules
     assert rule.row is not None
-    assert "note" not in [node.kind for _, node in rule.node.walk()]
+    assert "derivation" not in [node.kind for _, node in rule.node.walk()]

@@ -250,13 +250,13 @@ class Stages:
 
 
 def _key(row: Row) -> str:
-    """Return a key; rows that differ only in the last digits of numbers share one."""
+    """Return a key, one for all rows that are the `same`."""
     return json.dumps(_round(dict(row)), sort_keys=True)
 
 
 def _round(value: Value) -> Value:
     if isinstance(value, dict):
-        return {name: _round(part) for name, part in value.items()}
+        return {name: _round(part) for name, part in value.items() if part is not None}
     if isinstance(value, list):
         return [_round(part) for part in value]
     if isinstance(value, bool | int | float):

@@ -42,7 +42,8 @@ class ProofNode:
 
     Attributes:
         kind: ``column`` of the rule's row, ``contributor`` to an aggregate, ``read`` from a
-            sensor or a memory, ``instance`` of a call with other arguments; the others by name.
+            sensor or a memory, ``instance`` of a call with other arguments, another ``derivation``
+            of the row; the others by name.
         text: The subject, often a piece of the program in one line.
         holds: Whether it holds or has rows; None where neither applies.
         values: Its value; several are examples from several derivations.
@@ -59,6 +60,7 @@ class ProofNode:
         "value",
         "element",
         "denial",
+        "derivation",
         "alternative",
         "if",
         "coalesce",

@@ -76,6 +76,7 @@ def _explain(derivations: Derivations, query: Ask, *, is_first: bool) -> Explana
 
 
 _MOST_OTHERS = 50  # rows among which another derivation is sought, derivations that are counted
+_MOST_DERIVATIONS = 10  # of those, shown
 _STEPS_FOR_OTHERS = 1_000_000  # some 15 milliseconds
 _DEEPEST = 5  # functions that call functions, in the search for an empty aggregation
 
@@ -102,17 +103,22 @@ class _Prover:
     def rule(self, rule: RuleParts) -> RuleOutcome:
         row = self._row
         try:
-            nodes = None
+            derivations: list[tuple[ProofNode, ...]] = []
             if row is not None:
                 self._derivations.prepare(self._probing, row)
-                nodes = self._derivation_nodes(rule, row)
+                derivations = self._derivations_by(rule, row)
                 self._derivations.prepare(self._probing)
-            count = 1 if nodes is not None and len(self._rows) == 1 else self._row_count(rule)
-            if nodes is not None:
-                remark = "gives this row"
+            count = 1 if derivations and len(self._rows) == 1 else self._row_count(rule)
+            if row is not None and derivations:
+                remark, nodes = "gives this row", derivations[0]
                 if len(self._rows) > 1:
                     remark = f"gives {_number_of_rows(count)}; this is the {self._position}"
-                if row is not None and self._probing.name == MAIN:
+                if len(derivations) > 1:
+                    is_all = len(derivations) < _MOST_OTHERS
+                    number = number_of(len(derivations), "derivation", is_all=is_all)
+                    remark += f"; {number}, the first shown"
+                    nodes = (*nodes, *_other_derivations(derivations))
+                if self._probing.name == MAIN:
                     nodes = (*nodes, *self._alternative(rule, row, nodes), *self._null_notes(nodes))
                 return RuleOutcome(rule.span, count, row, None, _heading(rule, remark, True, nodes))
             if count:
@@ -176,22 +182,18 @@ class _Prover:
     def _matches(self, rule: RuleParts, row: Row, limit: int = 1) -> Iterator[tuple[Clause, Way]]:
         return self._derivations.matches(rule, self._probing, row, self._arguments, limit)
 
-    def _derivation_nodes(self, rule: RuleParts, row: Row) -> tuple[ProofNode, ...] | None:
+    def _derivations_by(self, rule: RuleParts, row: Row) -> list[tuple[ProofNode, ...]]:
         if rule.is_aggregated:
             matches = list(self._matches(rule, row, MOST_ELEMENTS + 1))
-            return tuple(self._aggregate_nodes(matches, row)) if matches else None
-        matches = self._matches_of(rule, row)
-        if not matches:
-            return None
-        nodes = (*self._builder.row(*matches[0], row), *self._builder.derivation(*matches[0]))
-        if number := len(matches) - 1:
-            alternatives = number_of(number, "other derivation", is_all=len(matches) < _MOST_OTHERS)
-            nodes = (*nodes, ProofNode("note", f"This row has {alternatives} by this rule"))
-        return nodes
+            return [tuple(self._aggregate_nodes(matches, row))] if matches else []
+        return [
+            (*self._builder.row(*match, row), *self._builder.derivation(*match))
+            for match in self._matches_of(rule, row)
+        ]
 
     def _matches_of(self, rule: RuleParts, row: Row) -> list[tuple[Clause, Way]]:
-        """Return derivations of a row: several of a distinct one if it takes only a few steps."""
-        if self._probing.is_distinct:
+        """Return derivations of a row: of `Robot` one, of others several if they take few steps."""
+        if self._probing.is_distinct or (len(self._rows) > 1 and self._probing.name != MAIN):
             budget = self._derivations.relations.budget
             with suppress(FailureError), budget.bound_steps(_STEPS_FOR_OTHERS):
                 return list(self._matches(rule, row, _MOST_OTHERS))
@@ -201,8 +203,8 @@ class _Prover:
         """Return the derivation of a row that this rule gives and that does not count."""
         if self._probing.recursive:
             return ()
-        candidates = (self._derivation_nodes(rule, row) for row in self._rows[:_MOST_OTHERS])
-        return next(filter(None, candidates), ())
+        candidates = (self._derivations_by(rule, row) for row in self._rows[:_MOST_OTHERS])
+        return next((derivations[0] for derivations in candidates if derivations), ())
 
     def _alternative(
         self, rule: RuleParts, row: Row, nodes: tuple[ProofNode, ...]
@@ -273,6 +275,11 @@ def _heading(
     return ProofNode("rule", rule.span.text, remark, holds, span=rule.span, children=children)
 
 
+def _other_derivations(derivations: Sequence[tuple[ProofNode, ...]]) -> Iterator[ProofNode]:
+    for number, nodes in enumerate(derivations[1:_MOST_DERIVATIONS], 2):
+        yield ProofNode("derivation", f"Derivation {number}", children=nodes)
+
+
 def _number_of_rows(number: int) -> str:
     return number_of(number, "row", is_all=number < MOST_ROWS)
 
@@ -316,8 +323,10 @@ class _Unfolder:
     def node(
         self, node: ProofNode, depth: int, path: tuple[str, ...], *, is_expanded: bool = True
     ) -> ProofNode:
-        """Return a node with proofs below; of the calls in `instance` nodes, only of the first."""
+        """Return a node with proofs below; of calls in `instance`, of the first."""
         self._budget -= 1
+        if node.kind == "derivation":
+            return node
         if not node.children and (node.query is None or not is_expanded):
             return node
         instance = next((child for child in node.children if child.kind == "instance"), None)
@@ -362,5 +371,6 @@ def _premises(explanation: Explanation) -> tuple[ProofNode, ...]:
     if not giving:
         return next((rule.node,) for rule in explanation.rules if rule.rows is None)
     # Several rules may contribute to an aggregate; otherwise one of them is enough.
-    is_aggregated = any(child.kind == "aggregate" for child in giving[0].children)
-    return giving if is_aggregated else giving[:1]
+    if any(child.kind == "aggregate" for child in giving[0].children):
+        return giving
+    return (giving[0], *(replace(node, kind="derivation") for node in giving[1:]))
