@@ -40,7 +40,7 @@ from logical_robots_tui.tui.terminal.capabilities import (
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
-from logical_robots_tui.tui.terminal.textual_internals import KeyQueue, keep_copy
+from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self._interrupted_at = float("-inf")
         self._writing = asyncio.Lock()
         self._was_cut = False
+        self._clip_text = ""
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
         """Return our style sheets' variables; empty until the first theme is set."""
@@ -251,12 +252,15 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         else:
             self.main.warn(with_keys("There is no shell to go to here; {quit} leaves the game."))
 
+    @property
+    def clipboard(self) -> str:
+        return self._clip_text
+
     def copy_to_clipboard(self, text: str) -> None:
         """Keep a text for pasting; copy it to the terminal's clipboard only if permitted."""
+        self._clip_text = text
         if self.main.permissions.clipboard:
             super().copy_to_clipboard(text)
-        else:
-            keep_copy(self, text)
 
     def action_settings(self) -> None:
         from logical_robots_tui.tui.app.settings_screen import SettingsScreen

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import string
+import unicodedata
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeAlias, TypeVar
 
-from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
+from textual.keys import KEY_NAME_REPLACEMENTS
 
 if TYPE_CHECKING:
     from logical_robots_tui.player.session_state import Spawn
@@ -23,7 +25,13 @@ Scope: TypeAlias = Literal["screen", "level", "text"]
 The text editor binds its keys itself, and a player can't change them.
 """
 
-CHARACTERS = characters_by_key()
+
+def _key_of(character: str) -> str:
+    name = unicodedata.name(character).lower().replace("-", "_").replace(" ", "_")
+    return KEY_NAME_REPLACEMENTS.get(name, name)
+
+
+CHARACTERS = {_key_of(character): character for character in string.punctuation}
 """The printable characters that Textual has names for, by these."""
 
 _NAMES = {**CHARACTERS, "escape": "esc"}

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from textual.content import Content
-from textual.strip import Strip
-from textual.widget import Widget
 
 from logical_robots_tui.game import Goal, goals
 from logical_robots_tui.game.frame import is_match_over, standing
 from logical_robots_tui.tui.commands.keymap import command
-from logical_robots_tui.tui.terminal.diff_app import repaint
+from logical_robots_tui.tui.terminal.diff_app import OneLine
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line
 
@@ -78,7 +76,7 @@ def status_of(session: Session) -> Status:
     )
 
 
-class StatusLine(Widget):
+class StatusLine(OneLine):
     """The top line; omits the least important parts if there is too little room."""
 
     DEFAULT_CSS = "StatusLine { dock: top; height: 1; background: $panel; color: $foreground; }"
@@ -90,18 +88,12 @@ class StatusLine(Widget):
     def show(self, status: Status) -> None:
         if status != self._status:
             self._status = status
-            repaint(self)
+            self.repaint()
 
     def render(self) -> Content:
         if self._status is None:
             return Content("")
         return fit(self._status, self.size.width)
-
-    def render_line(self, y: int) -> Strip:
-        """Return the line directly; Textual would search it for line breaks."""
-        del y
-        strip = Strip(self.render().render_segments(self.visual_style))
-        return strip.adjust_cell_length(self.size.width, self.rich_style)
 
 
 def fit(status: Status, width: int) -> Content:

@@ -17,8 +17,12 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, PAPER, colour_o
 
 _CLOSE = 3  # equal cells between two changed ones that are cheaper to rewrite than to skip
 
-_ATTRIBUTES = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "53")
-"""Codes of Rich's attributes, by bit."""
+_ATTRIBUTES = (
+    *((1, "bold"), (2, "dim"), (3, "italic"), (4, "underline"), (5, "blink"), (6, "blink2")),
+    *((7, "reverse"), (8, "conceal"), (9, "strike"), (21, "underline2")),
+    *((51, "frame"), (52, "encircle"), (53, "overline")),
+)
+"""Codes and names of Rich's attributes."""
 
 
 class CellStyle(NamedTuple):
@@ -233,8 +237,7 @@ _width = lru_cache(maxsize=4096)(cell_len)
 def look_of(style: Style | None, colours: ColorSystem | None) -> CellStyle:
     if style is None:
         return _PLAIN
-    bits = style._attributes & style._set_attributes
-    codes = ";".join(code for bit, code in enumerate(_ATTRIBUTES) if bits >> bit & 1)
+    codes = ";".join(str(code) for code, name in _ATTRIBUTES if getattr(style, name))
     ink = paper = ""
     if colours is not None:
         if style.color is not None and not style.color.is_default:

@@ -47,7 +47,7 @@ class CrashSafeApp(App[None]):
         cause = error.error if isinstance(error, WorkerFailed) else error
         if self.mistake is not None:
             return  # that one ends the game
-        if isinstance(cause, NoMatches) and (self._exit or not self.is_running):
+        if isinstance(cause, NoMatches) and (self.return_code is not None or not self.is_running):
             return  # a dialog that was about to be shown has lost its parts
         self._reserve = CrashSafeApp._reserve = b""
         self.mistake = cause if isinstance(cause, Exception) else error

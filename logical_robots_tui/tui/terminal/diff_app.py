@@ -20,21 +20,27 @@ from rich.console import COLOR_SYSTEMS, RenderableType
 from rich.segment import Segment
 from textual import events
 from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
+from textual.content import Content
 from textual.driver import Driver
 from textual.geometry import Region
 from textual.screen import Screen
+from textual.strip import Strip
 from textual.widget import Widget
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import PAPER, Cells
 from logical_robots_tui.tui.terminal.cell_diff import Cell, CellDiff
 from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
-from logical_robots_tui.tui.terminal.driver import ListeningDriver
+from logical_robots_tui.tui.terminal.driver import ListeningDriver, drawn_size
+from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 
 if TYPE_CHECKING:
     from logical_robots_tui.clock import Clock
 
 ASK = "\x1b[6n"
 """Asks a terminal for its cursor position; it answers after everything sent before."""
+
+_SYNC_BEGIN, _SYNC_END = "\x1b[?2026h", "\x1b[?2026l"
+"""Around what is to appear at once."""
 
 _PATIENCE = 2.0  # seconds after which an answer counts as lost
 
@@ -127,6 +133,7 @@ class DiffApp(CrashSafeApp):
     _is_waiting = False
     _is_sending = False
     _is_watching = False
+    _is_synchronized = False
 
     def __init__(self, clock: Clock) -> None:
         super().__init__(driver_class=ListeningDriver)
@@ -174,6 +181,9 @@ class DiffApp(CrashSafeApp):
         """The region that changes by itself, which is sent last."""
         return None
 
+    def on_terminal_supports_synchronized_output(self) -> None:
+        self._is_synchronized = True
+
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; after a resize or resume, the terminal's content is unknown."""
         if isinstance(event, events.CursorPosition):
@@ -184,6 +194,9 @@ class DiffApp(CrashSafeApp):
             self._line = Line()
         if isinstance(event, events.Resize | Driver.SignalResume):
             self.redraw()
+        if isinstance(event, events.Resize):
+            size = drawn_size(event.size)
+            event = events.Resize(size, size)
         await super().on_event(event)
 
     def _display(self, screen: Screen[Any], renderable: RenderableType | None) -> None:
@@ -203,12 +216,7 @@ class DiffApp(CrashSafeApp):
 
     @property
     def _can_send(self) -> bool:
-        return (
-            not self._batch_count
-            and self._running
-            and not self._closed
-            and isinstance(self._driver, ListeningDriver)
-        )
+        return self.is_running and isinstance(self._driver, ListeningDriver)
 
     def _send_all(self) -> None:
         self._is_sending = False
@@ -217,7 +225,7 @@ class DiffApp(CrashSafeApp):
     def _send(self) -> None:
         """Send the difference if the line is free; otherwise the next answer calls this again."""
         driver = self._driver
-        if self._sent is None or self._closed or not isinstance(driver, ListeningDriver):
+        if self._sent is None or not self.is_running or not isinstance(driver, ListeningDriver):
             return
         if (self._sent.columns, self._sent.rows) != self.size:
             return  # a full repaint is due
@@ -235,9 +243,8 @@ class DiffApp(CrashSafeApp):
         cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
         if text or cursor != self._cursor_sent:
             self._cursor_sent = cursor
-            self._begin_update()
-            driver.write(f"{text}\x1b[{cursor[1] + 1};{cursor[0] + 1}H")
-            self._end_update()
+            begin, end = (_SYNC_BEGIN, _SYNC_END) if self._is_synchronized else ("", "")
+            driver.write(f"{begin}{text}\x1b[{cursor[1] + 1};{cursor[0] + 1}H{end}")
             driver.ask(ASK)
             self._line.note_output(len(text.encode()), self.clock.now())
 
@@ -284,17 +291,14 @@ class PaintTarget:
                     line[-1] = " ", line[-1][1]
                 self._terminal.put(self._region.y + row, self._region.x + start, line)
 
-    def paint(self, widget: Widget) -> bool:
+    def paint(self, widget: OneLine) -> bool:
         """Show the whole widget; return False if something covers it."""
         if self._over:
             return False
-        # Like `Widget.refresh` before it waits for the compositor.
-        widget._layout_cache.clear()
-        widget._set_dirty()
-        lines = widget.render_lines(self._region.size.region)
-        self._terminal.take(
-            (row, self._region.x, list(line)) for row, line in enumerate(lines, self._region.y)
-        )
+        region = self._region.size.region
+        mark_rendered_stale(widget, [region])
+        (line,) = widget.render_lines(region)
+        self._terminal.take([(self._region.y, self._region.x, list(line))])
         return True
 
     def _free(self, row: int, first: int, stop: int) -> Iterator[tuple[int, int]]:
@@ -309,11 +313,11 @@ class PaintTarget:
 
 
 def paint_target_of(widget: Widget) -> PaintTarget | None:
-    """Return a widget's place; None if it is partly hidden, or about to move."""
+    """Return a widget's place; None if it is partly hidden."""
     app = widget.app
     if not isinstance(app, DiffApp) or not widget.is_attached or widget.screen is not app.screen:
         return None
-    if widget.screen._layout_required or (terminal := app.terminal()) is None:
+    if (terminal := app.terminal()) is None:
         return None
     covers: list[Region] = []
     for node, (region, clip) in widget.screen._compositor.visible_widgets.items():
@@ -324,7 +328,19 @@ def paint_target_of(widget: Widget) -> PaintTarget | None:
     return None
 
 
-def repaint(widget: Widget) -> None:
-    spot = paint_target_of(widget)
-    if spot is None or not spot.paint(widget):
-        widget.refresh()
+class OneLine(Widget):
+    """A widget of one line, which is painted directly where it can be."""
+
+    def render(self) -> Content:
+        return Content("")
+
+    def render_line(self, y: int) -> Strip:
+        """Return the line directly; Textual would search it for line breaks."""
+        del y
+        strip = Strip(self.render().render_segments(self.visual_style))
+        return strip.adjust_cell_length(self.size.width, self.rich_style)
+
+    def repaint(self) -> None:
+        spot = paint_target_of(self)
+        if spot is None or not spot.paint(self):
+            self.refresh()

@@ -6,13 +6,14 @@ import asyncio
 import os
 import re
 import select
+import shutil
 import threading
 from codecs import getincrementaldecoder
 from collections import deque
 from collections.abc import Iterable, Iterator
 from functools import cache
 from time import monotonic
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from textual import events
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
@@ -21,8 +22,12 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 from textual.keys import Keys
 from textual.message import Message
+from textual.messages import InBandWindowResize
 
 from logical_robots_tui.tui.terminal.textual_internals import handle_exception
+
+if TYPE_CHECKING:
+    from textual.app import App
 
 MOST_PASTED = 1_000_000
 """Most characters of one paste; the rest is dropped. A program may have a fifth of that."""
@@ -189,6 +194,7 @@ _LAST_ANSWER = 0.5  # seconds to wait for it before another program gets the ter
 _MOST_PATIENCE = 5.0  # seconds to wait for it where answers take long
 _BEGIN_OF_KEY_PROTOCOL = re.compile(r"\x1b\[>\d+u")
 _END_OF_KEY_PROTOCOL = "\x1b[<u"
+_TAKE_TERMINAL, _LEAVE_TERMINAL = "\x1b[?1049h", "\x1b[?1049l"
 
 _CHUNK = 4096
 _LOOK_UP_EVERY = 0.1  # seconds
@@ -222,15 +228,16 @@ class UnbracketedPasteDetector:
 class ListeningDriver(LinuxDriver):
     """Posts each answer of the terminal to the app, as ``CursorPosition``."""
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        super().__init__(*arguments, **options)
+    def __init__(self, app: App[Any], **options: Any) -> None:
+        super().__init__(app, **options)
+        self.app, self.loop = app, asyncio.get_running_loop()
         self._queries: deque[float] = deque()  # when
         self._slowest = 0.0  # seconds until an answer
         self._under_way = 0
         self._all_answered = threading.Condition()
         self._heard_at: float | None = None  # since it has answered once
         self._unknown: Size | None = None  # to the app, as it was last looked at
-        self._is_key_protocol_begun = False
+        self._is_key_protocol_begun = self._has_terminal = self._is_told_sizes = False
 
     @property
     def silence(self) -> float:
@@ -247,6 +254,8 @@ class ListeningDriver(LinuxDriver):
 
     def write(self, data: str) -> None:
         """Write to the terminal; no end of its key protocol where that was never begun."""
+        if data in (_TAKE_TERMINAL, _LEAVE_TERMINAL):
+            self._has_terminal = data == _TAKE_TERMINAL
         if _BEGIN_OF_KEY_PROTOCOL.fullmatch(data):
             self._is_key_protocol_begun = True
         if data != _END_OF_KEY_PROTOCOL or self._is_key_protocol_begun:
@@ -260,46 +269,42 @@ class ListeningDriver(LinuxDriver):
             self._queries.clear()
         super().disable_input()
 
-    def _sigcont_application(self, *_: object) -> None:
+    def resume_application_mode(self) -> None:
         # After a stop that no process is asked about, Textual would take the terminal twice.
-        if self._auto_restart and not self._must_signal_resume:
+        if self._has_terminal:
             self.suspend_application_mode()
-        super()._sigcont_application()
+        super().resume_application_mode()
 
     def process_message(self, message: Message) -> None:
-        """Forward a message; limits the terminal's size."""
-        if isinstance(message, events.Resize):
-            message = events.Resize(_bound(message.size), _bound(message.size))
+        if isinstance(message, InBandWindowResize) and message.supported:
+            self._is_told_sizes = True
         super().process_message(message)
 
     def send_message(self, message: Message) -> None:
         with self._all_answered:
             self._under_way += 1
 
-        async def post() -> None:
+        def post() -> None:
             with self._all_answered:
                 self._under_way -= 1
-            await self._app._post_message(message)
+            self.app.post_message(message)
 
-        asyncio.run_coroutine_threadsafe(post(), loop=self._loop)
+        self.loop.call_soon_threadsafe(post)
 
     def run_input_thread(self) -> None:
         """Forward input until the driver stops; an exception ends the app."""
         try:
             self._listen()
         except Exception as error:  # it would end the thread unnoticed
-            self._loop.call_soon_threadsafe(handle_exception, self._app, error)
-
-    def _get_terminal_size(self) -> tuple[int, int]:
-        return tuple(_bound(Size(*super()._get_terminal_size())))  # type: ignore[return-value]  # a pair
+            self.loop.call_soon_threadsafe(handle_exception, self.app, error)
 
     def mend_size(self) -> None:
         """Post the terminal's size if the app does not know it, nor did a look before.
 
         Of a window that is dragged about, the signal of the last size may be lost.
         """
-        size = Size(*self._get_terminal_size())
-        if size == self._app.size or self._in_band_window_resize:
+        size = drawn_size(Size(*shutil.get_terminal_size()))
+        if size == self.app.size or self._is_told_sizes:
             self._unknown = None
         elif size != self._unknown:
             self._unknown = size
@@ -308,7 +313,7 @@ class ListeningDriver(LinuxDriver):
             self.process_message(events.Resize(size, size))
 
     def _listen(self) -> None:
-        parser = TolerantParser(self._debug)
+        parser = TolerantParser()
         incoming, unmarked = InputFilter(), UnbracketedPasteDetector()
         terminal = select.poll()
         terminal.register(self.fileno, select.POLLIN)
@@ -329,9 +334,9 @@ class ListeningDriver(LinuxDriver):
             for piece in pieces:
                 if isinstance(piece, Pasted):
                     self.process_message(events.Paste(piece))
-                    parser = TolerantParser(self._debug)
+                    parser = TolerantParser()
                 elif self._is_flooded():
-                    parser = TolerantParser(self._debug)
+                    parser = TolerantParser()
                 elif pasted := unmarked.paste_in(piece):
                     self.process_message(events.Paste(pasted))
                 else:
@@ -344,11 +349,11 @@ class ListeningDriver(LinuxDriver):
         """Return whether more input is pending than anybody types; if so, discard it."""
         with self._all_answered:
             waiting = self._under_way
-        app = self._app if isinstance(self._app, BacklogApp) else None
+        app = self.app if isinstance(self.app, BacklogApp) else None
         if waiting + (app.backlog if app is not None else 0) < _FLOOD:
             return False
         if app is not None:
-            self._loop.call_soon_threadsafe(app.drop_typed)
+            self.loop.call_soon_threadsafe(app.drop_typed)
         return True
 
     def _hear(self, answers: int) -> None:
@@ -371,5 +376,6 @@ class BacklogApp(Protocol):
     def drop_typed(self) -> None: ...
 
 
-def _bound(size: Size) -> Size:
+def drawn_size(size: Size) -> Size:
+    """Return how much of a terminal of this size is drawn."""
     return Size(*(max(1, min(limit, side)) for limit, side in zip(LARGEST, size, strict=True)))

@@ -1,43 +1,41 @@
-"""Textual's private parts that the rest needs, each behind one function.
+"""Textual's private parts that the rest needs, each behind one function or class.
 
-If a release moves them, `test_textual_internals.py` names which.
+They stand only in this folder; a release that moves them is noticed by its tests. Textual would
+have to offer, instead of
+
+- `_ansi_sequences`: a parser that says whether a sequence may go on.
+- `_bindings`: a way to take keys from one widget while something else comes first.
+- `_compositor`: what covers a widget, the lines of a screen, and updates as cells.
+- `_display`: a driver that receives what changed, rather than text.
+- `_driver`: the app's driver as an attribute that may be read.
+- `_handle_exception`: a hook for an exception that ends the app, and a way to report one to it.
+- `_offset_to_line_info`: the line, and its row, at an offset of a wrapped document, in no time.
+- `_pruning`: whether a node is being removed.
+- `_sequence_to_key_events`, `_xterm_parser`: a key parser without errors, for other drivers.
+- `_styles_cache`: a way to draw a line anew without asking the screen for a refresh.
+- `_text_area`, `_wrapped_document`: an indent of the further rows of wrapped lines.
 """
 
 from __future__ import annotations
 
 import asyncio
-import string
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from textual import events
-from textual._context import active_app
 from textual.binding import BindingsMap
 from textual.document import _wrapped_document
 from textual.document._wrapped_document import WrappedDocument
 from textual.geometry import Offset, Region
-from textual.keys import _character_to_key
 
 if TYPE_CHECKING:
     from textual.app import App
-    from textual.document._document import Location
     from textual.dom import DOMNode
-    from textual.message_pump import MessagePump
     from textual.screen import Screen
     from textual.strip import Strip
     from textual.widget import Widget
-
-
-def has_active_app() -> bool:
-    """Return whether code runs within an app, so that themes are available."""
-    return active_app.get(None) is not None
-
-
-def characters_by_key() -> dict[str, str]:
-    """Return punctuation characters by Textual's names for their keys."""
-    return {_character_to_key(char): char for char in string.punctuation}
 
 
 def is_being_removed(node: DOMNode) -> bool:
@@ -58,11 +56,6 @@ def handle_exception(app: App[object], error: Exception) -> None:
     app._handle_exception(error)
 
 
-def keep_copy(app: App[Any], text: str) -> None:
-    """Keep a text for pasting without sending it to the terminal's clipboard."""
-    app._clipboard = text
-
-
 class WidgetBindings:
     """The keys of one widget. Textual's are those of its class, and a keymap can't remove any."""
 
@@ -79,15 +72,17 @@ class HangingDocument(WrappedDocument):
     """Wrapped lines whose further rows are indented like the first one."""
 
     _lines: Sequence[str] = ()  # as they are wrapped
+    _layout = 0, 4  # width of rows and of tabs
 
     def wrap(self, width: int, tab_width: int | None = None) -> None:
         """Wrap all lines, if need be: Textual asks for it as well when only the height changes."""
-        layout = width, tab_width or self._tab_width
-        if (self._width, self._tab_width) != layout or self._lines != self.document.lines:
-            super().wrap(width, tab_width)
+        layout = width, tab_width or self._layout[1]
+        if self._layout != layout or self._lines != self.document.lines:
+            self._layout = layout
+            super().wrap(*layout)
             self._lines = self.document.lines.copy()
 
-    def wrap_range(self, *places: Location) -> None:
+    def wrap_range(self, *places: tuple[int, int]) -> None:
         super().wrap_range(*places)
         self._lines = self.document.lines.copy()
 
@@ -98,7 +93,7 @@ class HangingDocument(WrappedDocument):
 
     def hang(self, line_index: int, section: int) -> int:
         """Return by how many columns a row of a line is shifted."""
-        return _hang(self.document[line_index], self._width) if section else 0
+        return _hang(self.document[line_index], self._layout[0]) if section else 0
 
     def row_at(self, y: int) -> tuple[int, int]:
         """Return the line, and its row, at an offset within the height."""
@@ -231,12 +226,12 @@ class KeyQueue:
     def _later(self, *call: Any) -> None:
         self._app.call_later(*call)
 
-    def _follow(self, node: MessagePump | None, action: Callable[[], object]) -> None:
+    def _follow(self, node: DOMNode | None, action: Callable[[], object]) -> None:
         """Do something in the app when messages have bubbled from a node up to it."""
         if node is None or node is self._app:
             self._later(action)
-        elif not node.call_later(self._follow, node._parent, action):
-            self._follow(node._parent, action)
+        elif not node.call_later(self._follow, node.parent, action):
+            self._follow(node.parent, action)
 
     async def _arrive(self, screen: Screen[Any], number: int) -> None:
         """Wait until a dialog opened by the key has the focus."""

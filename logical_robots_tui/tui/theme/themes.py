@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from rich.style import Style as RichStyle
 from textual.color import Color
 from textual.style import Style
@@ -15,7 +17,6 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import (
     mix,
     parse,
 )
-from logical_robots_tui.tui.terminal.textual_internals import has_active_app
 
 _READABLE, _QUIET, _FAINT, _SHADE = 4.5, 3.6, 2.4, 1.2
 """Contrasts (WCAG 2) of text, secondary text, lines, and shades."""
@@ -251,10 +252,12 @@ def rich_style(text: str) -> RichStyle:
 
     For widgets that paint segments; Content resolves such names itself.
     """
-    if not has_active_app():
-        theme_colours = NIGHT.to_color_system().generate()
-        return Style.parse(text, theme_colours | colours_in(NIGHT)).rich_style
-    return Style.parse(text).rich_style
+    return Style.parse(text, _night_colours()).rich_style
+
+
+@cache
+def _night_colours() -> dict[str, str]:
+    return NIGHT.to_color_system().generate() | colours_in(NIGHT)
 
 
 def palette_of(theme: Theme) -> Palette:

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from textual import events
 from textual.content import Content
 from textual.message import Message
-from textual.widget import Widget
 
 from logical_robots_tui.game import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER
-from logical_robots_tui.tui.terminal.diff_app import repaint
+from logical_robots_tui.tui.terminal.diff_app import OneLine
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line
 
@@ -125,7 +124,7 @@ def _goal_note(session: Session) -> str:
     return f" · {number}/{len(goal.victory_robots)} in {one_line(goal.name)}"
 
 
-class Timeline(Widget, can_focus=True):
+class Timeline(OneLine, can_focus=True):
     """Shows the current tick among the known ones, and when events happened."""
 
     DEFAULT_CSS = """
@@ -179,7 +178,7 @@ class Timeline(Widget, can_focus=True):
         line = self._content_line()
         if line != self._line:
             self._line = line
-            repaint(self)
+            self.repaint()
 
     def render(self) -> Content:
         return self._line

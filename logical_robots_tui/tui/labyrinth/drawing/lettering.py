@@ -102,14 +102,12 @@ class Label(NamedTuple):
 class _FreeCells:
     """The cells that are free for names: one integer per row, with one bit per cell."""
 
-    def __init__(self, rows: int, columns: int) -> None:
-        self._occupied = [0] * rows
+    def __init__(self, occupied: list[int], columns: int) -> None:
+        self._occupied = occupied
         self._columns = columns
 
     def copy(self) -> _FreeCells:
-        duplicate = _FreeCells(0, self._columns)
-        duplicate._occupied = self._occupied.copy()
-        return duplicate
+        return _FreeCells(self._occupied.copy(), self._columns)
 
     def take(self, row: int, first: int, stop: int) -> None:
         first, stop = max(first, 0), min(stop, self._columns)
@@ -151,7 +149,7 @@ class StaticLabels:
         self, level: Level, active: Sequence[bool], viewport: Viewport, look: Look, ground: Floats
     ) -> None:
         palette, glyphs = look.palette, look.glyphs
-        self.room = _FreeCells(viewport.rows, viewport.columns)
+        self.room = _FreeCells([0] * viewport.rows, viewport.columns)
         """The cells that the symbols of beacons leave free."""
         shining: list[tuple[tuple[int, int], str, RGB]] = []
         named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
