@@ -22,7 +22,7 @@ from textual.widget import Widget
 from textual.widgets import Input
 
 from logical_robots_tui.game import ProgramSource, load_program, measuring
-from logical_robots_tui.player.opening import Opening
+from logical_robots_tui.player.opening import Opening, Permissions
 from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.settings import Settings
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
@@ -459,6 +459,7 @@ async def opened(
     welcome: bool = False,
     settings: Settings | None = None,
     ready: bool = False,
+    permissions: Permissions = Permissions(),  # noqa: B008 - it is frozen
 ) -> AsyncIterator[Opened]:
     """Open the game with a program in the player's folder, and wait for that if it is wanted."""
     file = level if isinstance(level, Path) else LEVELS / f"{level}.json"
@@ -469,6 +470,7 @@ async def opened(
         sources={"": source},
         data_dir=data_dir,
         welcome=welcome,
+        permissions=permissions,
         clock=VirtualClock(),
     )
     async with showing(opening, size, settings, ready=ready) as game:

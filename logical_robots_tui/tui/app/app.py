@@ -162,7 +162,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         }
         self._follow(name, defaults.get(name) if value is None else value)
         if self.main.permissions.programs:
-            self.main.spawn(partial(self._write, name), "settings", exclusive=False)
+            self.main.ui.spawn(partial(self._write, name), "settings", exclusive=False)
 
     async def _write(self, name: str) -> None:
         async with self._writing:  # the whole file is read and written

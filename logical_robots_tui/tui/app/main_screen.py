@@ -88,7 +88,7 @@ class MainScreen(Screen[None], SessionListener):
         self._opening, self.permissions = opening, opening.permissions
         self.data_dir, self.recorder = opening.data_dir, recorder
         self.ui = ScreenUi(self)
-        self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
+        self.tell, self.warn = self.ui.tell, self.ui.warn
         self.scheduler = FrameScheduler(self, self._draw, clock)
         self.program = ProgramPane()
         self.player = LocalPlayer(
@@ -130,22 +130,21 @@ class MainScreen(Screen[None], SessionListener):
             drawing=lambda: view.drawing,
             make_level=self.editing.make_level,
         )
-        self.offers = ScreenOffers(ui, lambda: self.is_active)
+        self.offers = ScreenOffers(ui)
         self.learning = LearningController(self.player.learning, session, ui, program)
         self.program_controller = ProgramController(
             program,
             session,
             ui,
             data_dir / "copied.txt",
-            permissions=lambda: self.permissions,
-            enter=lambda: self.go_to(program),
-            suspend=lambda: self.app.suspend(),
+            self.permissions,
+            enter=partial(self.go_to, program),
         )
         self.team_choice = TeamChoice(session, library.look_at, self.tell)
         self._watch = FileWatch(lambda: session.source, library.take_from_disk)
         tour_seen = partial(recorder.set_fact, TOUR, "seen")
         self.tour = TourController(self.mount, self.arrangement, self.point_at, tour_seen)
-        self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
+        self.timeline_controller = TimelineController(session, ui, view)
         self.replays = Replays(
             session, ui, data_dir / "replays", library.programs, library.open_with
         )
@@ -162,21 +161,17 @@ class MainScreen(Screen[None], SessionListener):
             recorder,
             ui,
             self.offers,
-            pause=lambda: self.scheduler.rate.calm if self.is_typing else math.inf,
+            pause=self._typing_pause,
             is_test=lambda: self.editing.is_testing,
             look=self._look_of_pictures,
             following=library.next_name,
             run=self.action_command,
         )
-        listeners = [
-            self.editing,
-            recorder,
-            self.announcer,
-            self.timeline_controller,
-            self.ghost,
-            self,
-        ]
-        session.listeners += listeners
+        session.listeners += [self.editing, recorder, self.announcer]
+        session.listeners += [self.timeline_controller, self.ghost, self]
+
+    def _typing_pause(self) -> float:
+        return self.scheduler.rate.calm if self.is_typing else math.inf
 
     def _look_of_pictures(self) -> tuple[Drawing, Palette] | None:
         """How miniatures are drawn, where there is room for one beside a table."""
@@ -192,7 +187,7 @@ class MainScreen(Screen[None], SessionListener):
                 self.editing,
                 self.labyrinth,
                 run=self.action_command,
-                enter=lambda: self.go_to(self.labyrinth),
+                enter=partial(self.go_to, self.labyrinth),
                 switched=self._editing_switched,
                 changed=self.redraw_lines,
             )
@@ -230,17 +225,17 @@ class MainScreen(Screen[None], SessionListener):
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Keep the styles on the first call, because they were just computed."""
         event.refresh_styles = bool(self.stack_updates)
-        self.offers.resumed()
+        self.offers.resumed.set()
 
     def _start(self) -> None:
         collect_seldom()
         self.player.start()
         if (replay := self._opening.replay) is not None:
-            self.spawn(partial(self.replays.open, replay), "replay", exclusive=False)
+            self.ui.spawn(partial(self.replays.open, replay), "replay", exclusive=False)
         else:
             offered = self.player.offerings(self.editing.offer)
-            self.spawn(partial(self.offers.make, *offered), "drafts", exclusive=False)
-        self.spawn(self._watch.follow, "watch", exclusive=False)
+            self.ui.spawn(partial(self.offers.make, *offered), "drafts", exclusive=False)
+        self.ui.spawn(self._watch.follow, "watch", exclusive=False)
         if self._opening.welcome:
             self.tour.begin()
 
@@ -400,7 +395,7 @@ class MainScreen(Screen[None], SessionListener):
     def action_command(self, command_id: str) -> None:
         entry = command(command_id)
         if entry.scope != "level":
-            entry.run(self, self.spawn)
+            entry.run(self, self.ui.spawn)
         elif self.editing.is_on or self.editing.is_testing:
-            entry.run(self.editing, self.spawn)
+            entry.run(self.editing, self.ui.spawn)
             self.editing.changed()

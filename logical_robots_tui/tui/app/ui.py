@@ -67,26 +67,26 @@ class Dialogs(Ui, Protocol):
 
 class ScreenUi(Dialogs):
     def __init__(self, screen: Screen[Any]) -> None:
-        self._screen = screen
+        self.screen = screen
 
     def tell(self, message: str) -> None:
-        self._screen.notify(message, markup=False, timeout=4)
+        self.screen.notify(message, markup=False, timeout=4)
 
     def warn(self, message: str) -> None:
-        self._screen.notify(one_line(message), markup=False, severity="warning", timeout=8)
+        self.screen.notify(one_line(message), markup=False, severity="warning", timeout=8)
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        in_background(self._screen, work, group, exclusive=exclusive)
+        in_background(self.screen, work, group, exclusive=exclusive)
 
     def show(
         self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
     ) -> None:
-        self._screen.app.push_screen(dialog, closed)
+        self.screen.app.push_screen(dialog, closed)
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
         # `push_screen_wait` would also run what the app has queued; when the game ends meanwhile,
         # the end of its screens would be cancelled with this work.
-        answer = self._screen.app.push_screen(dialog, wait_for_dismiss=True)
+        answer = self.screen.app.push_screen(dialog, wait_for_dismiss=True)
         return await asyncio.shield(answer)
 
     async def choose(
@@ -107,24 +107,22 @@ Seeing something new and stopping a key press takes about half a second.
 class ScreenOffers:
     """Makes offers when nothing covers the game, and ignores keys meant for the game."""
 
-    def __init__(self, ui: ScreenUi, is_free: Callable[[], bool]) -> None:
-        self._ui, self._is_free = ui, is_free
-        self._resumed = asyncio.Event()
+    def __init__(self, ui: ScreenUi) -> None:
+        self._ui = ui
+        self.resumed = asyncio.Event()
+        """Set whenever a dialog has closed."""
         self._question: QuestionDialog | None = None
 
     async def make(self, *offerings: Offering) -> None:
         for offering in offerings:
             await offering(self)
 
-    def resumed(self) -> None:
-        self._resumed.set()
-
     async def at_hand(self, load: Callable[[], Awaitable[Outcome]]) -> Outcome:
         """Repeat `load` until nothing covers the game after it, and return its outcome."""
         while True:
             await self.free()
             outcome = await load()
-            if self._is_free():
+            if self._ui.screen.is_active:
                 return outcome
 
     async def ask(
@@ -150,6 +148,6 @@ class ScreenOffers:
 
     async def free(self) -> None:
         """Wait until nothing covers the game."""
-        while not self._is_free():
-            self._resumed.clear()
-            await self._resumed.wait()
+        while not self._ui.screen.is_active:
+            self.resumed.clear()
+            await self.resumed.wait()

@@ -8,7 +8,6 @@ import re
 import subprocess
 import tempfile
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,13 +41,11 @@ class ProgramController:
         session: Session,
         ui: Dialogs,
         copies: Path,
-        *,
-        permissions: Callable[[], Permissions],
+        permissions: Permissions,
         enter: Callable[[], None],
-        suspend: Callable[[], AbstractContextManager[None]],
     ) -> None:
         self._pane, self._session, self._ui, self._copies = pane, session, ui, copies
-        self._permissions, self._enter, self._suspend = permissions, enter, suspend
+        self._permissions, self._enter = permissions, enter
         self._pattern = ""
         self._has_told_copy = False
         self._check: asyncio.TimerHandle | None = None
@@ -70,7 +67,7 @@ class ProgramController:
             return
         if not self._has_told_copy:
             sent = "Sent to your terminal's clipboard, and into"
-            head = sent if self._permissions().clipboard else "Kept in"
+            head = sent if self._permissions.clipboard else "Kept in"
             self._ui.tell(f"{head} {self._copies}.")
         self._has_told_copy = True
 
@@ -142,12 +139,12 @@ class ProgramController:
             self._ui.tell(f"Renamed in {count_of(count, 'place')}.")
 
     def edit_elsewhere(self) -> None:
-        if not self._permissions().programs:
+        if not self._permissions.programs:
             self._ui.warn("External editors are disabled here.")
             return
         self._session.pause()
         try:
-            with self._suspend():
+            with self._pane.app.suspend():
                 text = edit_outside(self._pane.text, os.environ)
         except SuspendNotSupported:
             self._ui.warn("This terminal can't be handed to another program.")

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.app.ui import Dialogs
+    from logical_robots_tui.tui.labyrinth.view import LabyrinthView
     from logical_robots_tui.world import Level
 
 _SOUGHT = [kind for kind in MARK_KINDS if kind != "memory"]  # that of the selected robot only
@@ -31,8 +32,8 @@ _NO_PROGRAM = "There is no program yet."
 
 
 class TimelineController(SessionListener):
-    def __init__(self, session: Session, ui: Dialogs, selected: Callable[[], str | None]) -> None:
-        self._session, self._ui, self._selected = session, ui, selected
+    def __init__(self, session: Session, ui: Dialogs, view: LabyrinthView) -> None:
+        self._session, self._ui, self._view = session, ui, view
 
     @property
     def _history(self) -> History | None:
@@ -55,7 +56,7 @@ class TimelineController(SessionListener):
     def to_mark(self, steps: Literal[-1, 1]) -> None:
         if self._history is None:
             return
-        robot = self._selected()
+        robot = self._view.selected
         tick = self._session.frame.tick
         mark_tick = self._history.marks.nearest(tick, steps, _SOUGHT, robot)
         if mark_tick is not None and mark_tick >= self._history.first:

@@ -99,13 +99,13 @@ async def test_a_theme_is_previewed_and_it_and_settings_are_kept(
     monkeypatch.setattr("logical_robots_tui.tui.app.app.settings_path", lambda: settings_file)
     async with opened(data_dir, text=STILL, size=size, ready=True) as game:
         before, screen = game.app.theme, game.main
-        command("theme").run(screen, screen.spawn)
+        command("theme").run(screen, screen.ui.spawn)
         await game.until(lambda: isinstance(game.app.screen, ThemeList))
         assert game.shows(f"▸ {before}")
         await game.press("down", until=lambda: game.app.theme != before)
         await game.press("escape")
         await game.until(lambda: game.app.theme == before and game.app.screen is screen)
-        command("theme").run(screen, screen.spawn)
+        command("theme").run(screen, screen.ui.spawn)
         await game.until(lambda: isinstance(game.app.screen, ThemeList))
         await game.press("down", "enter", until=lambda: game.app.screen is screen)
         chosen = game.app.theme

@@ -166,8 +166,8 @@ async def test_what_is_copied_is_in_a_file(data_dir: Path, monkeypatch: pytest.M
     monkeypatch.setenv("VISUAL", """sh -c 'sed -i "s/memory: 1/memory: 2/" $0'""")
     monkeypatch.setattr(LogicalRobotsApp, "suspend", lambda _: nullcontext())
     copied = data_dir / "copied.txt"
-    async with opened(data_dir, text=STILL, ready=True) as game:
-        game.main.permissions = Permissions(clipboard=False)
+    permissions = Permissions(clipboard=False)
+    async with opened(data_dir, text=STILL, ready=True, permissions=permissions) as game:
         await game.press("2", "f6", "ctrl+c", until=copied.exists, sees="Kept in")
         assert game.app.clipboard == copied.read_text("utf-8").strip() == STILL.splitlines()[0]
         await game.command("select_all")
