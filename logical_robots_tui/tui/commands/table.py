@@ -366,9 +366,9 @@ writing.add("duplicate_lines", "Duplicate lines", "ctrl+d",
 writing.add("select_line", "Select the line", "f6",
     lambda s: general.editor(s).action_select_line(), "Select the cursor's line.")
 writing.add("text_start", "Start of the program", "ctrl+home",
-    lambda s: general.editor(s).action_go_to_start(), "Go to the first line.")
+    lambda s: general.editor(s).action_go_to("start"), "Go to the first line.")
 writing.add("text_end", "End of the program", "ctrl+end",
-    lambda s: general.editor(s).action_go_to_end(), "Go to the last line.")
+    lambda s: general.editor(s).action_go_to("end"), "Go to the last line.")
 writing.add("delete_word", "Delete the word", "ctrl+w",
     lambda s: general.editor(s).action_delete_word_left(), "Delete the word on the left.")
 

@@ -100,11 +100,6 @@ class BriefingCard(Widget):
         self._is_over = is_over
         self._shown_task: BriefingTask | None = None
 
-    @property
-    def content(self) -> Content:
-        assert isinstance(self.parent, Widget)
-        return self._fit(self.parent.content_size - self.gutter.totals)
-
     def show(self, task: BriefingTask | None) -> None:
         self.display = task is not None
         if task != self._shown_task:
@@ -120,7 +115,8 @@ class BriefingCard(Widget):
         return min(max(line.cell_length for line in lines), container.width)
 
     def render(self) -> Content:
-        return self.content
+        assert isinstance(self.parent, Widget)
+        return self._fit(self.parent.content_size - self.gutter.totals)
 
     def _fit(self, room: Size) -> Content:
         if self._shown_task is None:

@@ -52,7 +52,7 @@ class LabyrinthPane(Pane, can_focus=True):
         self.keys = WidgetBindings(self)
 
     def on_mount(self) -> None:
-        self.app.theme_changed_signal.subscribe(self, lambda _: self.select(self.view.selected))
+        self.app.theme_changed_signal.subscribe(self, lambda _: self.show_card())
 
     def on_resize(self) -> None:
         self.call_after_refresh(self.briefing.place)
@@ -61,21 +61,22 @@ class LabyrinthPane(Pane, can_focus=True):
         """Show a tick; hurried if the next one follows at once."""
         self._shown = (level, frame)
         self.view.show(level, frame, hurried=hurried)
-        self.select(self.view.selected)
+        self.show_card()
 
     def select(self, robot_name: str | None) -> None:
         self.view.selected = robot_name
+        self.show_card()
+
+    @on(RobotPointed)
+    def show_card(self) -> None:
+        """Show the card of the robot at the pointer, or else of the selected one."""
         if self._shown is None:
             return
         level, frame = self._shown
         pointed = None if self.view.overlay is not None else self.view.pointed
-        name = robot_name if pointed is None else pointed
+        name = self.view.selected if pointed is None else pointed
         card_name = None if self.view.camera.sight is Sight.SENSES else name
         self.card.show(level, frame, card_name, self.view.view.middle[0] if self.view.view else 0.0)
-
-    @on(RobotPointed)
-    def _robot_pointed(self) -> None:
-        self.select(self.view.selected)
 
     @on(LabyrinthView.Looked)
     def _looked(self) -> None:
@@ -92,7 +93,7 @@ class LabyrinthPane(Pane, can_focus=True):
             ghost_note = f"ghost: {count_of(ghost.last, 'tick')}"
             note = f"{note} · {ghost_note}" if note else ghost_note
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
-        self.select(self.view.selected)
+        self.show_card()
 
     def action_pan(self, across: int, down: int, far: bool = False) -> None:
         if self.view.overlay is not None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rich.color import Color
 from rich.style import Style
-from textual import events
+from textual import events, on
 from textual.filter import ANSIToTruecolor, LineFilter
 from textual.geometry import Offset, Region
 from textual.message import Message
@@ -347,12 +347,6 @@ class LabyrinthView(Widget):
         robots = self._frame.after.robots if self._frame else ()
         return next((robot for robot in robots if robot.name == name), None)
 
-    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        self._wheel(event, 1)
-
-    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        self._wheel(event, -1)
-
     def _point(self, event: events.MouseEvent) -> tuple[float, float] | None:
         """Return the pointer's map position; while a button is held, it may be off the picture."""
         view = self.view
@@ -360,7 +354,10 @@ class LabyrinthView(Widget):
             return None
         return view.position(event.y, event.x)
 
-    def _wheel(self, event: events.MouseEvent, steps: int) -> None:
+    @on(events.MouseScrollUp)
+    @on(events.MouseScrollDown)
+    def _wheel(self, event: events.MouseEvent) -> None:
+        steps = 1 if isinstance(event, events.MouseScrollUp) else -1
         offset = event.get_content_offset(self)
         if offset is not None and self.view is not None:
             event.stop()

@@ -6,6 +6,7 @@ import asyncio
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from rich.segment import Segment
 from rich.style import Style
@@ -61,8 +62,8 @@ class Editor(TextArea):
         ("ctrl+@,ctrl+space", "complete"),
         ("tab", "indent"),
         ("shift+tab", "dedent"),
-        ("ctrl+home", "go_to_start"),
-        ("ctrl+end", "go_to_end"),
+        ("ctrl+home", "go_to('start')"),
+        ("ctrl+end", "go_to('end')"),
         ("ctrl+a", "select_all"),
         ("alt+up", "move_lines(-1)"),
         ("alt+down", "move_lines(1)"),
@@ -346,11 +347,8 @@ class Editor(TextArea):
         self.replace("\n".join(lines), start, stop)
         self.selection = Selection(*places)
 
-    def action_go_to_start(self) -> None:
-        self.move_cursor(self.document.start)
-
-    def action_go_to_end(self) -> None:
-        self.move_cursor(self.document.end)
+    def action_go_to(self, place: Literal["start", "end"]) -> None:
+        self.move_cursor(getattr(self.document, place))
 
     def _selected_rows(self) -> tuple[int, int]:
         (first, _), (last, column) = sorted(self.selection)

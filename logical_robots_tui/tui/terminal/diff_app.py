@@ -131,7 +131,6 @@ class DiffApp(CrashSafeApp):
     _sent: CellDiff | None = None
     _cursor_sent: tuple[int, int] | None = None
     _is_waiting = False
-    _is_sending = False
     _is_watching = False
     _is_synchronized = False
 
@@ -172,9 +171,7 @@ class DiffApp(CrashSafeApp):
             or not self._can_send
         ):
             return None
-        if not self._is_sending:
-            self._is_sending = True
-            asyncio.get_running_loop().call_soon(self._send_all)
+        asyncio.get_running_loop().call_soon(self._send)
         return self._sent
 
     def moving_picture(self) -> Region | None:
@@ -217,10 +214,6 @@ class DiffApp(CrashSafeApp):
     @property
     def _can_send(self) -> bool:
         return self.is_running and isinstance(self._driver, ListeningDriver)
-
-    def _send_all(self) -> None:
-        self._is_sending = False
-        self._send()
 
     def _send(self) -> None:
         """Send the difference if the line is free; otherwise the next answer calls this again."""
