@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 from textual import events
 from textual.content import Content
@@ -34,6 +35,7 @@ class Labels(Widget):
     """Lines of labels for commands; a click runs the command."""
 
     ALLOW_SELECT = False
+    choice: ClassVar[type[CommandChosen | RobotChosen]] = CommandChosen
 
     def __init__(self, widget_id: str | None = None) -> None:
         super().__init__(id=widget_id)
@@ -55,10 +57,7 @@ class Labels(Widget):
         event.stop()
         for row, start, end, command_id in self.places:
             if command_id and event.y == row and start <= event.x < end:
-                self.post_message(self.choice_message(command_id))
-
-    def choice_message(self, command_id: str) -> Message:
-        return CommandChosen(command_id)
+                self.post_message(self.choice(command_id))
 
 
 class CommandBar(Labels):

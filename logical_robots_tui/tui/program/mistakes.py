@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from rich.segment import Segment
 from rich.style import Style as RichStyle
 from textual import events
 from textual.content import Content
-from textual.message import Message
 from textual.strip import Strip
 from textual.style import Style
 from textual.widgets import Static
@@ -58,13 +56,11 @@ class MistakeStrip(Static):
     MistakeStrip.-odd { background: $odd-strip; }
     """
 
-    _shown: tuple[Diagnostic, ...] = ()
-
-    @dataclass
-    class Chosen(Message):
-        """The player goes to an error, at a line and column from 0."""
-
-        place: tuple[int, int]
+    def __init__(self, go_to: Callable[[tuple[int, int]], None]) -> None:
+        """`go_to` shows a place of the program, a line and column from 0."""
+        super().__init__()
+        self._go_to = go_to
+        self._shown: tuple[Diagnostic, ...] = ()
 
     def show(self, mistakes: tuple[Diagnostic, ...], row: int) -> None:
         if len(mistakes) > _MOST_SHOWN:
@@ -86,8 +82,7 @@ class MistakeStrip(Static):
 
     def on_click(self, event: events.Click) -> None:
         if self._shown:
-            place = event.style.meta.get("place", place_of(self._shown[0]))
-            self.post_message(self.Chosen(place))
+            self._go_to(event.style.meta.get("place", place_of(self._shown[0])))
 
 
 def place_of(mistake: Diagnostic) -> tuple[int, int]:

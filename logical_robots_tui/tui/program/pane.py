@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
-from textual.message import Message
 from textual.widgets import Static, TextArea
 
 from logical_robots_tui.language.services.completion import (
@@ -41,6 +40,7 @@ class TeamTabs(Labels):
     DEFAULT_CSS = """
     TeamTabs { height: 1; background: $surface; }
     """
+    choice = RobotChosen
 
     def __init__(self) -> None:
         super().__init__("teams")
@@ -67,9 +67,6 @@ class TeamTabs(Labels):
             for team, robot in self._robots.items()
         ]
         return self.line(labels, gap=1)
-
-    def choice_message(self, command_id: str) -> Message:
-        return RobotChosen(command_id)
 
 
 class TeamChoice:
@@ -120,7 +117,7 @@ class ProgramPane(Pane):
 
     def __init__(self) -> None:
         self.editor, self.teams = Editor(), TeamTabs()
-        self._strip = MistakeStrip()
+        self._strip = MistakeStrip(self.go_to)
         self._state: ProgramState | None = None
         # Each error of the text that was tried, and the same in the current place of its line.
         self._mistakes: dict[Diagnostic, Diagnostic] = {}
@@ -226,10 +223,6 @@ class ProgramPane(Pane):
 
     def enter(self) -> None:
         self.screen.set_focus(self.editor)
-
-    @on(MistakeStrip.Chosen)
-    def _mistake_chosen(self, event: MistakeStrip.Chosen) -> None:
-        self.go_to(event.place)
 
     def _verdict(self, state: ProgramState) -> str:
         if state.phase in ("fresh", "compiling"):
