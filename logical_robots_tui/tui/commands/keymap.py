@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextvars import ContextVar
+from string import ascii_lowercase
 from types import MappingProxyType
 
 from textual.binding import Binding, BindingsMap
@@ -118,7 +119,7 @@ _MOVING = (
     *("up", "down", "left", "right"),
 )
 _KEYS = {char: key for key, char in CHARACTERS.items()}
-_CONTROLS = "abcdefghijklmnopqrstuvwxyz]\\_^@"
+_CONTROLS = {f"ctrl+{_KEYS.get(key, key)}" for key in (*ascii_lowercase, *"]\\_^@", "space")}
 _NAMES = {"esc": "escape", " ": "space", "tabulator": "tab", "return": "enter"}
 
 
@@ -148,12 +149,12 @@ def key_from(text: object) -> str:
     reason = _OTHERS.get(name, _MOVES if name in _MOVING else "")
     if not reason and "+" in name and not name.startswith("ctrl+"):
         reason = "many terminals can't tell it from the key without Shift or Alt"
-    if not reason and name.startswith("ctrl+") and not _is_control(name):
+    if not reason and name.startswith("ctrl+") and name not in _CONTROLS:
         reason = "many terminals can't tell it from the key without Ctrl"
     if reason:
         raise ValueError(f"{key_name(name)} can't be used: {reason}")
     is_function = name[:1] == "f" and name[1:].isdecimal() and 1 <= int(name[1:]) <= 12
-    if _is_control(name) or is_function or name in ("space", "escape"):
+    if name in _CONTROLS or is_function or name in ("space", "escape"):
         return name
     if len(text) == 1 and text.isascii() and text.isprintable():
         return name
@@ -169,7 +170,3 @@ def _name_of(text: str) -> str:
         folded = f"ctrl+{folded[1:]}"
     head, plus, last = folded.rpartition("+")
     return f"{head}{plus}{_KEYS.get(last, last)}"
-
-
-def _is_control(name: str) -> bool:
-    return name in {f"ctrl+{_KEYS.get(key, key)}" for key in _CONTROLS} | {"ctrl+space"}
