@@ -3,11 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import json
-import os
-import pickle
-import sys
 import threading
 from collections import deque
 from collections.abc import Awaitable, Callable, Iterator, Sequence
@@ -15,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally, check_up
@@ -24,16 +19,16 @@ from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.findings import Observations, findings_of, observe
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedRunError
-from logical_robots_tui.mind import Limits, Program, QueryError
+from logical_robots_tui.mind import Limits, Program
 from logical_robots_tui.mind.compilation import Task, find_result, keep_result
-from logical_robots_tui.processes.helper import Helper, begin
+from logical_robots_tui.processes.helper import begin
+from logical_robots_tui.processes.messages import TaskHelper, next_task, send_answer
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.sites import Rows
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.history import TickHistory
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.world import Level
 
 _FEWEST = 20  # ticks that are examined
 _QUESTIONS = 12_000  # most probes of all robots when only some ticks are examined
@@ -110,7 +105,7 @@ def scan(
                 yield _ProbeAnswer(frames[number].tick, name, views)
 
 
-Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[_ProbeAnswer] | None]]
+Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[_ProbeAnswer]]]
 Report: TypeAlias = Callable[[int, int], None]
 Show: TypeAlias = Callable[[Diagnosis], None]
 
@@ -263,19 +258,29 @@ class _DiagnosisRun:
         self._changed.set()
 
     async def help(self, run: Run) -> None:
-        """Examine ticks of a run in another process, until cancelled."""
-        with contextlib.suppress(QueryError):  # `diagnose` raises it
-            tally = await self._tally_of_program()
-            scanner = _Scanner(tally.checkup.program, run.level, run.limits)
+        """Examine ticks of a run in another process, until cancelled or until that fails."""
+        tally = await self._tally_of_program()
+        helper: TaskHelper | None = None
+        tasks: list[object] = [(tally.checkup.program, run.level, run.limits)]
 
-            async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_ProbeAnswer] | None:
-                stored = await run.recorded(ticks)
-                return await scanner.scan(probes, stored) if stored else None
+        async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_ProbeAnswer]:
+            nonlocal helper
+            helper = helper or TaskHelper(__name__)
+            recorded = await run.recorded(ticks)
+            tasks.append((probes, [tick[1:] for tick in recorded]))
+            return await asyncio.to_thread(exchange, helper)
 
-            try:
-                await self._work(tally, ask, len(run.level.robots), is_helping=True)
-            finally:
-                scanner.close()
+        def exchange(helper: TaskHelper) -> list[_ProbeAnswer]:
+            for task in tasks:
+                helper.send(task)
+            tasks.clear()
+            return [_ProbeAnswer(*fields) for fields in helper.answer()]
+
+        try:
+            await self._work(tally, ask, len(run.level.robots), is_helping=True)
+        finally:
+            if helper is not None:
+                helper.end()
 
     async def diagnose(self, history: TickHistory, first: int) -> Diagnosis:
         last, turns = history.last, history.turns
@@ -358,16 +363,14 @@ class _DiagnosisRun:
                     await self._changed.wait()
                 continue
             self._pending += len(ticks)
-            answers = None
             try:
                 answers = await ask([tally.checkup.probes[number].name for number in probes], ticks)
+            except BaseException:
+                self._other_ticks.extendleft(ticks)
+                raise
             finally:
                 self._pending -= len(ticks)
                 self._changed.set()
-                if answers is None:
-                    self._other_ticks.extendleft(ticks)
-            if answers is None:
-                return
             for answer in answers:
                 if answer.views is None:
                     tally.give_up(names[answer.probe])
@@ -433,67 +436,12 @@ def _movement_samples(observed: Observations) -> list[tuple[str, list[int]]]:
     return [(robot, ticks) for (robot, _), ticks in samples.items()]
 
 
-class _Scanner:
-    """A process that scans ticks of a level; a failure leaves them to others."""
-
-    def __init__(self, program: Program, level: Level, limits: Limits) -> None:
-        self._start = pickle.dumps((program, level, limits))
-        self._process: Helper | None = None
-        self._guard = threading.Lock()
-        self.is_over = False
-
-    async def scan(
-        self, probes: Sequence[str], ticks: Sequence[RecordedTick]
-    ) -> list[_ProbeAnswer] | None:
-        """Return what probes answer at some ticks of the level, or None if the process failed."""
-        request = pickle.dumps((probes, [tick[1:] for tick in ticks]))
-        return await asyncio.to_thread(self._exchange, request)
-
-    def close(self) -> None:
-        with self._guard:
-            self.is_over = True
-            if self._process is not None:
-                self._process.end()
-
-    def _exchange(self, request: bytes) -> list[_ProbeAnswer] | None:
-        try:
-            with self._guard:
-                if self.is_over:
-                    return None
-                if self._process is None:
-                    self._process = Helper(__name__)
-                    _write(self._process, self._start)
-                process = self._process
-            _write(process, request)
-            assert process.stdout is not None
-            return [_ProbeAnswer(*fields) for fields in json.loads(process.stdout.readline())]
-        except (OSError, ValueError, TypeError):
-            self.is_over = True
-            return None
-
-
-def _write(process: Helper, content: bytes) -> None:
-    assert process.stdin is not None
-    remaining = memoryview(len(content).to_bytes(8, "big") + content)
-    while remaining:
-        remaining = remaining[os.write(process.stdin.fileno(), remaining) :]
-
-
 def main() -> None:
     begin(PROCESSOR_SECONDS)
-    program, level, limits = _read()
+    program, level, limits = next_task()
     thinker = Thinker("scan")
     with suppress(EOFError):
         while True:
-            probes, moments = _read()
+            probes, moments = next_task()
             ticks = [RecordedTick(level, previous, moment) for previous, moment in moments]
-            answers = scan(thinker, program, limits, probes, ticks)
-            sys.stdout.write(json.dumps([*answers]) + "\n")
-            sys.stdout.flush()
-
-
-def _read() -> Any:
-    size = int.from_bytes(sys.stdin.buffer.read(8), "big")
-    if not size:
-        raise EOFError
-    return pickle.loads(sys.stdin.buffer.read(size))  # noqa: S301 - from the command that started this
+            send_answer([*scan(thinker, program, limits, probes, ticks)])

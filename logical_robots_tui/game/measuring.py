@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import math
 import os
-import pickle
 import random
 import sys
 import threading
@@ -19,7 +17,8 @@ from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.minds import mind_for
 from logical_robots_tui.game.victory import measures_of, reached_goals
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.processes.helper import Helper, begin
+from logical_robots_tui.processes.helper import begin
+from logical_robots_tui.processes.messages import TaskHelper, next_task, send_answer
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import Beacon, Level, Robot, World
 from logical_robots_tui.world.level import GoalKind, rename_in_areas
@@ -226,72 +225,41 @@ async def measure(
     ended early, after so many processor seconds at the latest, or the clock cut off a thought.
     """
     loop = asyncio.get_running_loop()
-    process = _MeasuringProcess(pickle.dumps((level, program, measures)), seconds)
+    helper: TaskHelper
 
-    def report_soon(trial: Trial) -> None:
-        if not process.is_over:
-            loop.call_soon_threadsafe(report, trial)
+    def report_unless_over(trial: Trial) -> None:
+        if helper.returncode is None:
+            report(trial)
+
+    def exchange() -> Measures | None:
+        helper.send((level, program, measures))
+        while "tried" in (answer := helper.answer()):
+            trial = Trial(answer["tried"], answer["wins"])
+            loop.call_soon_threadsafe(report_unless_over, trial)
+        if answer["late"]:
+            raise MeasuringError
+        fields = answer["measures"]
+        return fields and Measures(**{**fields, "goals": tuple(fields["goals"])})
 
     try:
-        return await asyncio.to_thread(process.run, report_soon)
-    finally:
-        process.end()
-
-
-class _MeasuringProcess:
-    """A measuring process; one thread talks to it, any thread may end it."""
-
-    def __init__(self, request: bytes, seconds: int) -> None:
-        self._request, self._seconds = request, seconds
-        self._guard = threading.Lock()
-        self._process: Helper | None = None
-        self.is_over = False
-
-    def end(self) -> None:
-        with self._guard:
-            self.is_over = True
-            if self._process is not None:
-                self._process.kill()
-
-    def run(self, report: Callable[[Trial], None]) -> Measures | None:
-        """Run the process and return its result. Blocks."""
-        with self._guard:
-            if self.is_over:
-                raise MeasuringError
-            self._process = process = Helper(__name__, str(self._seconds))
-        assert process.stdin is not None
-        assert process.stdout is not None
+        helper = TaskHelper(__name__, str(seconds))
         try:
-            process.stdin.write(len(self._request).to_bytes(8, "big") + self._request)
-            process.stdin.flush()
-            for answer in map(json.loads, process.stdout):
-                if "tried" in answer:
-                    report(Trial(answer["tried"], answer["wins"]))
-                elif answer["late"]:
-                    raise MeasuringError
-                else:
-                    fields = answer["measures"]
-                    return fields and Measures(**{**fields, "goals": tuple(fields["goals"])})
-            raise MeasuringError
-        except (OSError, ValueError) as error:
-            raise MeasuringError from error
+            return await asyncio.to_thread(exchange)
         finally:
-            with self._guard:
-                self._process = None
-            process.end()
+            helper.end()
+    except (OSError, ValueError) as error:
+        raise MeasuringError from error
 
 
 def main() -> None:
     begin(int(sys.argv[2]))
     os.nice(NICENESS)
-    size = int.from_bytes(sys.stdin.buffer.read(8), "big")
-    request = sys.stdin.buffer.read(size)
-    level, program, measures = pickle.loads(request)  # noqa: S301 - from the game that started this
+    level, program, measures = next_task()
     try:
         final = _measure(level, program, measures)
-        _send(late=False, measures=final and final._asdict())
+        send_answer({"late": False, "measures": final and final._asdict()})
     except LateError:
-        _send(late=True)
+        send_answer({"late": True})
 
 
 def _measure(level: Level, program: Program, measures: Measures | None) -> Measures | None:
@@ -302,15 +270,14 @@ def _measure(level: Level, program: Program, measures: Measures | None) -> Measu
         measures = measures_of(level, program, play.won_at, play.distance, play.is_blocked)
     patience = patience_for(measures.ticks)
     if measures.wins is None:
-        wins = try_starts(level, program, patience, report=lambda n, won: _send(tried=n, wins=won))
+
+        def report(tried: int, wins: int) -> None:
+            send_answer({"tried": tried, "wins": wins})
+
+        wins = try_starts(level, program, patience, report=report)
         measures = measures._replace(wins=wins, starts=STARTS)
     goal_values: dict[GoalKind, int] = {"starts": measures.starts - (measures.wins or 0)}
     if any(goal.kind == "mirrored" for goal in level.second_goals):
         goal_values["mirrored"] = play_through(mirror(level), program, patience).won_at is None
     goals = dict.fromkeys((*measures.goals, *reached_goals(level, goal_values)))
     return measures._replace(goals=tuple(goals))
-
-
-def _send(**fields: object) -> None:
-    sys.stdout.write(json.dumps(fields) + "\n")
-    sys.stdout.flush()

@@ -92,16 +92,9 @@ class Run:
         return RunHistory(self, self._recording.first, tick)
 
     async def recorded(self, ticks: Sequence[int]) -> list[RecordedTick]:
-        """Return some computed ticks; [] if they are lost."""
-
-        def read(_stop: threading.Event) -> list[RecordedTick]:
-            try:
-                history = RunHistory(self, 0, self.last)
-                return [history.recorded(tick) for tick in ticks]
-            except DamagedRunError:
-                return []
-
-        return await self._thinker.do(read)
+        """Return some computed ticks, or raise DamagedRunError."""
+        history = RunHistory(self, 0, self.last)
+        return await self._thinker.do(lambda _stop: [history.recorded(tick) for tick in ticks])
 
     def moment(self, tick: int) -> Moment:
         """Return a computed tick's end, while no work is being done, or raise DamagedRunError."""

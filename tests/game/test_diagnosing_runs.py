@@ -69,7 +69,7 @@ async def test_without_the_second_process_it_takes_longer(
     def refuse(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr(diagnosing, "Helper", refuse)
+    monkeypatch.setattr(diagnosing, "TaskHelper", refuse)
     assert (await of_run(level))[0].findings == expected.findings
 
 
