@@ -17,8 +17,7 @@ from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally, chec
 from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.findings import Observations, findings_of, observe
-from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.history.recording import DamagedRunError
+from logical_robots_tui.game.frame import NoSuchTickError, Superseded
 from logical_robots_tui.mind import Limits, Program
 from logical_robots_tui.mind.compilation import Task, find_result, keep_result
 from logical_robots_tui.processes.helper import begin
@@ -27,7 +26,7 @@ from logical_robots_tui.processes.messages import TaskHelper, next_task, send_an
 if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.sites import Rows
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.history import TickHistory
+    from logical_robots_tui.game.history.history import History, TickHistory
     from logical_robots_tui.game.run import Run
 
 _FEWEST = 20  # ticks that are examined
@@ -118,18 +117,17 @@ async def diagnose(
     `report` gets the work done and the total, `show` what was found so far. Raises QueryError
     for a program that is too complex, Superseded if another branch began.
     """
-    history = game.history
-    last_begin = [begin for begin, program in history.programs(history.last)][-1:]
-    first = max([1, history.first, *last_begin])
+    history, last = game.history, game.history.last
+    last_begin = [begin for begin, program in history.programs(last)][-1:]
     diagnosis_run = _DiagnosisRun(game.program, Limits(), report, show)
     try:
-        return await diagnosis_run.diagnose(history, first)
+        return await diagnosis_run.diagnose(history, max([1, history.first, *last_begin]), last)
     finally:
         await diagnosis_run.close()
 
 
 async def diagnose_history(
-    history: TickHistory, program: Program, limits: Limits, questions: int
+    history: History, program: Program, limits: Limits, questions: int
 ) -> Diagnosis:
     """Diagnose a program over ticks with a fixed number of questions, in a reproducible order.
 
@@ -137,7 +135,7 @@ async def diagnose_history(
     """
     diagnosis_run = _DiagnosisRun(program, limits, lambda *_: None, lambda _: None, questions)
     try:
-        return await diagnosis_run.diagnose(history, max(1, history.first))
+        return await diagnosis_run.diagnose(history, max(1, history.first), history.last)
     finally:
         await diagnosis_run.close()
 
@@ -165,33 +163,27 @@ async def diagnose_run(
     diagnosis = await asyncio.to_thread(find_result, task, Diagnosis)
     if diagnosis is not None:
         return diagnosis
-    try:
-        diagnosis = await _diagnose_run(run, ticks, on_tick, report, show)
-    except DamagedRunError:
-        await run.forget()
-        diagnosis = await _diagnose_run(run, ticks, on_tick, report, show)
+
+    async def examine() -> Diagnosis:
+        diagnosis_run = _DiagnosisRun(run.program, run.limits, report, show)
+        helper_task = asyncio.create_task(diagnosis_run.help(run))
+
+        def handle_tick(tick: int) -> None:
+            on_tick(tick)
+            diagnosis_run.offer(tick)
+
+        try:
+            last = await run.to_end(ticks, handle_tick)
+            return await diagnosis_run.diagnose(run, max(1, run.first_before(last)), last)
+        finally:
+            helper_task.cancel()
+            await asyncio.gather(helper_task, return_exceptions=True)
+            await diagnosis_run.close()
+
+    diagnosis = await run.repeat_if_damaged(examine)
     if diagnosis.is_reliable and not diagnosis.given_up:
         await asyncio.to_thread(keep_result, task, diagnosis)
     return diagnosis
-
-
-async def _diagnose_run(
-    run: Run, ticks: int, on_tick: Callable[[int], object], report: Report, show: Show
-) -> Diagnosis:
-    diagnosis_run = _DiagnosisRun(run.program, run.limits, report, show)
-    helper_task = asyncio.create_task(diagnosis_run.help(run))
-
-    def handle_tick(tick: int) -> None:
-        on_tick(tick)
-        diagnosis_run.offer(tick)
-
-    try:
-        history = await run.to_end(ticks, handle_tick)
-        return await diagnosis_run.diagnose(history, max(1, history.first))
-    finally:
-        helper_task.cancel()
-        await asyncio.gather(helper_task, return_exceptions=True)
-        await diagnosis_run.close()
 
 
 def extent(diagnosis: Diagnosis) -> str:
@@ -266,8 +258,7 @@ class _DiagnosisRun:
         async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_ProbeAnswer]:
             nonlocal helper
             helper = helper or TaskHelper(__name__)
-            recorded = await run.recorded(ticks)
-            tasks.append((probes, [tick[1:] for tick in recorded]))
+            tasks.append((probes, [run.recorded(tick)[1:] for tick in ticks]))
             return await asyncio.to_thread(exchange, helper)
 
         def exchange(helper: TaskHelper) -> list[_ProbeAnswer]:
@@ -282,8 +273,8 @@ class _DiagnosisRun:
             if helper is not None:
                 helper.end()
 
-    async def diagnose(self, history: TickHistory, first: int) -> Diagnosis:
-        last, turns = history.last, history.turns
+    async def diagnose(self, history: TickHistory, first: int, last: int) -> Diagnosis:
+        turns = history.turns
         if last < first:
             return Diagnosis((), first, last, None, 1, 1, 0)
         tally = await self._tally_of_program()
@@ -294,8 +285,11 @@ class _DiagnosisRun:
         def stored(ticks: Sequence[int]) -> list[RecordedTick]:
             if history.turns != turns:
                 raise Superseded
-            # Others were dropped in the meantime.
-            return [history.recorded(tick) for tick in ticks if tick >= history.first]
+            recorded = []
+            for tick in ticks:
+                with suppress(NoSuchTickError):  # it was dropped in the meantime
+                    recorded.append(history.recorded(tick))
+            return recorded
 
         async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_ProbeAnswer]:
             program, limits, stored_ticks = tally.checkup.program, self._limits, stored(ticks)

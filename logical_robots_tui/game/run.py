@@ -7,7 +7,7 @@ import json
 import platform
 import sqlite3
 import threading
-from collections.abc import AsyncGenerator, Callable, Sequence
+from collections.abc import AsyncGenerator, Awaitable, Callable
 from dataclasses import asdict
 from functools import cache, partial
 from pathlib import Path
@@ -47,18 +47,23 @@ class Run:
 
     Ticks computed earlier are not computed again; only the sensors are. `close` writes the
     computed ticks to disk. `key` is a digest of everything on which they depend.
+    Computed ticks can be read in any thread, as those of a `History`.
     """
+
+    turns = 0  # it has no other branch
 
     def __init__(self, level: Level, program: Program, *, limits: Limits | None = None) -> None:
         self.level = level
         self.program = program
         self.limits = limits or Limits()
-        self._thinker = Thinker("run")
+        self.thinker = Thinker("run")
         self._worlds = Worlds(level)
         self._latest: Frame = start_frame(level, self._worlds.world_for(level))
-        start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
+        self._start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
+        self._moment = self._start  # the last one that was read
         self.key = run_key(level, program, self.limits)
-        self._recording = Recording(self.key, level, start)
+        self._recording = Recording(self.key, level, self._start)
+        self._guard = threading.Lock()  # of the recording, which is read in any thread
 
     @property
     def last(self) -> int:
@@ -73,34 +78,57 @@ class Run:
         """Return the frame of a tick; `report` gets the last computed tick as work proceeds."""
         while self._recording.last < tick:
             deadline = CLOCK.now() + _SECONDS
-            await self._thinker.do(partial(self._computed_frame, tick, deadline=deadline))
+            await self.thinker.do(partial(self._computed_frame, tick, deadline=deadline))
             report(self._recording.last)
         (frame,) = [f async for f in self.map_ticks(tick, tick, lambda f, _mind, _stop: f)]
         return frame
 
-    async def to_end(
-        self, last: int, report: Callable[[int], object] = lambda _tick: None
-    ) -> RunHistory:
-        """Return the ticks up to a victory, the end of a match, or `last`.
+    async def to_end(self, last: int, report: Callable[[int], object] = lambda _tick: None) -> int:
+        """Compute up to a victory, the end of a match, or `last`, and return that tick.
 
         `report` gets the last computed tick as work proceeds.
         """
-        over = False
+        tick, over = 0, False
         while not over:
-            tick, over = await self._thinker.do(partial(self._compute_to_end, last))
+            tick, over = await self.thinker.do(partial(self._compute_to_end, last))
             report(tick)
-        return RunHistory(self, self._recording.first, tick)
+        return tick
 
-    async def recorded(self, ticks: Sequence[int]) -> list[RecordedTick]:
-        """Return some computed ticks, or raise DamagedRunError."""
-        history = RunHistory(self, 0, self.last)
-        return await self._thinker.do(lambda _stop: [history.recorded(tick) for tick in ticks])
+    async def repeat_if_damaged(self, work: Callable[[], Awaitable[T]]) -> T:
+        """Return the result of work, done again without the stored ticks if they are damaged."""
+        try:
+            return await work()
+        except DamagedRunError:
+            await self.thinker.do(lambda _stop: self._forget())
+            return await work()
+
+    def first_before(self, last: int) -> int:
+        """Return the first tick from which on all up to this one can be restored."""
+        return self._recording.first_before(last)
 
     def moment(self, tick: int) -> Moment:
-        """Return a computed tick's end, while no work is being done, or raise DamagedRunError."""
-        if self._recording.is_in_gap(tick):
-            raise DamagedRunError(f"tick {tick} was dropped")
-        return self._recording.moment(tick)
+        """Return the state after a computed tick; raises NoSuchTickError or DamagedRunError."""
+        with self._guard:
+            if self._moment.after.tick != tick:
+                self._moment = self._recording.moment(tick)
+            return self._moment
+
+    def memory(self, tick: int, robot: str) -> Value:
+        """Return a robot's memory after a computed tick, with the errors of `moment`."""
+        with self._guard:
+            return self._recording.memory(tick, robot)
+
+    def recorded(self, tick: int) -> RecordedTick:
+        return RecordedTick(self.level, self.moment(max(tick - 1, 0)), self.moment(tick))
+
+    def level_at(self, _tick: int) -> Level:
+        return self.level
+
+    def program_at(self, _tick: int) -> Program:
+        return self.program
+
+    def is_reliable_up_to(self, _tick: int) -> bool:
+        return self.is_reproducible
 
     async def map_ticks(
         self,
@@ -114,31 +142,17 @@ class Run:
         tick, over = first, False
         while tick <= last and not over:
             batch = partial(self._map_batch, tick, last, work, to_victory)
-            results, over = await self._thinker.do(batch)
+            results, over = await self.thinker.do(batch)
             for result in results:
                 yield result
             tick += len(results)
 
-    async def memories(self, robot: str, tick: int) -> AsyncGenerator[Sequence[Value]]:
-        """Yield a robot's memory after a tick, the tick before, and so on, in batches."""
-        while tick >= 0:
-            batch = await self._thinker.do(partial(self._memories, robot, tick))
-            if batch is not None:
-                yield batch
-                tick -= len(batch)
-                if not batch:
-                    return
-
-    async def forget(self) -> None:
-        """Discard all computed ticks."""
-        await self._thinker.do(lambda _stop: self._forget())
-
     async def close(self) -> None:
         """Save the computed ticks, and free the mind."""
         try:
-            await self._thinker.do(lambda _stop: self._recording.save())
+            await self.thinker.do(lambda _stop: self._recording.save())
         finally:
-            await self._thinker.close()
+            await self.thinker.close()
 
     # The rest is called in the thread.
 
@@ -157,27 +171,10 @@ class Run:
             frame = self._computed_frame(tick + len(results), stop, deadline=deadline)
             if frame is None:
                 break
-            mind = mind or self._thinker.mind(self.program, self.level, self.limits)
+            mind = mind or self.thinker.mind(self.program, self.level, self.limits)
             results.append(work(frame, mind, stop))
             over = to_victory and frame.after.won_at is not None
         return results, over
-
-    def _memories(self, robot: str, tick: int, stop: threading.Event) -> list[Value] | None:
-        """Return some memories; none in a gap, None while the tick is still computed."""
-        deadline = CLOCK.now() + _SECONDS
-        if self._recording.last < tick:
-            self._computed_frame(tick, stop, deadline=deadline)
-            return None
-        memories: list[Value] = []
-        try:
-            for t in range(tick, -1, -1):
-                if self._recording.is_in_gap(t) or (memories and CLOCK.now() >= deadline):
-                    break
-                memories.append(self._recording.memory(t, robot))
-        except DamagedRunError:
-            self._forget()
-            return None
-        return memories
 
     def _compute_to_end(self, last: int, stop: threading.Event) -> tuple[int, bool]:
         """Return the tick reached after a while, and whether the run ends there."""
@@ -185,7 +182,7 @@ class Run:
         try:
             while True:
                 tick = min(self._recording.last, last)
-                ends = (self._recording.moment(tick).after.won_at, self.level.match_ticks, last)
+                ends = (self.moment(tick).after.won_at, self.level.match_ticks, last)
                 end = min(filter(None, ends))
                 if end <= tick or CLOCK.now() >= deadline:
                     return min(tick, end), end <= tick
@@ -204,20 +201,24 @@ class Run:
     def _compute(self, tick: int, stop: threading.Event, deadline: float) -> bool:
         """Compute ticks up to one, unless that takes too long; return whether it is there."""
         if any(self._recording.is_in_gap(t) for t in (max(tick - 1, 0), tick)):
-            self._recording.return_to_gap()
+            with self._guard:
+                self._recording.return_to_gap()
         while self._recording.last < tick and CLOCK.now() < deadline:
             old = self._stored_frame(self._recording.last)
-            mind = self._thinker.mind(self.program, self.level, self.limits)
+            mind = self.thinker.mind(self.program, self.level, self.limits)
             (step,) = advance(
                 self._worlds, self.level, mind, old, (), _NO_WATCH, stop, CLOCK, seconds=0, limit=1
             )
             frame = self._latest = step.frame
-            distance = self._recording.moment(old.tick).driven + frame.distance
-            self._recording.add(Moment.from_frame(frame, distance))
+            distance = self.moment(old.tick).driven + frame.distance
+            with self._guard:
+                self._recording.add(Moment.from_frame(frame, distance))
         return tick <= self._recording.last
 
     def _forget(self) -> None:
-        self._recording.forget()
+        with self._guard:
+            self._recording.forget()
+            self._moment = self._start
         self._latest = start_frame(self.level)
 
     def _stored_frame(self, tick: int) -> Frame:
@@ -225,37 +226,10 @@ class Run:
             return self._latest
         previous: Frame | Moment = self._latest
         if self._latest.tick != tick - 1:
-            previous = self._recording.moment(max(tick - 1, 0))
-        recorded = RecordedTick(self.level, previous, self._recording.moment(tick))
+            previous = self.moment(max(tick - 1, 0))
+        recorded = RecordedTick(self.level, previous, self.moment(tick))
         self._latest = frame_of(self._worlds, recorded)
         return self._latest
-
-
-class RunHistory:
-    """The ticks of a run up to one, as a `History` has those of a game."""
-
-    turns = 0
-
-    def __init__(self, run: Run, first: int, last: int) -> None:
-        self._run = run
-        self.first, self.last = first, last
-        self._latest: Moment | None = None
-
-    def moment(self, tick: int) -> Moment:
-        """Return the state after a tick, or raise DamagedRunError."""
-        if self._latest is None or self._latest.after.tick != tick:
-            self._latest = self._run.moment(tick)
-        return self._latest
-
-    def recorded(self, tick: int) -> RecordedTick:
-        previous = self.moment(max(tick - 1, 0))
-        return RecordedTick(self._run.level, previous, self.moment(tick))
-
-    def level_at(self, _tick: int) -> Level:
-        return self._run.level
-
-    def is_reliable_up_to(self, _tick: int) -> bool:
-        return self._run.is_reproducible
 
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:

@@ -7,8 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from logical_robots_tui.game import diagnosing, load_program
+from logical_robots_tui.explain.why.explanation import Subject
+from logical_robots_tui.game import diagnosing, load_program, origin_in_run
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose_run, extent
+from logical_robots_tui.game.history import recording
 from logical_robots_tui.game.history.marks import ROUNDS, Rounds
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import Level, World, list_levels, load_level
@@ -57,6 +59,20 @@ async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level:
         found = await diagnose_run(run, 300)
     assert frame.after.won_at is not None
     assert found.last == found.won_at == frame.after.won_at
+
+
+@pytest.mark.usefixtures("folder")
+async def test_of_a_run_that_is_too_long_for_memory_the_end_is_diagnosed(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "MAX_BYTES", 1_000)
+    monkeypatch.setattr(recording, "MAX_HELD_BYTES", 3_000)
+    async with opened(level, TEXT) as run:
+        diagnosis = await diagnose_run(run, 2 * TICKS)
+        origin = await origin_in_run(run, "Ada", Subject(path=("n",)), 2 * TICKS)
+    assert 1 < diagnosis.first < diagnosis.last == 2 * TICKS
+    assert diagnosis.findings
+    assert (origin.links[0].value, origin.complete) == (2 * TICKS, False)
 
 
 @pytest.mark.usefixtures("folder")

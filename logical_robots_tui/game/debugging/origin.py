@@ -11,7 +11,7 @@ import re
 import threading
 from collections.abc import AsyncGenerator, Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from logical_robots_tui import explain
 from logical_robots_tui.explain.why.explanation import Ask, Path, Read, Subject, ValueSource
@@ -25,8 +25,9 @@ from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.history.history import TickHistory
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.mind import Mind
+    from logical_robots_tui.mind import Limits, Mind, Program
 
 _MOST_LINKS = 16
 _MOST_READS = 4  # per link that are traced
@@ -91,7 +92,13 @@ async def origin_in_run(
     report: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
     """Trace a value at a tick of a run, or raise QueryError."""
-    return await _origin_of(_RunTicks(run, report), robot, subject, tick)
+
+    async def trace() -> Origin:
+        await run.frame(tick, report)
+        ticks = _Ticks(run, run.program, run.limits, run.thinker, report)
+        return await _origin_of(ticks, robot, subject, tick)
+
+    return await run.repeat_if_damaged(trace)
 
 
 async def origin_in_game(
@@ -106,12 +113,13 @@ async def origin_in_game(
     Each tick is examined with the program that decided it. Raises QueryError, or Superseded if
     the game switched to another branch.
     """
-    ticks = _GameTicks(game, report)
+    thinker = Thinker("origin")
+    ticks = _Ticks(game.history, game.program, game.limits, thinker, report)
     try:
         tick = game.frame.tick if tick is None else tick
         return await _origin_of(ticks, robot, subject, tick)
     finally:
-        await ticks.thinker.close()
+        await thinker.close()
 
 
 async def _origin_of(ticks: _Ticks, robot: str, subject: Subject, tick: int) -> Origin:
@@ -294,40 +302,28 @@ def _memories_in(source: ValueSource) -> dict[tuple[str, Path | None], Value]:
     return memories
 
 
-_Ticks: TypeAlias = "_RunTicks | _GameTicks"
-"""The ticks in which a value is traced."""
+class _Ticks:
+    """The ticks of a history in which a value is traced."""
 
-
-class _RunTicks:
-    def __init__(self, run: Run, report: Callable[[int], object]) -> None:
-        self._run, self._report = run, report
-        self.memories = run.memories
-
-    async def source(self, tick: int, robot: str, subject: Subject) -> ValueSource:
-        """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
-        self._report(tick)
-
-        def work(frame: Frame, mind: Mind, stop: threading.Event) -> ValueSource:
-            return _source(robot, subject, frame, mind, stop)
-
-        (source,) = [source async for source in self._run.map_ticks(tick, tick, work)]
-        return source
-
-
-class _GameTicks:
-    def __init__(self, game: Game, report: Callable[[int], object]) -> None:
-        self._game, self._report = game, report
-        self._turns = game.history.turns
-        self.thinker = Thinker("origin")
+    def __init__(
+        self,
+        history: TickHistory,
+        program: Program,
+        limits: Limits,
+        thinker: Thinker,
+        report: Callable[[int], object],
+    ) -> None:
+        self._history, self._program, self._limits = history, program, limits
+        self._thinker, self._report = thinker, report
+        self._turns = history.turns
 
     async def memories(self, robot: str, tick: int) -> AsyncGenerator[Sequence[Value]]:
         """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
-        history = self._game.history
         while tick >= 0:
             batch: list[Value] = []
             for past_tick in range(tick, max(tick - _SLICE, -1), -1):
                 try:
-                    batch.append(history.memory(past_tick, robot))
+                    batch.append(self._history.memory(past_tick, robot))
                 except (NoSuchTickError, LookupError):
                     break
             yield batch
@@ -335,30 +331,30 @@ class _GameTicks:
                 return
             tick -= len(batch)
             self._report(tick)
-            await self.thinker.do(lambda _stop: None)  # lets the event loop go on
+            await self._thinker.do(lambda _stop: None)  # lets the event loop go on
             self._check()
 
     async def source(self, tick: int, robot: str, subject: Subject) -> ValueSource:
+        """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
         self._check()
         self._report(tick)
-        history = self._game.history
         try:
-            recorded = history.recorded(tick)
+            recorded = self._history.recorded(tick)
         except NoSuchTickError:
             raise QueryError(f"Tick {tick} is no longer in the timeline.") from None
         if not recorded.moment.decisions:
             raise QueryError("No robot has decided in this tick.")
-        program = history.program_at(tick) or self._game.program
+        program = self._history.program_at(tick) or self._program
         program = program.for_team(recorded.level.team_of(robot))
 
         def work(stop: threading.Event) -> ValueSource:
-            frame, mind = self.thinker.replay(program, recorded, self._game.limits)
+            frame, mind = self._thinker.replay(program, recorded, self._limits)
             return _source(robot, subject, frame, mind, stop)
 
-        return await self.thinker.do(work)
+        return await self._thinker.do(work)
 
     def _check(self) -> None:
-        if self._game.history.turns != self._turns:
+        if self._history.turns != self._turns:
             raise Superseded
 
 

@@ -20,6 +20,7 @@ from typing import Any
 import orjson
 
 from logical_robots_tui.caching import CacheFolder, cache_place
+from logical_robots_tui.game.frame import NoSuchTickError
 from logical_robots_tui.game.history.packing import (
     Moment,
     OpenPacks,
@@ -74,15 +75,14 @@ class Recording:
     def last(self) -> int:
         return self._packed + len(self._loose) - 1
 
-    @property
-    def first(self) -> int:
-        """The first tick after the gap, or 0."""
-        tick = self._packed
+    def first_before(self, last: int) -> int:
+        """Return the first tick from which on all up to this one can be restored."""
+        first = self._packed
         for piece in reversed(self._pieces):
-            if piece.ticks.stop != tick:
-                return tick
-            tick = piece.first
-        return tick
+            if piece.ticks.stop != first and first <= last:
+                return first + 1  # the state before the first is lost
+            first = piece.first
+        return 0
 
     @property
     def is_reproducible(self) -> bool:
@@ -91,7 +91,7 @@ class Recording:
 
     def is_in_gap(self, tick: int) -> bool:
         """Return whether the state after a tick was stored, but has been dropped."""
-        return tick < self._packed and tick not in self._piece(tick).ticks
+        return tick < self._packed and tick not in self._pieces[self._index(tick)].ticks
 
     def return_to_gap(self) -> None:
         pieces = list(_contiguous_prefix(self._pieces))
@@ -99,7 +99,10 @@ class Recording:
             self._pieces, self._loose = pieces, []
 
     def moment(self, tick: int) -> Moment:
-        """Return the state after a stored tick; raises DamagedRunError if its file is invalid."""
+        """Return the state after a stored tick.
+
+        Raises NoSuchTickError if it was dropped, DamagedRunError if its file is invalid.
+        """
         if tick >= self._packed:
             return self._loose[tick - self._packed]
         piece = self._piece(tick)
@@ -110,7 +113,7 @@ class Recording:
         return moment
 
     def memory(self, tick: int, robot: str) -> Value:
-        """Return a robot's memory after a stored tick; raises DamagedRunError as `moment` does."""
+        """Return a robot's memory after a stored tick, with the errors of `moment`."""
         if tick >= self._packed:
             return self._loose[tick - self._packed].memories[robot]
         piece = self._piece(tick)
@@ -159,7 +162,12 @@ class Recording:
         return self._pieces[-1].ticks.stop if self._pieces else 0
 
     def _piece(self, tick: int) -> _RecordedPiece:
-        return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
+        if self.is_in_gap(tick):
+            raise NoSuchTickError(f"Tick {tick} was dropped.")
+        return self._pieces[self._index(tick)]
+
+    def _index(self, tick: int) -> int:
+        return bisect_right(self._pieces, tick, key=_first_of) - 1
 
     def _up_to(self, last: float) -> Iterator[_RecordedPiece]:
         pieces = list(_contiguous_prefix(self._pieces))
