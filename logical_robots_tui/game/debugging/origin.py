@@ -95,7 +95,7 @@ async def origin_in_run(
 
     async def trace() -> Origin:
         await run.frame(tick, report)
-        ticks = _Ticks(run, run.program, run.limits, run.thinker, report)
+        ticks = _TracedTicks(run, run.program, run.limits, run.thinker, report)
         return await _origin_of(ticks, robot, subject, tick)
 
     return await run.repeat_if_damaged(trace)
@@ -114,7 +114,7 @@ async def origin_in_game(
     the game switched to another branch.
     """
     thinker = Thinker("origin")
-    ticks = _Ticks(game.history, game.program, game.limits, thinker, report)
+    ticks = _TracedTicks(game.history, game.program, game.limits, thinker, report)
     try:
         tick = game.frame.tick if tick is None else tick
         return await _origin_of(ticks, robot, subject, tick)
@@ -122,7 +122,7 @@ async def origin_in_game(
         await thinker.close()
 
 
-async def _origin_of(ticks: _Ticks, robot: str, subject: Subject, tick: int) -> Origin:
+async def _origin_of(ticks: _TracedTicks, robot: str, subject: Subject, tick: int) -> Origin:
     """Trace a value at a tick, or raise QueryError."""
     tracing = _Tracing(ticks)
     if is_memory(subject):
@@ -182,7 +182,7 @@ class _PendingInput:
 
 
 class _Tracing:
-    def __init__(self, ticks: _Ticks) -> None:
+    def __init__(self, ticks: _TracedTicks) -> None:
         self._ticks = ticks
         self._links: list[Link] = []
         self._numbers: dict[str, int] = {}
@@ -302,7 +302,7 @@ def _memories_in(source: ValueSource) -> dict[tuple[str, Path | None], Value]:
     return memories
 
 
-class _Ticks:
+class _TracedTicks:
     """The ticks of a history in which a value is traced."""
 
     def __init__(
