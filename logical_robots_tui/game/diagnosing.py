@@ -13,7 +13,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from logical_robots_tui.clock import CLOCK
-from logical_robots_tui.explain.diagnosis.sites import Checkup, ProbeTally, check_up
+from logical_robots_tui.explain.diagnosis.sites import ProbeTally, check_up
 from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.findings import Observations, findings_of, observe
@@ -117,13 +117,9 @@ async def diagnose(
     `report` gets the work done and the total, `show` what was found so far. Raises QueryError
     for a program that is too complex, Superseded if another branch began.
     """
-    history, last = game.history, game.history.last
-    last_begin = [begin for begin, program in history.programs(last)][-1:]
-    diagnosis_run = _DiagnosisRun(game.program, Limits(), report, show)
-    try:
-        return await diagnosis_run.diagnose(history, max([1, history.first, *last_begin]), last)
-    finally:
-        await diagnosis_run.close()
+    last_begin = [begin for begin, _ in game.history.programs(game.history.last)][-1:]
+    diagnosis_run = _DiagnosisRun(game.program, Limits(), report=report, show=show)
+    return await diagnosis_run.diagnose_history(game.history, *last_begin)
 
 
 async def diagnose_history(
@@ -133,11 +129,7 @@ async def diagnose_history(
 
     Raises QueryError for a program that is too complex.
     """
-    diagnosis_run = _DiagnosisRun(program, limits, lambda *_: None, lambda _: None, questions)
-    try:
-        return await diagnosis_run.diagnose(history, max(1, history.first), history.last)
-    finally:
-        await diagnosis_run.close()
+    return await _DiagnosisRun(program, limits, questions).diagnose_history(history)
 
 
 class _DiagnoseRun(Task, frozen=True):
@@ -165,7 +157,7 @@ async def diagnose_run(
         return diagnosis
 
     async def examine() -> Diagnosis:
-        diagnosis_run = _DiagnosisRun(run.program, run.limits, report, show)
+        diagnosis_run = _DiagnosisRun(run.program, run.limits, report=report, show=show)
         helper_task = asyncio.create_task(diagnosis_run.help(run))
 
         def handle_tick(tick: int) -> None:
@@ -218,15 +210,14 @@ class _DiagnosisRun:
         self,
         program: Program,
         limits: Limits,
-        report: Report,
-        show: Show,
         questions: int = _MORE_QUESTIONS,
+        report: Report = lambda _done, _all: None,
+        show: Show = lambda _diagnosis: None,
     ) -> None:
         self._program, self._limits, self._questions = program, limits, questions
         self._report, self._show = report, show
         self._thinker = Thinker("diagnose")
-        self._preparing: asyncio.Task[Checkup] | None = None
-        self._tally: ProbeTally | None = None
+        self._preparing = asyncio.create_task(self._prepare())
         # Ticks to examine: some first, to find out what need not be looked for in the others.
         self._first_ticks: deque[int] = deque()
         self._other_ticks: deque[int] = deque()
@@ -238,9 +229,8 @@ class _DiagnosisRun:
         self._due = 0.0
 
     async def close(self) -> None:
-        if self._preparing is not None:
-            self._preparing.cancel()
-            await asyncio.gather(self._preparing, return_exceptions=True)
+        self._preparing.cancel()
+        await asyncio.gather(self._preparing, return_exceptions=True)
         await self._thinker.close()
 
     def offer(self, last: int) -> None:
@@ -251,7 +241,7 @@ class _DiagnosisRun:
 
     async def help(self, run: Run) -> None:
         """Examine ticks of a run in another process, until cancelled or until that fails."""
-        tally = await self._tally_of_program()
+        tally = await asyncio.shield(self._preparing)
         helper: TaskHelper | None = None
         tasks: list[object] = [(tally.checkup.program, run.level, run.limits)]
 
@@ -273,11 +263,17 @@ class _DiagnosisRun:
             if helper is not None:
                 helper.end()
 
+    async def diagnose_history(self, history: History, first: int = 1) -> Diagnosis:
+        try:
+            return await self.diagnose(history, max(first, history.first), history.last)
+        finally:
+            await self.close()
+
     async def diagnose(self, history: TickHistory, first: int, last: int) -> Diagnosis:
         turns = history.turns
         if last < first:
             return Diagnosis((), first, last, None, 1, 1, 0)
-        tally = await self._tally_of_program()
+        tally = await asyncio.shield(self._preparing)
         observed = await observe(history, first, last)
         level = history.level_at(last)
         close_tallies: dict[tuple[str, int], ProbeTally] = {}
@@ -331,16 +327,11 @@ class _DiagnosisRun:
         stored(())
         return summarise(is_final=True)
 
-    async def _tally_of_program(self) -> ProbeTally:
-        if self._preparing is None:
-            work = self._thinker.do(
-                lambda stop: check_up(self._program, stop=stop, limits=self._limits)
-            )
-            self._preparing = asyncio.create_task(work)
-        checkup = await asyncio.shield(self._preparing)
-        if self._tally is None:
-            self._tally = ProbeTally(checkup)
-        return self._tally
+    async def _prepare(self) -> ProbeTally:
+        program, limits = self._program, self._limits
+        return ProbeTally(
+            await self._thinker.do(lambda stop: check_up(program, stop=stop, limits=limits))
+        )
 
     async def _work(
         self, tally: ProbeTally, ask: Ask, robots: int, *, is_helping: bool = False
