@@ -79,31 +79,31 @@ class Packed:
         return len(self._bytes)
 
     def moment(self, index: int) -> Moment:
-        return moment_in(_open_packs.runs(self), index)
+        return moment_in(_open_packs.segments(self), index)
 
     def memory(self, index: int, robot: str) -> Value:
         """Return a robot's memory in one moment; raise LookupError if it is not there."""
-        return memory_in(_open_packs.runs(self), index, robot)
+        return memory_in(_open_packs.segments(self), index, robot)
 
     def unpack(self) -> tuple[int, list[Any]]:
-        """Return its runs, and the approximate bytes of their objects."""
+        """Return its segments, and the approximate bytes of their objects."""
         return self.weight, marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
 
 
-class UnpackableRuns(Protocol):
-    """Packed moments."""
+class Unpackable(Protocol):
+    """Packed moments: segments in which the names of robots and areas stay the same."""
 
     def unpack(self) -> tuple[int, list[Any]]: ...
 
 
 class OpenPacks:
-    """A cache of unpacked runs, bounded by the bytes of their objects."""
+    """A cache of unpacked segments, bounded by the bytes of their objects."""
 
     def __init__(self, most_bytes: int) -> None:
         self._most_bytes = most_bytes
-        self._packs: OrderedDict[UnpackableRuns, tuple[int, list[Any]]] = OrderedDict()
+        self._packs: OrderedDict[Unpackable, tuple[int, list[Any]]] = OrderedDict()
 
-    def runs(self, pack: UnpackableRuns) -> list[Any]:
+    def segments(self, pack: Unpackable) -> list[Any]:
         """Return what a pack holds, in the layout of `lay_out`."""
         is_new = pack not in self._packs
         self._packs[pack] = entry = self._packs.pop(pack, None) or pack.unpack()
@@ -117,21 +117,23 @@ _open_packs = OpenPacks(_HEAVIEST_OPEN)
 
 def lay_out(moments: Sequence[Moment]) -> list[Any]:
     """Return moments as lists; equal parts of memories are there only once."""
-    runs: list[Any] = []
+    segments: list[Any] = []
     # Robots and areas may come and go when the level is edited.
     for names, group in groupby(moments, _names_of):
-        run, values, robots = list(group), _Values(), [*enumerate(names[0])]
-        facts = [(m.after.won_at, m.after.tallies, *_facts_of(m), bool(m.decisions)) for m in run]
-        areas = [[(area.active, area.visitors) for area in m.after.areas] for m in run]
-        bodies = [[body_of(m.after.robots[i]) for m in run] for i, _ in robots]
-        thoughts = [[_thought_of(m, i, name, values) for m in run] for i, name in robots]
-        runs.append((run[0].after.tick, *names, facts, areas, bodies, thoughts, values.all))
-    return runs
+        segment, values, robots = list(group), _Values(), [*enumerate(names[0])]
+        facts = [
+            (m.after.won_at, m.after.tallies, *_facts_of(m), bool(m.decisions)) for m in segment
+        ]
+        areas = [[(area.active, area.visitors) for area in m.after.areas] for m in segment]
+        bodies = [[body_of(m.after.robots[i]) for m in segment] for i, _ in robots]
+        thoughts = [[_thought_of(m, i, name, values) for m in segment] for i, name in robots]
+        segments.append((segment[0].after.tick, *names, facts, areas, bodies, thoughts, values.all))
+    return segments
 
 
-def moment_in(runs: Sequence[Any], index: int) -> Moment:
+def moment_in(segments: Sequence[Any], index: int) -> Moment:
     """Return one moment of this layout, which may have been through JSON."""
-    iterator = iter(runs)
+    iterator = iter(segments)
     begin, names, area_names, facts, areas, bodies, thoughts, values = next(iterator)
     while index >= len(facts):
         index -= len(facts)
@@ -155,9 +157,9 @@ def moment_in(runs: Sequence[Any], index: int) -> Moment:
     return Moment(state, memories, tuple(decisions), milliseconds, driven, weight)
 
 
-def memory_in(runs: Sequence[Any], index: int, robot: str) -> Value:
+def memory_in(segments: Sequence[Any], index: int, robot: str) -> Value:
     """Return a robot's memory in one moment of this layout; raise LookupError if there is none."""
-    for _, names, _, facts, _, _, thoughts, values in runs:
+    for _, names, _, facts, _, _, thoughts, values in segments:
         if index < len(facts) and robot in names:
             return _memory(thoughts[names.index(robot)][index][0], values)
         index -= len(facts)

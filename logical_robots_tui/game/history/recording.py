@@ -107,7 +107,7 @@ class Recording:
             return self._loose[tick - self._packed]
         piece = self._piece(tick)
         with _damage_errors():
-            moment = moment_in(self._open_packs.runs(piece), tick - piece.first)
+            moment = moment_in(self._open_packs.segments(piece), tick - piece.first)
             if not (piece.is_own or is_moment(moment, tick, self._level)):
                 raise DamagedRunError(f"this is not tick {tick}")
         return moment
@@ -118,7 +118,7 @@ class Recording:
             return self._loose[tick - self._packed].memories[robot]
         piece = self._piece(tick)
         with _damage_errors():
-            return memory_in(self._open_packs.runs(piece), tick - piece.first, robot)
+            return memory_in(self._open_packs.segments(piece), tick - piece.first, robot)
 
     def add(self, moment: Moment) -> None:
         """Store the state after the next tick; not on disk once the clock has cut off a thought."""
@@ -225,7 +225,7 @@ class _RecordedPiece:
         return range(self.first, self.first + self.count)
 
     def unpack(self) -> tuple[int, list[Any]]:
-        """Return its runs, and the approximate bytes of their objects, or raise DamagedRunError."""
+        """Return segments and the approximate bytes of their objects, or raise DamagedRunError."""
         if _digest(self.content) != self.digest:
             raise DamagedRunError("the piece is damaged")
         unpacking = zlib.decompressobj()
@@ -236,12 +236,12 @@ class _RecordedPiece:
         if not unpacking.eof or not (self.is_own or _may_be_opened(text)):
             raise DamagedRunError("the piece is too large")
         try:
-            runs = orjson.loads(text)
+            segments = orjson.loads(text)
         except ValueError:
-            runs = json.loads(text)  # infinite numbers, lone surrogates
+            segments = json.loads(text)  # infinite numbers, lone surrogates
         if not self.is_own:
-            orjson.dumps(runs)  # raises TypeError for what is nested too deeply
-        return weight_of_text(text), runs
+            orjson.dumps(segments)  # raises TypeError for what is nested too deeply
+        return weight_of_text(text), segments
 
 
 _first_of = attrgetter("first")
