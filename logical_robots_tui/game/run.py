@@ -19,11 +19,10 @@ from logical_robots_tui.game.advancing import (
     RecordedTick,
     Thinker,
     Worlds,
-    advance,
     frame_of,
+    play_tick,
     start_frame,
 )
-from logical_robots_tui.game.debugging.breakpoints import Watch
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.history.packing import Moment
 from logical_robots_tui.game.history.recording import DamagedRunError, Recording
@@ -38,7 +37,6 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _CODE = Path(__file__).parents[1]
-_NO_WATCH = Watch(())
 _SECONDS = 0.05  # of work in the thread at a time
 
 
@@ -76,11 +74,12 @@ class Run:
 
     async def frame(self, tick: int, report: Callable[[int], object] = lambda _tick: None) -> Frame:
         """Return the frame of a tick; `report` gets the last computed tick as work proceeds."""
-        while self._recording.last < tick:
-            deadline = CLOCK.now() + _SECONDS
-            await self.thinker.do(partial(self._computed_frame, tick, deadline=deadline))
-            report(self._recording.last)
-        (frame,) = [f async for f in self.map_ticks(tick, tick, lambda f, _mind, _stop: f)]
+        frame: Frame | None = None
+        while frame is None:
+            last, deadline = self.last, CLOCK.now() + _SECONDS
+            frame = await self.thinker.do(partial(self._computed_frame, tick, deadline=deadline))
+            if self.last != last:
+                report(self.last)
         return frame
 
     async def to_end(self, last: int, report: Callable[[int], object] = lambda _tick: None) -> int:
@@ -166,12 +165,12 @@ class Run:
     ) -> tuple[list[T], bool]:
         deadline = CLOCK.now() + _SECONDS
         results: list[T] = []
-        mind, over = None, False
+        over = False
         while not over and tick + len(results) <= last and (not results or CLOCK.now() < deadline):
             frame = self._computed_frame(tick + len(results), stop, deadline=deadline)
             if frame is None:
                 break
-            mind = mind or self.thinker.mind(self.program, self.level, self.limits)
+            mind = self.thinker.mind(self.program, self.level, self.limits)
             results.append(work(frame, mind, stop))
             over = to_victory and frame.after.won_at is not None
         return results, over
@@ -206,10 +205,9 @@ class Run:
         while self._recording.last < tick and CLOCK.now() < deadline:
             old = self._stored_frame(self._recording.last)
             mind = self.thinker.mind(self.program, self.level, self.limits)
-            (step,) = advance(
-                self._worlds, self.level, mind, old, (), _NO_WATCH, stop, CLOCK, seconds=0, limit=1
-            )
-            frame = self._latest = step.frame
+            world = self._worlds.world_for(self.level)
+            world.restore(old.after)
+            frame = self._latest = play_tick(world, mind, old, stop)
             distance = self.moment(old.tick).driven + frame.distance
             with self._guard:
                 self._recording.add(Moment.from_frame(frame, distance))
@@ -252,7 +250,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
 
 SIMULATION = (
     *("world", "language", "mind", "schema.py", "values.py", "game/advancing.py", "game/frame.py"),
-    *("game/run.py", "game/history", "game/debugging/breakpoints.py"),
+    *("game/run.py", "game/history"),
 )
 """Parts of the package on whose code a tick depends; nothing that only shows or explains it."""
 
