@@ -250,7 +250,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
 
 SIMULATION = (
     *("world", "language", "mind", "schema.py", "values.py", "game/advancing.py", "game/frame.py"),
-    *("game/run.py", "game/history"),
+    *("game/minds.py", "game/run.py", "game/history"),
 )
 """Parts of the package on whose code a tick depends; nothing that only shows or explains it."""
 

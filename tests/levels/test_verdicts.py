@@ -109,7 +109,7 @@ def test_a_damaged_verdict_is_played_again(
 def test_a_changed_line_makes_another_verdict_where_it_plays_a_part(
     level: Level, ahead: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    playing = ("world/a.py", "world/levels/a.py", "language/a.py", "mind/a.py", "game/run.py")
+    playing = ("world/a.py", "world/levels/a.py", "language/a.py", "mind/a.py", "game/minds.py")
     others = ("tui/a.py", "cli/a.py", "player/a.py", "game/findings.py")
     files = [tmp_path / name for name in (*playing, "schema.py", *others)]
     (tmp_path / "game" / "history").mkdir(parents=True)
