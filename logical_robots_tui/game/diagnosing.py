@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.explain.diagnosis.sites import ProbeTally, check_up
@@ -70,12 +70,8 @@ PROCESSOR_SECONDS = 3600
 _ROWS = 60  # of sensors, that are examined with one query
 
 
-class _ProbeAnswer(NamedTuple):
-    """The rows of a probe at a tick, in each view; None if it failed."""
-
-    tick: int
-    probe: str
-    views: Sequence[Rows] | None
+_ProbeAnswer: TypeAlias = "tuple[int, str, Sequence[Rows] | None]"
+"""A tick, a probe, and its rows there in each view; None if it failed."""
 
 
 def _ticks_at_once(robots: int) -> int:
@@ -101,7 +97,7 @@ def scan(
             frames = [frame for frame, _ in replays]
             inputs = [(frame.sensors, frame.memories_before) for frame in frames]
             for name, number, views in replays[-1][1].predicate_rows_at(probes, inputs, stop=stop):
-                yield _ProbeAnswer(frames[number].tick, name, views)
+                yield frames[number].tick, name, views
 
 
 Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[_ProbeAnswer]]]
@@ -255,7 +251,8 @@ class _DiagnosisRun:
             for task in tasks:
                 helper.send(task)
             tasks.clear()
-            return [_ProbeAnswer(*fields) for fields in helper.answer()]
+            answers: list[_ProbeAnswer] = helper.answer()
+            return answers
 
         try:
             await self._work(tally, ask, len(run.level.robots), is_helping=True)
@@ -337,7 +334,6 @@ class _DiagnosisRun:
         self, tally: ProbeTally, ask: Ask, robots: int, *, is_helping: bool = False
     ) -> None:
         """Count the rows of all probes that are not settled, some ticks at a time."""
-        names = {probe.name: number for number, probe in enumerate(tally.checkup.probes)}
         limit = _ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
         while is_helping or self._pending or self._waiting:
             probes = tally.doubtful_probes()
@@ -349,18 +345,15 @@ class _DiagnosisRun:
                 continue
             self._pending += len(ticks)
             try:
-                answers = await ask([tally.checkup.probes[number].name for number in probes], ticks)
+                answers = await ask(probes, ticks)
             except BaseException:
                 self._other_ticks.extendleft(ticks)
                 raise
             finally:
                 self._pending -= len(ticks)
                 self._changed.set()
-            for answer in answers:
-                if answer.views is None:
-                    tally.give_up(names[answer.probe])
-                else:
-                    tally.add(answer.tick, names[answer.probe], answer.views)
+            for tick, name, views in answers:
+                tally.add(tick, name, views)
             self._done_count += len(ticks)
             self._report(self._done_count, self._done_count + self._pending + self._waiting)
             if self._summarise is not None and CLOCK.now() >= self._due:
@@ -388,19 +381,15 @@ class _DiagnosisRun:
         self, tally: ProbeTally, ticks: Sequence[RecordedTick], robot: str
     ) -> None:
         """Count the rows of all probes, also of values, in the mind of a robot."""
-        probes = enumerate(tally.checkup.probes)
-        names = {probe.name: n for n, probe in probes if probe.closeness != "wider"}
+        names = [probe.name for probe in tally.checkup.probes if probe.closeness != "wider"]
 
         def ask(tick: RecordedTick, stop: threading.Event) -> None:
             frame, mind = self._thinker.replay(tally.checkup.program, tick, self._limits)
             sensors, memories = frame.sensors, frame.memories_before
             for name, rows in mind.predicate_rows(
-                [*names], sensors, memories, viewers=[robot], stop=stop
+                names, sensors, memories, viewers=[robot], stop=stop
             ):
-                if rows is None:
-                    tally.give_up(names[name])
-                else:
-                    tally.add(frame.tick, names[name], [rows])
+                tally.add(frame.tick, name, None if rows is None else [rows])
 
         for tick in ticks:
             await self._thinker.do(partial(ask, tick))

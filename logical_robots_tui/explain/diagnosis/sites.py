@@ -246,7 +246,7 @@ class ProbeTally:
     """Statistics of everything that a checkup watches, by index of the site or rule.
 
     Attributes:
-        failed_probes: Indices of probes that failed once, so that they can't prove a "never".
+        failed_probes: Names of probes that failed once, so that they can't prove a "never".
         robot_rows: By robot and tick, how many rows each rule of `Robot` had for it.
 
     Args:
@@ -260,16 +260,24 @@ class ProbeTally:
         self.sites = [Count() for _ in checkup.sites]
         self.rules = [RuleCount() for _ in checkup.rules]
         self.ticks: set[int] = set()
-        self.failed_probes: set[int] = set()
+        self.failed_probes: set[str] = set()
+        self._probes = {probe.name: probe for probe in checkup.probes}
         # Parts that are reached only if the parts before them hold.
         self._dependent_parts = {probe.reached_site for probe in checkup.probes}
         self.robot_rows: dict[tuple[str, int], dict[int, int]] = {}
         self._exclude(checkup.missed_sites, checkup.missed_rules)
 
-    def add(self, tick: int, number: int, views: Sequence[Rows]) -> None:
-        """Add the rows of a probe at a tick, in each view of it."""
+    def add(self, tick: int, name: str, views: Sequence[Rows] | None) -> None:
+        """Add the rows of a probe at a tick, in each view of it; None if it failed.
+
+        No "never" that depends on a failed probe is reported.
+        """
+        probe = self._probes[name]
+        if views is None:
+            self.failed_probes.add(name)
+            self._exclude(probe.sites, {probe.rule} - {-1})
+            return
         self.ticks.add(tick)
-        probe = self.checkup.probes[number]
         passed_cases = reached_cases = 0
         for row in chain.from_iterable(views):
             cases = row["n"]
@@ -301,23 +309,17 @@ class ProbeTally:
             if reached_cases:
                 rule.first_row = _earliest(rule.first_row, tick)
 
-    def give_up(self, number: int) -> None:
-        """Mark a probe as failed; no "never" that depends on it is reported."""
-        probe = self.checkup.probes[number]
-        self.failed_probes.add(number)
-        self._exclude(probe.sites, {probe.rule} - {-1})
-
-    def doubtful_probes(self) -> list[int]:
-        """Return the probes that may still change the findings."""
+    def doubtful_probes(self) -> list[str]:
+        """Return the names of the probes that may still change the findings."""
         sites = {n for n in range(len(self.sites)) if self._is_doubtful(n)}
         probes = []
-        for number, probe in enumerate(self.checkup.probes):
-            if probe.closeness == "closer" or number in self.failed_probes:
+        for name, probe in self._probes.items():
+            if probe.closeness == "closer" or name in self.failed_probes:
                 continue
             if probe.sites & sites or (
                 probe.rule >= 0 and self.rules[probe.rule].first_row is None
             ):
-                probes.append(number)
+                probes.append(name)
         return probes
 
     def stopping_site(self, rule: int) -> int | None:
