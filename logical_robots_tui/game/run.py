@@ -220,13 +220,8 @@ class Run:
         self._latest = start_frame(self.level)
 
     def _stored_frame(self, tick: int) -> Frame:
-        if self._latest.tick == tick:
-            return self._latest
-        previous: Frame | Moment = self._latest
-        if self._latest.tick != tick - 1:
-            previous = self.moment(max(tick - 1, 0))
-        recorded = RecordedTick(self.level, previous, self.moment(tick))
-        self._latest = frame_of(self._worlds, recorded)
+        if self._latest.tick != tick:
+            self._latest = frame_of(self._worlds, self.recorded(tick))
         return self._latest
 
 
