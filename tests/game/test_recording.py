@@ -104,6 +104,7 @@ async def test_a_false_recording_is_lost(level: Level, folder: Path, at: tuple[i
 
 
 PIECES = {
+    "empty": lambda: b"",
     "not packed": lambda: b"not packed",
     "deep": lambda: zlib.compress(b"[" * 100_000),
     "null": lambda: zlib.compress(b"null"),

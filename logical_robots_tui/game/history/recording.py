@@ -13,7 +13,8 @@ import zlib
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import takewhile
 from operator import attrgetter
 from typing import Any
 
@@ -77,11 +78,9 @@ class Recording:
 
     def first_before(self, last: int) -> int:
         """Return the first tick from which on all up to this one can be restored."""
-        first = self._packed
         for piece in reversed(self._pieces):
-            if piece.ticks.stop != first and first <= last:
-                return first + 1  # the state before the first is lost
-            first = piece.first
+            if not piece.content and piece.first <= last:
+                return piece.ticks.stop + 1  # the state before is lost as well
         return 0
 
     @property
@@ -91,12 +90,11 @@ class Recording:
 
     def is_in_gap(self, tick: int) -> bool:
         """Return whether the state after a tick was stored, but has been dropped."""
-        return tick < self._packed and tick not in self._pieces[self._index(tick)].ticks
+        return tick < self._packed and not self._piece(tick).content
 
     def return_to_gap(self) -> None:
-        pieces = list(_contiguous_prefix(self._pieces))
-        if len(pieces) < len(self._pieces):
-            self._pieces, self._loose = pieces, []
+        if len(self._prefix) < len(self._pieces):
+            self._pieces, self._loose = self._prefix, []
 
     def moment(self, tick: int) -> Moment:
         """Return the state after a stored tick.
@@ -130,9 +128,10 @@ class Recording:
             self._pieces += _pieces_of(self._loose)
             self._loose = []
             total = sum(len(piece.content) for piece in self._pieces)
-            index = len(_fitting_prefix(_contiguous_prefix(self._pieces))) or 1
-            while total > MAX_HELD_BYTES and index < len(self._pieces) - 1:
-                total -= len(self._pieces.pop(index).content)
+            for index in range(len(_fitting_prefix(self._prefix)) or 1, len(self._pieces) - 1):
+                if total > MAX_HELD_BYTES:
+                    total -= len(self._pieces[index].content)
+                    self._pieces[index] = replace(self._pieces[index], content=b"")
 
     def forget(self) -> None:
         """Discard everything after the start, also on disk."""
@@ -161,23 +160,22 @@ class Recording:
     def _packed(self) -> int:
         return self._pieces[-1].ticks.stop if self._pieces else 0
 
-    def _piece(self, tick: int) -> _RecordedPiece:
-        if self.is_in_gap(tick):
-            raise NoSuchTickError(f"Tick {tick} was dropped.")
-        return self._pieces[self._index(tick)]
+    @property
+    def _prefix(self) -> list[_RecordedPiece]:
+        """The pieces before the gap."""
+        return list(takewhile(_content_of, self._pieces))
 
-    def _index(self, tick: int) -> int:
-        return bisect_right(self._pieces, tick, key=_first_of) - 1
+    def _piece(self, tick: int) -> _RecordedPiece:
+        return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
 
     def _up_to(self, last: float) -> Iterator[_RecordedPiece]:
-        pieces = list(_contiguous_prefix(self._pieces))
-        for piece in pieces:
+        for piece in self._prefix:
             if piece.ticks[-1] > last:
                 ticks = range(piece.first, int(last) + 1)
                 yield from _pieces_of([self.moment(tick) for tick in ticks])
                 return
             yield piece
-        if len(pieces) == len(self._pieces):
+        if all(map(_content_of, self._pieces)):
             ticks = range(self._packed, int(last) + 1)
             yield from _pieces_of([self.moment(tick) for tick in ticks])
 
@@ -191,7 +189,7 @@ class Recording:
                 raise DamagedRunError("another run")
             offset = len(content) - size
             for length, digest, count in index["pieces"]:
-                if not 0 < count <= _TOGETHER:
+                if not (0 < count <= _TOGETHER and length > 0):
                     raise DamagedRunError("no such piece")
                 body = content[offset : offset + length]
                 piece = _RecordedPiece(self._packed, count, body, digest, is_own=False)
@@ -211,7 +209,10 @@ class Recording:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _RecordedPiece:
-    """Some moments as compressed JSON; `is_own` pieces are known to unpack within limits."""
+    """Some moments as compressed JSON; `is_own` pieces are known to unpack within limits.
+
+    One in the gap has no content.
+    """
 
     first: int
     count: int
@@ -226,6 +227,8 @@ class _RecordedPiece:
 
     def unpack(self) -> tuple[int, list[Any]]:
         """Return segments and the approximate bytes of their objects, or raise DamagedRunError."""
+        if not self.content:
+            raise NoSuchTickError("These ticks were dropped.")
         if _digest(self.content) != self.digest:
             raise DamagedRunError("the piece is damaged")
         unpacking = zlib.decompressobj()
@@ -244,16 +247,7 @@ class _RecordedPiece:
         return weight_of_text(text), segments
 
 
-_first_of = attrgetter("first")
-
-
-def _contiguous_prefix(pieces: Sequence[_RecordedPiece]) -> Iterator[_RecordedPiece]:
-    last = 0
-    for piece in pieces:
-        if piece.first != last:
-            return
-        last = piece.ticks.stop
-        yield piece
+_first_of, _content_of = attrgetter("first"), attrgetter("content")
 
 
 def _pieces_of(moments: Sequence[Moment]) -> Iterator[_RecordedPiece]:
