@@ -79,11 +79,10 @@ class Packed:
         return len(self._bytes)
 
     def moment(self, index: int) -> Moment:
-        return moment_in(_open_packs.segments(self), index)
+        return _open_packs.moment(self, index)
 
     def memory(self, index: int, robot: str) -> Value:
-        """Return a robot's memory in one moment; raise LookupError if it is not there."""
-        return memory_in(_open_packs.segments(self), index, robot)
+        return _open_packs.memory(self, index, robot)
 
     def unpack(self) -> tuple[int, list[Any]]:
         """Return its segments, and the approximate bytes of their objects."""
@@ -103,8 +102,40 @@ class OpenPacks:
         self._most_bytes = most_bytes
         self._packs: OrderedDict[Unpackable, tuple[int, list[Any]]] = OrderedDict()
 
-    def segments(self, pack: Unpackable) -> list[Any]:
-        """Return what a pack holds, in the layout of `lay_out`."""
+    def moment(self, pack: Unpackable, index: int) -> Moment:
+        iterator = iter(self._segments(pack))
+        begin, names, area_names, facts, areas, bodies, thoughts, values = next(iterator)
+        while index >= len(facts):
+            index -= len(facts)
+            begin, names, area_names, facts, areas, bodies, thoughts, values = next(iterator)
+        won_at, tallies, milliseconds, driven, weight, has_decided = facts[index]
+        robots = [RobotState(name, *body[index]) for name, body in zip(names, bodies, strict=True)]
+        area_states = [
+            AreaState(name, active, tuple(visitors))
+            for name, (active, visitors) in zip(area_names, areas[index], strict=True)
+        ]
+        team_tallies = tuple(map(tuple, tallies))
+        state = WorldState(begin + index, tuple(robots), tuple(area_states), won_at, team_tallies)
+        memories, decisions = {}, []
+        for name, thought in zip(names, thoughts, strict=True):
+            places, engines, notices = thought[index]
+            memories[name] = memory = _memory(places, values)
+            if has_decided:
+                desire = None if engines is None else Desire(*engines)
+                decision_notices = tuple([Notice(*notice) for notice in notices])
+                decisions.append(Decision(name, desire, memory, decision_notices))
+        return Moment(state, memories, tuple(decisions), milliseconds, driven, weight)
+
+    def memory(self, pack: Unpackable, index: int, robot: str) -> Value:
+        """Return a robot's memory in one moment; raise LookupError if it is not there."""
+        for _, names, _, facts, _, _, thoughts, values in self._segments(pack):
+            if index < len(facts) and robot in names:
+                return _memory(thoughts[names.index(robot)][index][0], values)
+            index -= len(facts)
+        raise LookupError(robot)
+
+    def _segments(self, pack: Unpackable) -> list[Any]:
+        """Return what a pack holds, in the layout of `lay_out`, perhaps through JSON."""
         is_new = pack not in self._packs
         self._packs[pack] = entry = self._packs.pop(pack, None) or pack.unpack()
         while is_new and sum(weight for weight, _ in self._packs.values()) > self._most_bytes:
@@ -129,41 +160,6 @@ def lay_out(moments: Sequence[Moment]) -> list[Any]:
         thoughts = [[_thought_of(m, i, name, values) for m in segment] for i, name in robots]
         segments.append((segment[0].after.tick, *names, facts, areas, bodies, thoughts, values.all))
     return segments
-
-
-def moment_in(segments: Sequence[Any], index: int) -> Moment:
-    """Return one moment of this layout, which may have been through JSON."""
-    iterator = iter(segments)
-    begin, names, area_names, facts, areas, bodies, thoughts, values = next(iterator)
-    while index >= len(facts):
-        index -= len(facts)
-        begin, names, area_names, facts, areas, bodies, thoughts, values = next(iterator)
-    won_at, tallies, milliseconds, driven, weight, has_decided = facts[index]
-    robots = [RobotState(name, *body[index]) for name, body in zip(names, bodies, strict=True)]
-    area_states = [
-        AreaState(name, active, tuple(visitors))
-        for name, (active, visitors) in zip(area_names, areas[index], strict=True)
-    ]
-    team_tallies = tuple(map(tuple, tallies))
-    state = WorldState(begin + index, tuple(robots), tuple(area_states), won_at, team_tallies)
-    memories, decisions = {}, []
-    for name, thought in zip(names, thoughts, strict=True):
-        places, engines, notices = thought[index]
-        memories[name] = memory = _memory(places, values)
-        if has_decided:
-            desire = None if engines is None else Desire(*engines)
-            decision_notices = tuple([Notice(*notice) for notice in notices])
-            decisions.append(Decision(name, desire, memory, decision_notices))
-    return Moment(state, memories, tuple(decisions), milliseconds, driven, weight)
-
-
-def memory_in(segments: Sequence[Any], index: int, robot: str) -> Value:
-    """Return a robot's memory in one moment of this layout; raise LookupError if there is none."""
-    for _, names, _, facts, _, _, thoughts, values in segments:
-        if index < len(facts) and robot in names:
-            return _memory(thoughts[names.index(robot)][index][0], values)
-        index -= len(facts)
-    raise LookupError(robot)
 
 
 def _memory(places: Any, values: Sequence[Value]) -> Value:

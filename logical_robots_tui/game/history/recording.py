@@ -27,8 +27,6 @@ from logical_robots_tui.game.history.packing import (
     OpenPacks,
     is_moment,
     lay_out,
-    memory_in,
-    moment_in,
 )
 from logical_robots_tui.mind.limits import weight_of_text
 from logical_robots_tui.values import Value
@@ -105,7 +103,7 @@ class Recording:
             return self._loose[tick - self._packed]
         piece = self._piece(tick)
         with _damage_errors():
-            moment = moment_in(self._open_packs.segments(piece), tick - piece.first)
+            moment = self._open_packs.moment(piece, tick - piece.first)
             if not (piece.is_own or is_moment(moment, tick, self._level)):
                 raise DamagedRunError(f"this is not tick {tick}")
         return moment
@@ -116,7 +114,7 @@ class Recording:
             return self._loose[tick - self._packed].memories[robot]
         piece = self._piece(tick)
         with _damage_errors():
-            return memory_in(self._open_packs.segments(piece), tick - piece.first, robot)
+            return self._open_packs.memory(piece, tick - piece.first, robot)
 
     def add(self, moment: Moment) -> None:
         """Store the state after the next tick; not on disk once the clock has cut off a thought."""
