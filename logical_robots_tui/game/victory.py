@@ -108,7 +108,7 @@ def victory_of(game: Game, level: Level) -> Victory | None:
     measures = None
     if all(p.texts == program.texts for _, p in history.programs(tick)):
         is_blocked = history.is_blocked_up_to(tick)
-        measures = measures_of(level, program, tick, history.driven(tick), is_blocked)
+        measures = measures_of(level, program, tick, history.moment(tick).driven, is_blocked)
     return Victory(level, program, tick, verdict, measures)
 
 

@@ -68,11 +68,11 @@ async def test_the_distance_is_what_all_robots_have_driven(level: Level, play: P
     history = game.history
     await game.run_until(tick=10)
     driven = game.frame.after.robots[0].x - 12
-    assert history.driven(10) == pytest.approx(driven)
+    assert history.moment(10).driven == pytest.approx(driven)
     game.go_to(4)
     game.use(Program.compile(STILL))
     await game.step()
-    assert history.driven(5) == history.driven(4) == pytest.approx(driven * 0.4)
+    assert history.moment(5).driven == history.moment(4).driven == pytest.approx(driven * 0.4)
 
     def programs(up_to: int) -> list[tuple[int, str]]:
         return [(tick, program.text) for tick, program in history.programs(up_to)]
@@ -82,7 +82,7 @@ async def test_the_distance_is_what_all_robots_have_driven(level: Level, play: P
     game.restart()
     await game.step()
     assert programs(1) == [(1, STILL)]
-    assert history.driven(1) == 0
+    assert history.moment(1).driven == 0
 
 
 def test_varied_starts_are_always_the_same_and_near_the_given_one(level: Level) -> None:

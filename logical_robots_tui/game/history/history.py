@@ -189,10 +189,6 @@ class History:
         """Return whether the level was edited or a robot moved at the end of a tick."""
         return self._branch.levels.is_changed_in(tick)
 
-    def driven(self, tick: int) -> float:
-        """Return the map units that all robots together have driven up to a tick."""
-        return self.moment(tick).driven
-
     def hits_at(self, tick: int) -> tuple[Hit, ...]:
         return self._branch.hits.get(tick, ())
 
