@@ -67,11 +67,6 @@ class Run:
     def last(self) -> int:
         return self._recording.last
 
-    @property
-    def is_reproducible(self) -> bool:
-        """Whether all computed ticks are reproducible: no time limit cut off a thought."""
-        return self._recording.is_reproducible
-
     async def frame(self, tick: int, report: Callable[[int], object] = lambda _tick: None) -> Frame:
         """Return the frame of a tick; `report` gets the last computed tick as work proceeds."""
         frame: Frame | None = None
@@ -126,8 +121,9 @@ class Run:
     def program_at(self, _tick: int) -> Program:
         return self.program
 
-    def is_reliable_up_to(self, _tick: int) -> bool:
-        return self.is_reproducible
+    def is_reliable_up_to(self, tick: int) -> bool:
+        """Return whether no time limit cut off a thought up to this tick."""
+        return self._recording.last_reliable >= tick
 
     async def map_ticks(
         self,

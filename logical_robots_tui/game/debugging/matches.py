@@ -82,7 +82,7 @@ async def find_matches(
             _add(holds, last)
         report(last)
     matches = Matches(last, won_at, tuple(holds), tuple(failed), reason, is_reliable)
-    if is_reliable and run.is_reproducible and not failed:  # or it may have lacked time
+    if is_reliable and run.is_reliable_up_to(last) and not failed:  # or it may have lacked time
         await asyncio.to_thread(keep_result, task, matches)
     return matches
 

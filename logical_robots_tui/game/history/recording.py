@@ -67,7 +67,7 @@ class Recording:
         self._loose = [start]
         self._open_packs = OpenPacks(_HEAVIEST)
         self._is_new = False
-        self._last_reproducible: float = math.inf
+        self.last_reliable: float = math.inf  # later ones may differ on another machine
         self._read()
 
     @property
@@ -80,11 +80,6 @@ class Recording:
             if not piece.content and piece.first <= last:
                 return piece.ticks.stop + 1  # the state before is lost as well
         return 0
-
-    @property
-    def is_reproducible(self) -> bool:
-        """Whether every tick is reproducible: no time limit cut off a thought."""
-        return self._last_reproducible >= self.last
 
     def is_in_gap(self, tick: int) -> bool:
         """Return whether the state after a tick was stored, but has been dropped."""
@@ -121,7 +116,7 @@ class Recording:
         self._loose.append(moment)
         self._is_new = True
         if not moment.is_reliable:
-            self._last_reproducible = min(self._last_reproducible, self.last - 1)
+            self.last_reliable = min(self.last_reliable, self.last - 1)
         if len(self._loose) >= _TOGETHER or sum(m.weight for m in self._loose) > _HEAVY:
             self._pieces += _pieces_of(self._loose)
             self._loose = []
@@ -135,7 +130,7 @@ class Recording:
         """Discard everything after the start, also on disk."""
         _folder().drop(self._key)
         self._pieces, self._loose = [], [self._start]
-        self._last_reproducible = math.inf
+        self.last_reliable = math.inf
 
     def save(self) -> None:
         """Write the added ticks to disk, up to a size limit, unless the file holds more ticks."""
@@ -143,7 +138,7 @@ class Recording:
         if folder.place is None or not self._is_new:
             return
         self._is_new = False
-        pieces = _fitting_prefix(self._up_to(min(self._last_reproducible, self.last)))
+        pieces = _fitting_prefix(self._up_to(min(self.last_reliable, self.last)))
         count = sum(piece.count for piece in pieces)
         old_content = folder.read(self._key, MAX_BYTES)
         with suppress(ValueError, TypeError, KeyError):  # a damaged file holds nothing
