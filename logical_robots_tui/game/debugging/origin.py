@@ -215,7 +215,16 @@ class _Tracing:
         link = Link(robot, name, change.value, change.tick, tick, path=change.path)
         key = repr((robot, change.path, change.tick))
         if key not in self._numbers and change.is_known:
-            link = await self._with_source(link, change)
+            try:
+                source = await self._ticks.source(change.tick, robot, Subject(path=change.path))
+                if not alike(source.value, change.value):
+                    raise QueryError("its source can't be determined")
+            except QueryError as error:
+                self._complete = False
+                link = replace(link, problem=str(error).rstrip("."))
+            else:
+                steps = await self._steps(link, change, source)
+                link = replace(link, source=source, steps=steps)
         elif change.tick and not change.is_known:
             self._complete = False
         return self._add(key, link)
@@ -224,16 +233,6 @@ class _Tracing:
         """Add the link of a value within a tick; return its number."""
         key = repr((robot, tick, source.span, source.value, source.inputs))
         return self._add(key, Link(robot, name, source.value, tick, tick, source))
-
-    async def _with_source(self, link: Link, change: Change) -> Link:
-        try:
-            source = await self._ticks.source(change.tick, link.robot, Subject(path=change.path))
-            if not alike(source.value, change.value):
-                raise QueryError("its source can't be determined")
-        except QueryError as error:
-            self._complete = False
-            return replace(link, problem=str(error).rstrip("."))
-        return replace(link, source=source, steps=await self._steps(link, change, source))
 
     async def _steps(self, link: Link, change: Change, source: ValueSource) -> Steps | None:
         """Return the steps to a value, if it was made from the one before in each of them."""
