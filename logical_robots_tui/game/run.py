@@ -175,6 +175,7 @@ class Run:
         """Return the tick reached after a while, and whether the run ends there."""
         deadline = CLOCK.now() + _SECONDS
         try:
+            self._compute(min(self.last, last), stop, deadline)  # if it was dropped
             while True:
                 tick = min(self._recording.last, last)
                 ends = (self.moment(tick).after.won_at, self.level.match_ticks, last)

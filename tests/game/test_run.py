@@ -156,6 +156,7 @@ async def test_what_is_held_in_memory_is_bounded_and_what_is_dropped_computed_an
         first, *gap, last = [tick for tick in range(500) if held.is_in_gap(tick)]
         assert first > 31
         assert gap == list(range(first + 1, last))
+        assert await run.to_end(gap[0]) == expected[-1].after.won_at
         for tick in (first, 500, last, last + 1, 5, 499):
             assert await run.frame(tick) == expected[tick]
     assert await known(level) == first - 1
