@@ -8,6 +8,8 @@ from __future__ import annotations
 import mmap
 import os
 import resource
+import time
+from contextlib import suppress
 from errno import EACCES, EDQUOT
 from pathlib import Path
 from typing import NamedTuple
@@ -72,11 +74,11 @@ def check_name(path: Path) -> None:
 def check_quota(path: Path, size: int) -> None:
     """Raise OSError if a file of this size would exceed the player's quota."""
     for confinement in _confinements:
-        sizes = _sizes(confinement.folder)
-        old_size = sizes.get(os.path.realpath(path))
+        number, total = _usage(confinement.folder)
+        old_size = path.stat().st_size if path.is_file() else None
         if old_size is None:
-            _check_number(len(sizes), path)
-        if size > (old_size or 0) and sum(sizes.values()) - (old_size or 0) + size > MOST_BYTES:
+            _check_number(number, path)
+        if size > (old_size or 0) and total - (old_size or 0) + size > MOST_BYTES:
             message = f"your folder is full: at most {MOST_BYTES // 2**20} MB are allowed"
             raise OSError(EDQUOT, message, str(path))
 
@@ -88,7 +90,7 @@ def check_new_folder(path: str | Path) -> None:
         if len(Path(os.path.relpath(real_path, confinement.folder)).parts) > MOST_DEPTH:
             message = f"at most {MOST_DEPTH} folders can be in each other"
             raise OSError(EDQUOT, message, str(path))
-        _check_number(len(_sizes(confinement.folder)), path)
+        _check_number(_usage(confinement.folder)[0], path)
 
 
 def _check_number(number: int, path: str | Path) -> None:
@@ -97,22 +99,53 @@ def _check_number(number: int, path: str | Path) -> None:
         raise OSError(EDQUOT, reason, str(path))
 
 
-def _sizes(folder: str) -> dict[str, int]:
-    """Return the sizes of all files below a folder by path; those of folders are 0."""
-    sizes: dict[str, int] = {}
+class _FolderUsage(NamedTuple):
+    """The folders directly in a folder, and the sizes of its files, as of a modification time."""
+
+    modified: int
+    folders: list[str]
+    number: int
+    size: int
+
+
+_folder_usages: dict[str, _FolderUsage] = {}
+_SETTLED = 2 * 10**9  # nanoseconds after which another change gets another modification time
+
+
+def _usage(folder: str) -> tuple[int, int]:
+    """Return the number of files and folders below a folder, and the sum of the files' sizes.
+
+    Only folders that were modified since are read again. That is enough, whichever process
+    writes: files are renamed into place, and a database that grows has a journal meanwhile.
+    """
+    number = total = 0
     folders = [folder]
     while folders:
-        try:
-            with os.scandir(folders.pop()) as entries:
-                for entry in entries:
-                    if entry.is_dir(follow_symlinks=False):
-                        folders.append(entry.path)
-                        sizes[entry.path] = 0
-                    elif entry.is_file(follow_symlinks=False):
-                        sizes[entry.path] = entry.stat().st_size
-        except OSError:
-            continue
-    return sizes
+        with suppress(OSError):
+            usage = _read_folder(folders.pop())
+            folders += usage.folders
+            number += usage.number
+            total += usage.size
+    return number, total
+
+
+def _read_folder(folder: str) -> _FolderUsage:
+    modified = Path(folder).stat().st_mtime_ns
+    usage = _folder_usages.get(folder)
+    if usage is None or usage.modified != modified:
+        folders, sizes = [], []
+        is_settled = time.time_ns() - modified > _SETTLED
+        with os.scandir(folder) as entries:
+            for entry in entries:
+                if entry.is_dir(follow_symlinks=False):
+                    folders.append(entry.path)
+                elif entry.is_file(follow_symlinks=False):
+                    with suppress(FileNotFoundError):
+                        sizes.append(entry.stat().st_size)
+        number = len(folders) + len(sizes)
+        usage = _FolderUsage(modified if is_settled else -1, folders, number, sum(sizes))
+        _folder_usages[folder] = usage
+    return usage
 
 
 def check_room(size: int) -> None:

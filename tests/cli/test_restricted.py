@@ -320,6 +320,43 @@ def test_caches_leave_players_much_room(tmp_path: Path, monkeypatch: pytest.Monk
     assert told.status == 0, told.err
 
 
+CHANGES_BESIDE = """if True:
+    import os, subprocess, sys
+    from pathlib import Path
+
+    from logical_robots_tui.confinement import MOST_BYTES, check_quota, confine
+
+    own = Path(sys.argv[1])
+    (own / "levels").mkdir()
+    confine(own)
+
+    def is_full():
+        try:
+            check_quota(own / "mine.l", 1)
+        except OSError:
+            return True
+        return False
+
+    def run(program):
+        subprocess.run([sys.executable, "-c", program, own / "levels" / "x.toml"], check=True)
+
+    write = f"import os, sys; os.truncate(os.open(sys.argv[1], os.O_CREAT | 2), {MOST_BYTES})"
+    for is_old in (False, True):
+        for folder in (own, own / "levels") if is_old else ():
+            os.utime(folder, (10**9, 10**9))
+        assert not is_full()
+        run(write)
+        assert is_full()
+        run("import os, sys; os.unlink(sys.argv[1])")
+        assert not is_full()
+"""
+
+
+def test_the_quota_counts_what_other_processes_write_and_remove(tmp_path: Path) -> None:
+    told = finished([sys.executable, "-c", CHANGES_BESIDE, tmp_path])
+    assert told.status == 0, told.err
+
+
 def test_a_game_in_lines_is_fenced_in_and_a_full_folder_is_told_in_a_sentence(
     tmp_path: Path,
 ) -> None:
