@@ -11,9 +11,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
-from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
+from typing import Annotated, Generic, Literal, NamedTuple, TypeAlias, TypeVar
+
+import msgspec
 
 from logical_robots_tui.game.source import ProgramSource
 from logical_robots_tui.paths import write_atomically
@@ -27,6 +28,7 @@ Kind: TypeAlias = Literal["program", "level", "place"]
 Key: TypeAlias = tuple[Kind, str]
 """The kind and the file path of a draft. A session has one draft of each key."""
 
+_ADOPTED = "-adopted"
 _held_locks: set[int] = set()
 
 
@@ -41,7 +43,9 @@ class Draft:
     name: str
     path: str
     text: str
-    saved: datetime = field(default_factory=lambda: datetime.now(UTC))
+    saved: Annotated[datetime, msgspec.Meta(tz=True)] = field(
+        default_factory=lambda: datetime.now(UTC)
+    )
     turn: int = field(default=0, compare=False)
     level: str = ""
 
@@ -123,7 +127,7 @@ class Drafts:
                 with suppress(OSError):
                     if self._file(key).exists():
                         self._retire(self._file(key))
-                    self._adopted_file(draft).replace(self._file(key))
+                    self._file(draft.identity, _ADOPTED).replace(self._file(key))
                     self._unwritten.discard(key)
             return draft
 
@@ -142,7 +146,7 @@ class Drafts:
         with self._guard:
             if self._adopted.pop(draft.identity, None) is not None:
                 with suppress(OSError):
-                    self._retire(self._adopted_file(draft))
+                    self._retire(self._file(draft.identity, _ADOPTED))
 
     def adopt(self, kind: Kind) -> list[Draft]:
         """Take over drafts of ended sessions, unless this one has ended; may raise OSError.
@@ -178,11 +182,12 @@ class Drafts:
         self._latest[key] = turn
         return True
 
-    def _file(self, key: Key) -> Path:
-        return self.folder / f"{self._session}-{_fingerprint(key)}.json"
+    def _file(self, names: tuple[str, ...], suffix: str = "") -> Path:
+        """Return the file of an own draft by its key, or of an adopted one by its identity."""
+        import hashlib  # takes time that the first picture needs
 
-    def _adopted_file(self, draft: Draft) -> Path:
-        return self.folder / f"{self._session}-{_fingerprint(draft.identity)}-adopted.json"
+        digest = hashlib.sha256(" ".join(names).encode("utf-8", "surrogatepass")).hexdigest()
+        return self.folder / f"{self._session}-{digest[:16]}{suffix}.json"
 
     def _lock_file(self, session: str) -> Path:
         return self.folder / f"{session}.lock"
@@ -210,8 +215,8 @@ class Drafts:
                     self._retire(file)
                     continue
                 if rival is not None:
-                    self._retire(self._adopted_file(draft))
-                file.replace(self._adopted_file(draft))
+                    self._retire(self._file(draft.identity, _ADOPTED))
+                file.replace(self._file(draft.identity, _ADOPTED))
                 self._adopted[draft.identity] = draft
             # What else it leaves: its lock, half a write.
             for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
@@ -227,12 +232,6 @@ class Drafts:
             surplus.unlink(missing_ok=True)
 
 
-def _fingerprint(key: tuple[str, ...]) -> str:
-    import hashlib  # takes time that the first picture needs
-
-    return hashlib.sha256(" ".join(key).encode("utf-8", "surrogatepass")).hexdigest()[:16]
-
-
 def _number(file: Path) -> int:
     number = file.name.partition("-")[0]
     return int(number) if number.isdecimal() else 0
@@ -240,17 +239,9 @@ def _number(file: Path) -> int:
 
 def _from_json(file: Path) -> Draft | None:
     try:
-        fields = json.loads(file.read_text("utf-8"))
-        draft = Draft(**fields | {"saved": datetime.fromisoformat(fields["saved"])})
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return msgspec.convert(json.loads(file.read_text("utf-8")), Draft)
+    except (OSError, ValueError, RecursionError):
         return None
-    is_whole = (
-        draft.kind in get_args(Kind)
-        and draft.saved.tzinfo is not None
-        and isinstance(draft.turn, int)
-        and all(isinstance(part, str) for part in (draft.name, draft.path, draft.text, draft.level))
-    )
-    return draft if is_whole else None
 
 
 def acquire(file: Path) -> int | None:
@@ -379,18 +370,18 @@ def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *flushes: Callable[[]
     """End the game; ask first if unsaved work can't be kept."""
     for flush in flushes:
         flush()
-    lost = drafts.unwritten()
-    if lost:
-        ui.spawn(partial(_ask, ui, end, *lost[0]), "leaving", exclusive=True)
-    else:
+    if not (lost := drafts.unwritten()):
         end()
-
-
-async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) -> None:
+        return
+    draft, error = lost[0]
     question = (
         f"Your changes to “{clip(one_line(draft.name), 40)}” are not saved and can't be "
         f"kept for next time: {error.strerror or error}."
     )
-    answers = [("stay", "Stay"), ("leave", "Leave without it")]
-    if await ui.choose("Not saved", question, answers) == "leave":
-        end()
+
+    async def ask() -> None:
+        answers = [("stay", "Stay"), ("leave", "Leave without it")]
+        if await ui.choose("Not saved", question, answers) == "leave":
+            end()
+
+    ui.spawn(ask, "leaving", exclusive=True)
