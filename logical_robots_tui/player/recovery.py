@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import json
 import os
 from collections.abc import Awaitable, Callable, Mapping, Sequence
@@ -16,7 +15,7 @@ from typing import Protocol, TypeAlias, TypeVar
 
 import msgspec
 
-from logical_robots_tui import game, mind
+from logical_robots_tui import game
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game.pace import SPEEDS
 from logical_robots_tui.paths import is_file
@@ -199,7 +198,7 @@ class Bookmark(SessionListener):
         position = position_of(session.game, session.opened, session.sources.first)
         if position is not None:
             position = replace(position, speed=session.pace.speed)
-            with contextlib.suppress(OSError):  # nobody is there to be told
+            with suppress(OSError):  # nobody is there to be told
                 text = position.as_text()
                 self._drafts.keep(Draft("place", position.title, position.level, text))
 
@@ -207,13 +206,9 @@ class Bookmark(SessionListener):
         """Offer to continue in the level at hand; in another one when it is opened."""
         self._offers = offers
         key = game.level_key(self._session.level)
-
-        async def find_draft() -> Draft | None:
-            drafts = await asyncio.to_thread(self._drafts.adopt, "place")
-            return next((draft for draft in drafts if draft.path == key), None)
-
-        with contextlib.suppress(OSError):  # no folder, no bookmark
-            draft = await offers.at_hand(find_draft)
+        with suppress(OSError):  # no folder, no bookmark
+            drafts = await offers.at_hand(partial(asyncio.to_thread, self._drafts.adopt, "place"))
+            draft = next((draft for draft in drafts if draft.path == key), None)
             if draft is not None:
                 await self._ask(offers, draft)
 
@@ -246,25 +241,23 @@ class Bookmark(SessionListener):
         first = next(iter(last))
         if first != sources.team and first in sources.teams:
             self._look_at(first)
-        source = await asyncio.to_thread(self._source_of, position)
+        try:
+            source = await asyncio.to_thread(game.load_program, position.program)
+        except InputError:
+            source = self._session.source
         source = source._replace(team=sources.team)
         is_unsaved = self._drafts.get(("program", source.draft)) is not None
         self._open_program(source, None if is_unsaved else last.get(sources.team, last[first]))
         self._session.pace.speed = position.speed
         ends = [(await game.compile_program(texts), end) for texts, end in position.segments()]
-        self._session.go_through(ends[0][0], partial(self._replay, ends))
 
-    async def _replay(self, ends: list[tuple[mind.Program, int]], game_: game.Game) -> None:
-        for program, end in ends:
-            self._session.use(program)
-            while game_.frame.tick < end:
-                await game_.run_until(tick=end)
+        async def replay(game_: game.Game) -> None:
+            for program, end in ends:
+                self._session.use(program)
+                while game_.frame.tick < end:
+                    await game_.run_until(tick=end)
 
-    def _source_of(self, position: GamePosition) -> game.ProgramSource:
-        try:
-            return game.load_program(position.program)
-        except InputError:
-            return self._session.source
+        self._session.go_through(ends[0][0], replay)
 
 
 MOST_GAMES = 4
