@@ -96,7 +96,12 @@ class ProgressRecorder(SessionListener):
         self._key, self.references = level_key(level), references_for(level)
         self.goals = level.second_goals
         self.record, self.latest, self._has_begun = NEW, None, False
-        self._write(lambda progress: note_level(progress, level))
+
+        def note_level(progress: Progress) -> None:
+            if level.source:  # without a file it can't be opened again
+                progress.set_fact(LAST_LEVEL, level_key(level))
+
+        self._write(note_level)
 
     def level_saved(self, level: Level) -> None:
         if level_key(level) != self._key:
@@ -129,12 +134,7 @@ class ProgressRecorder(SessionListener):
 
     def keep(self, *texts: str) -> None:
         key = self._key
-
-        def keep(progress: Progress) -> None:
-            for text in texts:
-                progress.keep(key, text)
-
-        self._write(keep)
+        self._write(lambda progress: progress.keep(key, *texts))
 
     def set_aside(self, draft: Draft) -> None:
         """Keep a draft's text for its level, or the current one, but not as the newest version."""
@@ -219,9 +219,3 @@ class ProgressRecorder(SessionListener):
             if key == self._key:
                 self.latest = final
                 self._on_change()
-
-
-def note_level(progress: Progress, level: Level) -> None:
-    """Record the level opened last, if it has a file."""
-    if level.source:
-        progress.set_fact(LAST_LEVEL, level_key(level))

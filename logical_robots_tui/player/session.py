@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.world.world import Pose
 
+_NOTICEABLE = 0.5  # seconds of thinking after which the screen shows it
 _MOST_OWED = 5  # times as many steps as are requested at once may be pending
 
 Going: TypeAlias = "Callable[[game.Game], Coroutine[Any, Any, object]]"
@@ -76,7 +77,7 @@ class Session:
     @property
     def running(self) -> bool:
         """Whether the robots run, or will run as soon as the program is compiled."""
-        return self.movement.goes_on
+        return self.movement.kind in ("awaiting", "run", "until")
 
     @property
     def busy(self) -> bool:
@@ -108,7 +109,12 @@ class Session:
     @property
     def thinking_for(self) -> float:
         """Seconds that the current think has taken; 0.0 while not worth showing."""
-        return self.movement.thinking_for(self.clock.now(), self.pace.period)
+        movement = self.movement
+        if not movement.thinks:
+            return 0.0
+        seconds = self.clock.now() - movement.waiting_since
+        seconds -= self.pace.period if movement.kind == "run" else 0.0
+        return seconds if seconds > _NOTICEABLE else 0.0
 
     def open_level(
         self, level: Level, sources: Mapping[str, game.ProgramSource], text: str
@@ -153,7 +159,8 @@ class Session:
             self._spawn(nothing, "compile", exclusive=True)
             self.use(self.program)
             return
-        self.state = self.state.compiling(text)
+        applied, warnings = self.state.applied, self.state.warnings
+        self.state = ProgramState("compiling", text, applied, warnings=warnings)
         if self._checking not in ("", text):
             self._spawn(nothing, "check", exclusive=True)
         self._on_change()

@@ -86,8 +86,6 @@ class TeamSources:
         return (replace(first, line=1, column=1, message=words, excerpt=""),)
 
 
-_NOTICEABLE = 0.5  # seconds of thinking after which the screen shows it
-
 Kind: TypeAlias = Literal["rest", "awaiting", "run", "steps", "until"]
 
 
@@ -104,19 +102,8 @@ class Movement:
     waiting_since: float = 0.0
 
     @property
-    def goes_on(self) -> bool:
-        return self.kind in ("awaiting", "run", "until")
-
-    @property
     def thinks(self) -> bool:
         return self.kind in ("run", "steps", "until")
-
-    def thinking_for(self, time: float, period: float) -> float:
-        """Return seconds of the current think, 0.0 while not worth showing; `period` per tick."""
-        if not self.thinks:
-            return 0.0
-        seconds = time - self.waiting_since - (period if self.kind == "run" else 0.0)
-        return seconds if seconds > _NOTICEABLE else 0.0
 
 
 async def nothing() -> None:
@@ -159,9 +146,6 @@ class ProgramState(NamedTuple):
     compiled: tuple[int, int] = (0, 0)
     checked: str | None = None
     diagnostics: tuple[Diagnostic, ...] = ()
-
-    def compiling(self, text: str) -> ProgramState:
-        return ProgramState("compiling", text, self.applied, warnings=self.warnings)
 
     @property
     def newest(self) -> tuple[str, tuple[Diagnostic, ...]]:

@@ -10,8 +10,8 @@ import pytest
 
 from logical_robots_tui.confinement import WRITABLE
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import level_key, source
 from logical_robots_tui.game import measuring as robustness
-from logical_robots_tui.game import source
 from logical_robots_tui.game.ghost import ghost_of
 from logical_robots_tui.game.measuring import LateError, Played
 from logical_robots_tui.game.replay import load_replay
@@ -19,7 +19,7 @@ from logical_robots_tui.player import best_runs
 from logical_robots_tui.player.best_runs import BestRuns
 from logical_robots_tui.player.library import daily_level
 from logical_robots_tui.player.opening import initial_level
-from logical_robots_tui.player.recorder import note_level
+from logical_robots_tui.player.recorder import LAST_LEVEL
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES, Daily, DailySize
@@ -170,7 +170,7 @@ def test_the_level_played_last_is_the_one_to_begin_with(progress: Progress, tmp_
     own = tmp_path / "own.toml"
     own.write_text(LEVEL, encoding="utf-8")
     for name in ("03-the-long-hall", "daily-2026-11-22-small", str(own)):
-        note_level(progress, load_level(name))
+        progress.set_fact(LAST_LEVEL, level_key(load_level(name)))
         assert initial_level(progress).name == load_level(name).name
 
     own.write_text("walls = 5", encoding="utf-8")  # it can no longer be read
