@@ -18,10 +18,10 @@ from logical_robots_tui.lab.exporting import (
     Row,
     as_code,
     as_percent,
-    as_table,
     escape_html,
     finished_runs,
     harmless_text,
+    table_section,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student
 from logical_robots_tui.lab.grading import LevelGrade, duplicates, grades_of
@@ -277,15 +277,15 @@ def class_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[
     yield "<h2>Submissions</h2>"
     yield from (f"<p>{escape_html(line)}</p>" for line in account_of(manifest))
     head = ("id", "name", "points", "most", "late", *levels, "remarks")
-    yield "<h2>Students</h2>" + as_table(head, rows)
+    yield table_section("Students", head, rows)
     yield from _fault_parts(folder, manifest, ledger)
     names = {student.id: student.label for student in manifest.students}
     duplicate_rows = [
         (level, ", ".join(names[s] for s in ids)) for level, _, ids in duplicates(manifest)
     ]
     if duplicate_rows:
-        yield "<h2>The same program</h2><p>Identical except for comments and whitespace.</p>"
-        yield as_table(("level", "students"), duplicate_rows)
+        intro = "Identical except for comments and whitespace."
+        yield table_section("The same program", ("level", "students"), duplicate_rows, intro)
     yield from _similar_parts(folder, manifest, names)
 
 
@@ -310,11 +310,13 @@ def _similar_parts(folder: Folder, manifest: Manifest, names: Mapping[str, str])
     pairs = similar_pairs(folder, manifest)
     if not pairs:
         return
-    yield "<h2>Similar programs</h2><p>The share that is the same but for own names and the order"
-    yield "of rules, without the level's starter. It is a reason to look, not a proof.</p>"
+    intro = (
+        "The share that is the same but for own names and the order of rules, without the level's "
+        "starter. It is a reason to look, not a proof."
+    )
     labels = [[", ".join(names[c.student] for c in side) for side in pair[2:]] for pair in pairs]
     rows = [(as_percent(p.score), p.level, *sides) for p, sides in zip(pairs, labels, strict=True)]
-    yield as_table(("alike", "level", "students", "and"), rows)
+    yield table_section("Similar programs", ("alike", "level", "students", "and"), rows, intro)
     for pair, sides in list(zip(pairs, labels, strict=True))[:_MOST_TEXTS]:
         title = f"{as_percent(pair.score)}, {pair.level}: {sides[0]} and {sides[1]}"
         yield f"<details><summary>{escape_html(title)}</summary><div class=beside>"

@@ -104,16 +104,6 @@ def settings_of(manifest: Manifest) -> list[str]:
     return list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
 
 
-def reductions(manifest: Manifest) -> dict[str, tuple[QueryMeasure, Reduction]]:
-    """Return how a question's numbers become one number of a run, by the name of its column."""
-    columns: dict[str, tuple[QueryMeasure, Reduction]] = {}
-    for measure in manifest.asked:
-        if not measure.every:
-            columns[measure.name] = measure, "last"
-        columns |= {f"{measure.name}_{kind}": (measure, kind) for kind in measure.reduce}
-    return columns
-
-
 def reduce_series(result: Result, measure: QueryMeasure, kind: Reduction) -> float | None:
     """Return one number of a run; None if there is none, or if not all could be measured."""
     series = result.series.get(measure.name)
@@ -135,8 +125,12 @@ _REDUCERS: dict[str, Callable[[list[float]], float]] = {
 def measures_of(manifest: Manifest) -> dict[str, Callable[[Result], float | None]]:
     """Return the measures of a run by name, those of queries last."""
     measures = {name: MEASURES[name] for name in manifest.measures}
-    for name, (measure, kind) in reductions(manifest).items():
-        measures[name] = partial(reduce_series, measure=measure, kind=kind)
+    for measure in manifest.asked:
+        if not measure.every:
+            measures[measure.name] = partial(reduce_series, measure=measure, kind="last")
+        for kind in measure.reduce:
+            name = f"{measure.name}_{kind}"
+            measures[name] = partial(reduce_series, measure=measure, kind=kind)
     return measures
 
 
@@ -245,18 +239,18 @@ def arrow_of(table: ResultTable) -> Any:
 
 def columns_of(table: ResultTable) -> dict[str, list[Any]]:
     """Return the values by column, those of one column of one type."""
-    columns = list(zip(*table.rows, strict=True)) or [()] * len(table.columns)
-    pairs = zip(table.columns, columns, strict=True)
-    return {name: _of_one_type(values) for name, values in pairs}
-
-
-def _of_one_type(values: Sequence[Any]) -> list[Any]:
-    kinds = {type(value) for value in values if value is not None}
-    if kinds <= {int, float}:
-        return [float(v) if v is not None and float in kinds else v for v in values]
-    if len(kinds) <= 1:
-        return [harmless_text(v) if isinstance(v, str) else v for v in values]
-    return [value if value is None else harmless_text(str(value)) for value in values]
+    columns: dict[str, list[Any]] = {}
+    all_values = list(zip(*table.rows, strict=True)) or [()] * len(table.columns)
+    for name, values in zip(table.columns, all_values, strict=True):
+        kinds = {type(value) for value in values if value is not None}
+        if kinds <= {int, float}:
+            cells = [float(v) if v is not None and float in kinds else v for v in values]
+        elif len(kinds) == 1:
+            cells = [harmless_text(v) if isinstance(v, str) else v for v in values]
+        else:
+            cells = [None if v is None else harmless_text(str(v)) for v in values]
+        columns[name] = cells
+    return columns
 
 
 def check_extra(module: str, purpose: str) -> None:
@@ -317,7 +311,10 @@ class Html(str):
     __slots__ = ()
 
 
-def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+def table_section(
+    title: str, head: Sequence[str], rows: Iterable[Sequence[Any]], intro: str = ""
+) -> str:
+    """Return a table below a heading and an introduction, which are HTML already."""
     names = [escape_html(name) for name in head]
 
     def cell(name: str, value: Any) -> str:
@@ -336,7 +333,8 @@ def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     if len(lines) > _MOST_ROWS:
         note = f"<p>The first {_MOST_ROWS:,} of {len(lines):,} rows; runs.csv has all runs.</p>"
     body = "\n".join(lines[:_MOST_ROWS])
-    return f"<table><thead><tr>{heads}</tr></thead><tbody>\n{body}</tbody></table>{note}"
+    opening = f"<h2>{title}</h2>" + f"<p>{intro}</p>" * bool(intro)
+    return f"{opening}<table><thead><tr>{heads}</tr></thead><tbody>\n{body}</tbody></table>{note}"
 
 
 def as_code(text: str) -> Html:

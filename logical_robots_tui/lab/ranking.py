@@ -14,10 +14,10 @@ from logical_robots_tui.lab.exporting import (
     Row,
     RunRecord,
     as_code,
-    as_table,
     finished_runs,
     harmless_text,
     shade,
+    table_section,
 )
 from logical_robots_tui.lab.folder import Ledger, Manifest
 from logical_robots_tui.lab.tasks import Result
@@ -265,16 +265,16 @@ def _cycle_text(cycle: Sequence[str]) -> str:
 def tournament_parts(manifest: Manifest, ledger: Ledger, runs: Sequence[RunRecord]) -> list[str]:
     ranking = ranking_of(manifest, ledger)
     names = [s.player for s in ranking.standings]
-    parts = ["<h2>Ranking</h2>" + as_table(_HEAD, _rows(manifest, ranking))]
+    parts = [table_section("Ranking", _HEAD, _rows(manifest, ranking))]
     rows: list[Sequence[Any]] = []
     for name in names:
         cells = [ranking.pairings.get((name, opponent)) for opponent in names]
         rows.append((name, *(p and shade(p.share, f"{100 * p.share:.0f}") for p in cells)))
-    intro = "<p>The row's share of the points against the column, in percent.</p>"
-    parts.append("<h2>Pairs</h2>" + intro + as_table(("", *names), rows))
+    intro = "The row's share of the points against the column, in percent."
+    parts.append(table_section("Pairs", ("", *names), rows, intro))
     if ranking.cycles:
         rows = [(_cycle_text(cycle).partition(" ")[2],) for cycle in ranking.cycles]
-        parts.append(f"<h2>Cycles</h2>{as_table(('each beats the next beyond doubt',), rows)}")
+        parts.append(table_section("Cycles", ["each beats the next beyond doubt"], rows))
     rows = []
     for run in runs:
         if run.start == 0:
@@ -283,10 +283,10 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, runs: Sequence[RunRecor
             command = as_code(manifest.command(run.cell, 0))
             rows.append((run.cell.program_name, points, command))
     intro = (
-        "<p>Each from the given start; runs.csv has all. Run the commands in this folder; "
-        "replace play with replay record to keep a match in a file.</p>"
+        "Each from the given start; runs.csv has all. Run the commands in this folder; "
+        "replace play with replay record to keep a match in a file."
     )
-    parts.append("<h2>Matches</h2>" + intro + as_table(("match", "points", "to see it"), rows))
+    parts.append(table_section("Matches", ("match", "points", "to see it"), rows, intro))
     return parts
 
 

@@ -23,7 +23,6 @@ from logical_robots_tui.lab.exporting import (
     as_code,
     as_page,
     as_percent,
-    as_table,
     check_extra,
     export_runs,
     failed_runs,
@@ -32,6 +31,7 @@ from logical_robots_tui.lab.exporting import (
     measures_of,
     settings_of,
     shade,
+    table_section,
     tables_of_runs,
     write_tables,
 )
@@ -224,7 +224,7 @@ def _overview(all_runs: list[RunRecord]) -> str:
     given_head = ("programs", "won from the given start", "share", "95% interval")
     varied_head = ("varied starts", "won", "share", "95% interval")
     head = ("level", *given_head, *varied_head, "median ticks to win")
-    return "<h2>Levels</h2>" + as_table(head, rows)
+    return table_section("Levels", head, rows)
 
 
 Spread: TypeAlias = tuple[float, float, float]
@@ -385,8 +385,8 @@ def _grid(manifest: Manifest, across: str, down: str, all_runs: list[RunRecord])
         (line, *(cell([run for run in runs if column_of[id(run)] == c]) for c in columns))
         for line, runs in _by_value(down, all_runs).items()
     ]
-    intro = "<h2>The grid</h2><p>Won, and medians of what was measured.</p>"
-    return intro + as_table((f"{down} \\ {across}", *columns), rows)
+    head = (f"{down} \\ {across}", *columns)
+    return table_section("The grid", head, rows, "Won, and medians of what was measured.")
 
 
 def _ticks(all_runs: list[RunRecord]) -> str:
@@ -417,7 +417,7 @@ def _failures(manifest: Manifest, ledger: Ledger, all_runs: list[RunRecord]) -> 
         rows.append((level, outcome, reason, len(runs), as_code(manifest.command(*runs[0][:2]))))
     head = ("level", "how it ended", "why", "runs", "one of them")
     title = "What failed" if manifest.kind == "tournament" else "Not won"
-    return f"<h2>{title}</h2>" + as_table(head, rows) if rows else ""
+    return table_section(title, head, rows) if rows else ""
 
 
 def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str:
@@ -451,8 +451,10 @@ def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str
     place = "in this folder;"
     if names:
         place = "where this folder is. In one from runs.csv,"
-    intro = f"<p>Run the commands {place} replace <code>play</code> with <code>why</code> to "
-    return f"<h2>Programs in levels</h2>{intro}explain a tick.</p>" + as_table(head, rows)
+    intro = (
+        f"Run the commands {place} replace <code>play</code> with <code>why</code> to explain a "
+    )
+    return table_section("Programs in levels", head, rows, f"{intro}tick.")
 
 
 def _pygal() -> Any:
