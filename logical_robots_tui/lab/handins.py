@@ -408,34 +408,30 @@ def match_roster(
         for key in names | {plain(alias) for alias in {*names, owner.id, owner.name}}:
             keys[key].add(name)
     matches: dict[str, str] = {}
-    for keys_of in _KEYS:
+    roster_keys = {row["id"]: _keys_of(row) for row in roster}
+    for step in range(3):
         claims: dict[str, set[str]] = {}
-        used_entries = set(matches.values()) if keys_of is not _KEYS[0] else set()
-        for row in roster:
-            if row["id"] not in matches:
-                candidates = {name for key in keys_of(row) if key for name in keys.get(key, ())}
-                claims[row["id"]] = candidates - used_entries
+        used_entries = set(matches.values()) if step else set()
+        for student, steps in roster_keys.items():
+            if student not in matches:
+                candidates = {name for key in steps[step] if key for name in keys.get(key, ())}
+                claims[student] = candidates - used_entries
         counts = Counter(name for candidates in claims.values() for name in candidates)
         for student, candidates in claims.items():
-            if len(candidates) == 1 and (counts[min(candidates)] == 1 or keys_of is _KEYS[0]):
+            if len(candidates) == 1 and (counts[min(candidates)] == 1 or not step):
                 matches[student] = min(candidates)
     return matches
 
 
-def _exact_keys(row: Mapping[str, str]) -> list[str]:
-    submission = row.get("submission") or row["id"]
-    return [submission, stem_of(submission, SUFFIX)]
-
-
-def _plain_keys(row: Mapping[str, str]) -> list[str]:
-    submission, student = plain(stem_of(row.get("submission") or "", SUFFIX)), plain(row["id"])
-    return [submission, student, student.removeprefix("participant")]  # as Moodle's tables have it
-
-
-def _name_keys(row: Mapping[str, str]) -> list[str]:
+def _keys_of(row: Mapping[str, str]) -> tuple[list[str], list[str], list[str]]:
+    """Return what a row names exactly, but for case and accents, and in other orders of words."""
+    submission, student = row.get("submission") or "", plain(row["id"])
+    exact_name = submission or row["id"]
     words = re.findall(r"\w+", row.get("name") or "")
     orders = range(len(words) if len(words) <= _MOST_WORDS else 1)
-    return [plain("".join(words[n:] + words[:n])) for n in orders]
-
-
-_KEYS = (_exact_keys, _plain_keys, _name_keys)
+    return (
+        [exact_name, stem_of(exact_name, SUFFIX)],
+        # As Moodle's tables have it.
+        [plain(stem_of(submission, SUFFIX)), student, student.removeprefix("participant")],
+        [plain("".join(words[n:] + words[:n])) for n in orders],
+    )
