@@ -7,7 +7,7 @@ import asyncio
 import shutil
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui import game, mind, world
@@ -28,8 +28,8 @@ from logical_robots_tui.cli.run import (
     open_run,
     place_of,
     run_args,
-    run_context,
     show,
+    with_run,
 )
 from logical_robots_tui.values import spell
 
@@ -137,21 +137,19 @@ def when(options: argparse.Namespace) -> int:
     level, program = open_run(options)
     with mistakes_in("query"):
         question = program.question(options.query)
-    matches = asyncio.run(_search(level, program, question, options))
+    ticks, robot = options.ticks, options.robot or ""
+    matches = asyncio.run(
+        with_run(
+            level,
+            program,
+            ticks,
+            lambda run, show: game.find_matches(run, question, ticks, robot, show),
+        )
+    )
     if matches.failed_in == matches.ticks:
         raise mind.QueryError(f"It failed in every tick: {matches.reason}")
     show(options, _data(options.query, matches), _lines(options.query, matches))
     return FOUND if matches.stretches else NOTHING
-
-
-async def _search(
-    level: world.Level,
-    program: mind.Program,
-    question: mind.CompiledQuery,
-    options: argparse.Namespace,
-) -> game.Matches:
-    async with run_context(level, program, options.ticks) as (run, show):
-        return await game.find_matches(run, question, options.ticks, options.robot or "", show)
 
 
 def _lines(query: str, matches: game.Matches) -> list[str]:
@@ -227,7 +225,7 @@ async def _diagnose(
 ) -> Diagnosis:
     from logical_robots_tui.game.diagnosing import diagnose_run
 
-    async with run_context(level, program, ticks) as (run, draw):
+    async def examine(run: game.Run, draw: Callable[..., None]) -> Diagnosis:
         with progress_bar("Examining", ticks, delay=BAR_DELAY) as report:
             try:
                 return await diagnose_run(
@@ -237,6 +235,8 @@ async def _diagnose(
                 if printer.diagnosis is None:
                     raise
                 return printer.diagnosis  # interrupted
+
+    return await with_run(level, program, ticks, examine)
 
 
 class Printer:

@@ -7,11 +7,11 @@ import asyncio
 import math
 import threading
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Iterable, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from collections.abc import Awaitable, Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
@@ -33,6 +33,8 @@ from logical_robots_tui.wording import count_of
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.probing import SourceSpan
     from logical_robots_tui.progress import Measures
+
+T = TypeVar("T")
 
 BAR_DELAY = 0.5
 """Seconds before the progress bar appears."""
@@ -124,22 +126,23 @@ def check_name(kind: str, name: str, valid_names: Iterable[str]) -> None:
         )
 
 
-@asynccontextmanager
-async def run_context(
-    level: world.Level, program: mind.Program, ticks: int
-) -> AsyncIterator[tuple[game.Run, Callable[[int], None]]]:
-    """Open a run, reusing stored ticks; yield it and a progress callback for finished ticks."""
+async def with_run(
+    level: world.Level,
+    program: mind.Program,
+    ticks: int,
+    work: Callable[[game.Run, Callable[..., None]], Awaitable[T]],
+) -> T:
+    """Return what `work` makes of a run, which reuses stored ticks, and a progress callback."""
     run = game.Run(level, program)
     try:
         with progress_bar(level.title, ticks, delay=BAR_DELAY) as show:
-            yield run, show
+            return await work(run, show)
     finally:
         await run.close()
 
 
 async def frame_at(level: world.Level, program: mind.Program, tick: int) -> game.Frame:
-    async with run_context(level, program, tick) as (run, show):
-        return await run.frame(tick, show)
+    return await with_run(level, program, tick, lambda run, show: run.frame(tick, show))
 
 
 _Tables: TypeAlias = "dict[str, mind.ResultTable | mind.QueryError]"

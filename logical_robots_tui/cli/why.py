@@ -20,8 +20,8 @@ from logical_robots_tui.cli.run import (
     open_run,
     place_of,
     run_args,
-    run_context,
     show,
+    with_run,
 )
 from logical_robots_tui.values import Value, read_value, spell
 
@@ -337,24 +337,24 @@ def origin(options: argparse.Namespace) -> int:
 
     exit status: 0 found, 2 bad level, program, robot or value
     """
+    from logical_robots_tui.explain.why.explanation import Subject
+
     level, program = open_run(options)
     question = read_row(program, options.predicate, dict(options.given), options.within)
-    chain = asyncio.run(_search(level, program, question, options))
+    default = "memory" if question.predicate == "Robot" else ""
+    subject = Subject(question, *(options.value or (default, ())))
+    robot, tick = options.robot, options.tick
+    chain = asyncio.run(
+        with_run(
+            level,
+            program,
+            tick,
+            lambda run, show: game.origin_in_run(run, robot, subject, tick, show),
+        )
+    )
     document = {"complete": chain.complete, "links": [*map(_link, chain.links)]}
     show(options, document, origin_lines(chain))
     return 0
-
-
-async def _search(
-    level: world.Level, program: mind.Program, question: explain.Ask, options: argparse.Namespace
-) -> game.Origin:
-    from logical_robots_tui.explain.why.explanation import Subject
-
-    default = "memory" if question.predicate == "Robot" else ""
-    column, path = options.value or (default, ())
-    async with run_context(level, program, options.tick) as (run, show):
-        subject = Subject(question, column, path)
-        return await game.origin_in_run(run, options.robot, subject, options.tick, show)
 
 
 def origin_lines(chain: game.Origin) -> Iterator[str]:
