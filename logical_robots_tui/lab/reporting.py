@@ -6,10 +6,10 @@ import html
 import math
 import re
 import sys
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import NormalDist, median, quantiles
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.lab.classroom import (
     class_parts,
@@ -38,6 +38,8 @@ from logical_robots_tui.lab.exporting import (
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
 from logical_robots_tui.lab.grading import Draw, export_grades, gradebook, grades_of
 from logical_robots_tui.lab.ranking import tournament_lines, tournament_parts, tournament_tables
+
+K = TypeVar("K")
 
 _WIDTH, _HEIGHT = 78, 18
 _MOST_BARS = 40
@@ -78,11 +80,11 @@ def share_of(runs: Iterable[RunRecord]) -> Share:
     return Share(won, total, low, high, median(ticks) if ticks else None)
 
 
-def by_level(runs: Iterable[RunRecord]) -> dict[str, list[RunRecord]]:
-    groups: dict[str, list[RunRecord]] = defaultdict(list)
+def _group(runs: Iterable[RunRecord], key: Callable[[RunRecord], K]) -> dict[K, list[RunRecord]]:
+    groups: dict[K, list[RunRecord]] = {}
     for run in runs:
-        groups[run.cell.level_name].append(run)
-    return dict(groups)
+        groups.setdefault(key(run), []).append(run)
+    return groups
 
 
 def setting_text(cell: Cell) -> str:
@@ -100,8 +102,9 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
         grades = grades_of(manifest, ledger)
         points = [grade.points for grade in grades if grade.points is not None]
         ungraded = [f"{g.student.label}: {g.points_text}" for g in grades if g.points is None]
-        given_runs = by_level(run for run in runs if not run.start)
-        winners = {level: share_of(level_runs).won for level, level_runs in given_runs.items()}
+        given_runs = (run for run in runs if not run.start)
+        groups = _group(given_runs, lambda run: run.cell.level_name)
+        winners = {level: share_of(level_runs).won for level, level_runs in groups.items()}
         lines = _bars("Students who win from the given start", winners)
         counts = Counter(math.floor(point) for point in points)
         lines += _bars("Students by points", {str(n): counts[n] for n in sorted(counts)})
@@ -214,7 +217,7 @@ def _interval(share: Share) -> str:
 
 def _overview(all_runs: list[RunRecord]) -> str:
     rows: list[Sequence[Any]] = []
-    for level, runs in by_level(all_runs).items():
+    for level, runs in _group(all_runs, lambda run: run.cell.level_name).items():
         cells: list[Any] = [level]
         for is_varied in (False, True):
             share = share_of(run for run in runs if bool(run.start) == is_varied)
@@ -264,9 +267,7 @@ def _value_of(cell: Cell, name: str) -> bool | int | float | str:
 
 def _by_value(name: str, all_runs: list[RunRecord]) -> dict[str, list[RunRecord]]:
     """Return runs by the value of what was varied, of many numbers by parts of their range."""
-    groups: dict[Any, list[RunRecord]] = {}
-    for run in all_runs:
-        groups.setdefault(_value_of(run.cell, name), []).append(run)
+    groups: dict[Any, list[RunRecord]] = _group(all_runs, lambda run: _value_of(run.cell, name))
     numbers = sorted(value for value in groups if type(value) in (int, float))
     texts = {str(value): runs for value, runs in groups.items() if type(value) not in (int, float)}
     if len(numbers) <= _MOST_VALUES:
@@ -281,13 +282,13 @@ def _by_value(name: str, all_runs: list[RunRecord]) -> dict[str, list[RunRecord]
 
 def _by_label(manifest: Manifest, runs: list[RunRecord]) -> dict[str, list[RunRecord]]:
     """Return runs by all that was varied."""
-    names = _axes(manifest)
-    groups: dict[str, list[RunRecord]] = {}
-    for run in runs:
-        values = [_value_of(run.cell, name) for name in names if name in ("level", "program")]
-        label = " ".join(map(str, [*values, setting_text(run.cell)])).strip()
-        groups.setdefault(label or run.cell.program_name, []).append(run)
-    return groups
+    names = [name for name in _axes(manifest) if name in ("level", "program")]
+
+    def label(run: RunRecord) -> str:
+        values = [str(_value_of(run.cell, name)) for name in names]
+        return " ".join([*values, setting_text(run.cell)]).strip() or run.cell.program_name
+
+    return _group(runs, label)
 
 
 def _over_time(
@@ -352,7 +353,7 @@ def _chart(
     lines: Mapping[str, Sequence[Spread | None]],
     band: str = "quartiles",
 ) -> str:
-    chart = _pygal().Line(**_style(title), x_title=harmless_text(across))
+    chart = _new_chart("Line", title, x_title=harmless_text(across))
     chart.range = (0, 100) if band == _INTERVAL else None
     chart.x_labels = [harmless_text(label) for label in labels]
     if len(labels) > _MOST_VALUES:
@@ -391,13 +392,13 @@ def _grid(manifest: Manifest, across: str, down: str, all_runs: list[RunRecord])
 
 def _ticks(all_runs: list[RunRecord]) -> str:
     parts = ["<h2>Ticks to win</h2>"]
-    for level, runs in by_level(all_runs).items():
+    for level, runs in _group(all_runs, lambda run: run.cell.level_name).items():
         ticks = sorted(run.result.ticks for run in runs if run.result.outcome == "won")
         if not ticks:
             continue
         width = max(1, -(-(ticks[-1] + 1 - ticks[0]) // _BARS))
         counts = Counter((tick - ticks[0]) // width for tick in ticks)
-        chart = _pygal().Bar(**_style(level), show_legend=False, x_title="ticks", y_title="runs")
+        chart = _new_chart("Bar", level, show_legend=False, x_title="ticks", y_title="runs")
         chart.x_labels = [f"{ticks[0] + n * width:,}" for n in range(max(counts) + 1)]
         chart.y_labels = range(0, max(counts.values()) + 1, max(1, max(counts.values()) // 5))
         chart.add("runs", [counts[n] for n in range(max(counts) + 1)])
@@ -406,12 +407,13 @@ def _ticks(all_runs: list[RunRecord]) -> str:
 
 
 def _failures(manifest: Manifest, ledger: Ledger, all_runs: list[RunRecord]) -> str:
-    kinds: dict[tuple[str, str, str], list[RunRecord]] = {}
-    for run in (*all_runs, *failed_runs(manifest, ledger)):
-        result = run.result
-        if result.outcome == "won" or (result.outcome == "played" and not result.first):
-            continue
-        kinds.setdefault((run.cell.level_name, result.outcome, run.reason), []).append(run)
+    failures = [
+        run
+        for run in (*all_runs, *failed_runs(manifest, ledger))
+        if run.result.outcome not in ("won", "played")
+        or (run.result.outcome == "played" and run.result.first)
+    ]
+    kinds = _group(failures, lambda run: (run.cell.level_name, run.result.outcome, run.reason))
     rows: list[Sequence[Any]] = []
     for (level, outcome, reason), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
         rows.append((level, outcome, reason, len(runs), as_code(manifest.command(*runs[0][:2]))))
@@ -423,10 +425,7 @@ def _failures(manifest: Manifest, ledger: Ledger, all_runs: list[RunRecord]) -> 
 def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str:
     rows: list[Sequence[Any]] = []
     names = {student.id: student.label for student in manifest.students}
-    groups: dict[int, list[RunRecord]] = defaultdict(list)
-    for run in all_runs:
-        groups[id(run.cell)].append(run)
-    for runs in groups.values():
+    for runs in _group(all_runs, lambda run: id(run.cell)).values():
         cell, share = runs[0].cell, share_of(runs)
         # A run that was lost, from a varied start if there is one, else the given start.
         example = next((r for r in runs[::-1] if r.result.outcome != "won"), runs[0])
@@ -457,25 +456,22 @@ def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str
     return table_section("Programs in levels", head, rows, f"{intro}tick.")
 
 
-def _pygal() -> Any:
-    """Return the library for plots, without its importer, which makes Python 3.11 warn."""
+def _new_chart(kind: str, title: str, **options: Any) -> Any:
     import pygal
 
+    # Without its importer, which makes Python 3.11 warn.
     sys.meta_path[:] = [finder for finder in sys.meta_path if hasattr(finder, "find_spec")]
-    return pygal
-
-
-def _style(title: str) -> dict[str, Any]:
-    return {
-        "title": harmless_text(title),
-        "js": [],
-        "disable_xml_declaration": True,
-        "height": 400,
-        "explicit_size": True,
-        "x_label_rotation": 30,
-        "legend_at_bottom": True,
-        "truncate_legend": -1,
-    }
+    return getattr(pygal, kind)(
+        title=harmless_text(title),
+        js=[],
+        disable_xml_declaration=True,
+        height=400,
+        explicit_size=True,
+        x_label_rotation=30,
+        legend_at_bottom=True,
+        truncate_legend=-1,
+        **options,
+    )
 
 
 def _svg(chart: Any, title: str) -> str:
