@@ -24,7 +24,7 @@ from logical_robots_tui.lab.exporting import (
     parts_as_page,
     write_tables,
 )
-from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
+from logical_robots_tui.lab.folder import Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
 from logical_robots_tui.lab.tasks import Result
 from logical_robots_tui.wording import count_of
@@ -140,7 +140,7 @@ class Grade(msgspec.Struct, frozen=True):
 
 def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
     assignment = _assignment_of(manifest)
-    cells: dict[tuple[str, str], Cell] = {(c.student, c.level_name): c for c in manifest.cells}
+    cells = {(cell.student, cell.level_name) for cell in manifest.cells}
     runs: dict[tuple[str, str], list[RunRecord]] = defaultdict(list)
     for run in finished_runs(manifest, ledger):
         runs[run.cell.student, run.cell.level_name].append(run)
@@ -155,11 +155,10 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             name = re.sub(r"\.(toml|json)$", "", file)
             key = student.id, name
             results = {run.start: run.result for run in runs.get(key, ())}
-            missing = _NO_PROGRAM
+            missing = "" if key in cells else _NO_PROGRAM
             if not student.submission:  # earlier versions had other words for UNMATCHED
                 missing = NOTHING if student.remarks[0] == NOTHING else UNMATCHED
-            status = key in cells, missing
-            level = _level(manifest, assignment, name, level_table.points, *status, results)
+            level = _level(manifest, assignment, name, level_table.points, missing, results)
             failure = failed.get(key, "")
             levels.append(msgspec.structs.replace(level, file=file, failure=failure))
         kept_share = assignment.late.keep if student.late else 1
@@ -194,7 +193,6 @@ def _level(
     assignment: Assignment,
     name: str,
     maximum: float,
-    is_submitted: bool,
     missing: str,
     results: dict[int, Result],
 ) -> LevelGrade:
@@ -209,7 +207,7 @@ def _level(
     )
     points: float | None = 0.0
     parts: tuple[PointsPart, ...] = ()
-    if not is_over if is_submitted else missing == UNMATCHED:
+    if missing == UNMATCHED or not (missing or is_over):
         points = None
     elif is_run:
         parts = tuple(_parts(assignment, name, maximum, first, wins, manifest.starts, bool(varied)))
@@ -217,7 +215,7 @@ def _level(
     messages = [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes]
     if first.first is not None:
         messages.append("tick {}, {}: {}".format(*first.first))
-    outcome: str = first.outcome if is_run else "not run yet" if is_submitted else missing
+    outcome: str = first.outcome if is_run else missing or "not run yet"
     if outcome in ("too slow", "too many steps"):
         outcome += f" at tick {first.ticks:,}"
     questions = []
