@@ -9,7 +9,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -21,7 +21,8 @@ from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.coordinating import Coordinator
-    from logical_robots_tui.lab.folder import Folder, Ledger, Manifest
+    from logical_robots_tui.lab.exporting import RunRecords
+    from logical_robots_tui.lab.folder import Folder, Manifest
 
 COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
 
@@ -216,11 +217,11 @@ def _report(options: argparse.Namespace) -> int:
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
 
-    def write(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
+    def write(folder: Folder, records: RunRecords) -> None:
         from logical_robots_tui.lab.reporting import write_report
 
-        _print_summary(manifest, ledger)
-        print(harmless(f"Written: {write_report(folder, manifest, ledger)}"))
+        _print_summary(records)
+        print(harmless(f"Written: {write_report(folder, records)}"))
 
     return _look(options, write)
 
@@ -274,23 +275,25 @@ def _play(options: argparse.Namespace) -> int:
         return int(play_options.start(play_options))
 
 
-def _look(options: argparse.Namespace, write: Callable[[Folder, Manifest, Ledger], None]) -> int:
+def _look(options: argparse.Namespace, write: Callable[[Folder, RunRecords], None]) -> int:
     """Say what is done and left, write something, and return the exit status."""
     from logical_robots_tui.lab.coordinating import Coordinator
+    from logical_robots_tui.lab.exporting import RunRecords
     from logical_robots_tui.lab.folder import Folder
 
     folder = Folder(options.folder)
     manifest = folder.manifest()
     with folder.ledger(mixed=options.mixed) as ledger:
-        status = _tell(folder, manifest, ledger, Coordinator(folder, manifest, ledger))
-        write(folder, manifest, ledger)
+        records = RunRecords(manifest, ledger)
+        status = _tell(folder, records, Coordinator(folder, manifest, ledger))
+        write(folder, records)
     return status
 
 
-def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
+def _print_summary(records: RunRecords) -> None:
     from logical_robots_tui.lab.reporting import lines_of
 
-    print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
+    print(*map(harmless, lines_of(records)), sep="\n")
 
 
 def _work(options: argparse.Namespace, folder: Folder, first_manifest: Manifest) -> int:
@@ -298,6 +301,7 @@ def _work(options: argparse.Namespace, folder: Folder, first_manifest: Manifest)
 
     from logical_robots_tui.lab import closing_engine, engine_for, rounds
     from logical_robots_tui.lab.classroom import student_of
+    from logical_robots_tui.lab.exporting import RunRecords
 
     if name := getattr(options, "student", None):
         student = student_of(first_manifest, name)
@@ -321,24 +325,25 @@ def _work(options: argparse.Namespace, folder: Folder, first_manifest: Manifest)
             except InputError as error:  # such as a full disk
                 print(harmless(str(error)), file=sys.stderr)
                 return INCOMPLETE
-        status = _tell(folder, manifest, ledger, coordinator)
+        records = RunRecords(manifest, ledger)
+        status = _tell(folder, records, coordinator)
         if name:
             from logical_robots_tui.lab.grading import feedback_of
 
-            text = feedback_of(manifest, ledger, student.id)
+            text = feedback_of(records, student.id)
             print("", *map(harmless, text.splitlines()), sep="\n")
         elif status == COMPLETE or manifest.kind == "grade":
-            _export(folder, manifest, ledger)
+            _export(folder, records)
             if manifest.kind == "tournament":
-                _print_summary(manifest, ledger)
+                _print_summary(records)
         return status
 
 
-def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:
+def _tell(folder: Folder, records: RunRecords, coordinator: Coordinator) -> int:
     from logical_robots_tui.lab import next_round
     from logical_robots_tui.lab.classroom import ungraded_lines
-    from logical_robots_tui.lab.exporting import failed_runs
 
+    manifest, ledger = records.manifest, records.ledger
     tally, is_grading = coordinator.tally(), manifest.kind == "grade"
     seconds = f"{ledger.seconds():,.1f} s of processor time"
     print(harmless(f"{manifest.title}: {count_of(tally.done, 'run')} done, {seconds}"))
@@ -346,9 +351,9 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
         message = f"{count_of(tally.failed, 'run')} could not be done (infrastructure)"
         print(f"{message}." if is_grading else f"{message}, for example:")
     if tally.failed and not is_grading:
-        for run in islice(failed_runs(manifest, ledger), 5):
+        for run in records.failed[:5]:
             print(harmless(f"  {manifest.label_of(run.cell)}, start {run.start}: {run.reason}"))
-    if is_grading and (ungraded := ungraded_lines(manifest, ledger)):
+    if is_grading and (ungraded := ungraded_lines(records)):
         print("Ungraded:", *(harmless(f"  {line}") for line in ungraded), sep="\n")
     if tally.differing:
         print(
@@ -365,12 +370,12 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
     return COMPLETE
 
 
-def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
+def _export(folder: Folder, records: RunRecords) -> None:
     from logical_robots_tui.lab.exporting import has_extra
     from logical_robots_tui.lab.reporting import export
     from logical_robots_tui.tui.labyrinth.svg import svg
 
-    file_names = export(folder, manifest, ledger, svg)
+    file_names = export(folder, records, svg)
     print(harmless(f"Written to {folder.path}: {', '.join(file_names)}"))
     if not has_extra("pyarrow"):
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")

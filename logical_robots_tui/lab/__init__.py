@@ -53,6 +53,7 @@ class Results:
 
     def __init__(self, folder: str | Path, *, mixed: bool = False) -> None:
         from logical_robots_tui.lab.coordinating import Coordinator
+        from logical_robots_tui.lab.exporting import RunRecords
         from logical_robots_tui.lab.folder import Folder
         from logical_robots_tui.lab.reporting import tables_of
 
@@ -65,7 +66,7 @@ class Results:
             self.done, self.due, self.failed, differing = coordinator.tally()
             is_over = next_round(manifest, ledger, coordinator) is None
             self.complete = is_over and not (self.due or self.failed or differing)
-            self._tables: dict[str, ResultTable] = tables_of(manifest, ledger)
+            self._tables: dict[str, ResultTable] = tables_of(RunRecords(manifest, ledger))
         self.tables = tuple(self._tables)
 
     def to_pandas(self, table: str = "") -> pandas.DataFrame:
@@ -97,10 +98,12 @@ class Results:
         Raises:
             InputError: A library is missing, or it can't be written.
         """
+        from logical_robots_tui.lab.exporting import RunRecords
         from logical_robots_tui.lab.reporting import write_report
 
         with self._folder.ledger(mixed=self._mixed) as ledger:
-            return Path(write_report(self._folder, self._folder.manifest(), ledger))
+            records = RunRecords(self._folder.manifest(), ledger)
+            return Path(write_report(self._folder, records))
 
     def __repr__(self) -> str:
         counts = {"runs": self.done, "left": self.due, "failed": self.failed}
@@ -170,6 +173,7 @@ def _carry_out(
     mixed: bool = False,
     progress: bool = True,
 ) -> Results:
+    from logical_robots_tui.lab.exporting import RunRecords
     from logical_robots_tui.lab.folder import Folder
     from logical_robots_tui.lab.reporting import export
 
@@ -183,7 +187,7 @@ def _carry_out(
                 with _progress(manifest, coordinator, progress) as show:
                     coordinator.work(engine, lambda: False, show)
         if coordinator.tally().is_complete or manifest.kind == "grade":
-            export(folder, manifest, ledger)
+            export(folder, RunRecords(manifest, ledger))
     return Results(path, mixed=mixed)
 
 

@@ -16,14 +16,14 @@ from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.lab.exporting import (
     ResultTable,
     Row,
+    RunRecords,
     as_code,
     as_percent,
     escape_html,
-    finished_runs,
     harmless_text,
     table_section,
 )
-from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student
+from logical_robots_tui.lab.folder import Cell, Folder, Manifest, Student
 from logical_robots_tui.lab.grading import LevelGrade, duplicates, grades_of
 from logical_robots_tui.lab.submissions import account_of
 from logical_robots_tui.language.reference import REFERENCE
@@ -107,15 +107,12 @@ _KINDS = (
 )
 
 
-def faults_of(manifest: Manifest, ledger: Ledger) -> list[Fault]:
+def faults_of(records: RunRecords) -> list[Fault]:
     """Return the faults of a class by kind and level, the most common first."""
-    cells = {(cell.student, cell.level_name): cell for cell in manifest.cells}
-    runs = {
-        (run.cell.student, run.cell.level_name, run.start): run
-        for run in finished_runs(manifest, ledger)
-    }
+    cells = {(cell.student, cell.level_name): cell for cell in records.manifest.cells}
+    runs = {(run.cell.student, run.cell.level_name, run.start): run for run in records.finished}
     cases: dict[tuple[str, str, str], list[tuple[str, Cell | None, int]]] = defaultdict(list)
-    for grade in grades_of(manifest, ledger):
+    for grade in grades_of(records):
         for level in grade.levels:
             key = grade.student.id, level.level
             kind, reason = _fault(level)
@@ -147,9 +144,9 @@ def _fault(level: LevelGrade) -> tuple[str, str]:
     return (_KINDS[-1], "") if level.lost else ("", "")
 
 
-def fault_lines(manifest: Manifest, ledger: Ledger, width: int) -> list[str]:
+def fault_lines(records: RunRecords, width: int) -> list[str]:
     lines: list[str] = []
-    for kind, faults in groupby(faults_of(manifest, ledger), key=lambda fault: fault.kind):
+    for kind, faults in groupby(faults_of(records), key=lambda fault: fault.kind):
         lines.append(f"{kind}:")
         for fault in faults:
             reason = f": {fault.reason}" * bool(fault.reason)
@@ -158,10 +155,10 @@ def fault_lines(manifest: Manifest, ledger: Ledger, width: int) -> list[str]:
     return ["", "Common problems", *lines] if lines else []
 
 
-def ungraded_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
+def ungraded_lines(records: RunRecords) -> list[str]:
     """Return a line for each student who is ungraded although all runs were tried."""
     lines = []
-    for grade in grades_of(manifest, ledger):
+    for grade in grades_of(records):
         student, ungraded = grade.student, [level for level in grade.levels if level.points is None]
         reasons = [f"{level.level}: {level.failure}" for level in ungraded if level.failure]
         if ungraded and not student.submission:
@@ -259,8 +256,8 @@ def similar_table(folder: Folder, manifest: Manifest) -> ResultTable:
     return ResultTable(("level", "score", "one", "other", "one_name", "other_name"), rows)
 
 
-def class_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[str]:
-    grades = grades_of(manifest, ledger)
+def class_parts(folder: Folder, records: RunRecords) -> Iterator[str]:
+    manifest, grades = records.manifest, grades_of(records)
     levels = [level.level for level in grades[0].levels] if grades else []
     rows = [
         (
@@ -278,7 +275,7 @@ def class_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[
     yield from (f"<p>{escape_html(line)}</p>" for line in account_of(manifest))
     head = ("id", "name", "points", "most", "late", *levels, "remarks")
     yield table_section("Students", head, rows)
-    yield from _fault_parts(folder, manifest, ledger)
+    yield from _fault_parts(folder, records)
     names = {student.id: student.label for student in manifest.students}
     duplicate_rows = [
         (level, ", ".join(names[s] for s in ids)) for level, _, ids in duplicates(manifest)
@@ -289,8 +286,8 @@ def class_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[
     yield from _similar_parts(folder, manifest, names)
 
 
-def _fault_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator[str]:
-    faults = groupby(faults_of(manifest, ledger), key=lambda fault: fault.kind)
+def _fault_parts(folder: Folder, records: RunRecords) -> Iterator[str]:
+    faults = groupby(faults_of(records), key=lambda fault: fault.kind)
     for number, (kind, group) in enumerate(faults):
         if not number:
             intro = "The commands play one of these programs, typed where this folder is."
@@ -300,7 +297,7 @@ def _fault_parts(folder: Folder, manifest: Manifest, ledger: Ledger) -> Iterator
             entry = f"<b>{escape_html(fault.level)}</b>: {escape_html(', '.join(fault.students))}"
             entry += f": {escape_html(fault.reason)}" * bool(fault.reason)
             if fault.cell is not None:
-                command = play_command(folder, manifest, fault.cell, fault.start)
+                command = play_command(folder, records.manifest, fault.cell, fault.start)
                 entry += f"<br>{as_code(command)}"
             yield f"<li>{entry}</li>"
         yield "</ul>"

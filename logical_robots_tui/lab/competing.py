@@ -11,6 +11,7 @@ from typing import Literal
 import msgspec
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.exporting import RunRecords
 from logical_robots_tui.lab.folder import Cell, Ledger, Manifest, TournamentPlayer, digest
 from logical_robots_tui.lab.handins import Submission, entries_of, stems_of
 from logical_robots_tui.lab.ranking import ranking_of
@@ -145,7 +146,8 @@ def next_round(manifest: Manifest, ledger: Ledger) -> Manifest | None:
     """
     if len(manifest.rounds) >= manifest.most_rounds:
         return None
-    shares = {s.player: s.share for s in ranking_of(manifest, ledger, resamples=1).standings}
+    ranking = ranking_of(RunRecords(manifest, ledger), resamples=1)
+    shares = {standing.player: standing.share for standing in ranking.standings}
     pairs = pair_off(manifest, shares)
     return None if pairs is None else _with_round(manifest, pairs)
 

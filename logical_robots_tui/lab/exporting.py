@@ -7,8 +7,8 @@ import html
 import io
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property, partial
 from statistics import fmean
 from typing import Any, NamedTuple, TypeAlias
 
@@ -42,38 +42,50 @@ class ResultTable(NamedTuple):
     rows: list[Row]
 
 
-def finished_runs(manifest: Manifest, ledger: Ledger) -> Iterator[RunRecord]:
-    results = ledger.results()
-    outcomes = {job: result.outcome for job, result in results.items()}
-    for cell in manifest.cells:
-        cell = cell_to_run(manifest, cell, outcomes)
-        starts, _ = split_starts(manifest, cell, outcomes)
-        for start in starts:
-            job = manifest.job(cell, start)
-            yield RunRecord(cell, start, job, results[job])
+class RunRecords:
+    """The runs of a manifest that a ledger has; each kind is read once, when it is needed."""
+
+    def __init__(self, manifest: Manifest, ledger: Ledger) -> None:
+        self.manifest, self.ledger = manifest, ledger
+
+    @cached_property
+    def finished(self) -> list[RunRecord]:
+        manifest, results = self.manifest, self.ledger.results()
+        outcomes = {job: result.outcome for job, result in results.items()}
+        records = []
+        for cell in manifest.cells:
+            cell = cell_to_run(manifest, cell, outcomes)
+            for start in split_starts(manifest, cell, outcomes)[0]:
+                job = manifest.job(cell, start)
+                records.append(RunRecord(cell, start, job, results[job]))
+        return records
+
+    @cached_property
+    def failed(self) -> list[RunRecord]:
+        manifest, all_reasons = self.manifest, self.ledger.failures()
+        failures = {
+            job: reasons[-1] for job, reasons in all_reasons.items() if len(reasons) >= ATTEMPTS
+        }
+        outcomes = self.ledger.outcomes() if failures else {}
+        records = []
+        for cell in manifest.cells if failures else ():
+            cell = cell_to_run(manifest, cell, outcomes)
+            for start in manifest.all_starts:
+                job = manifest.job(cell, start)
+                if job in failures:
+                    result = Result("infrastructure", first=(0, "", failures[job]))
+                    records.append(RunRecord(cell, start, job, result))
+        return records
 
 
-def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[RunRecord]:
-    failures = {
-        job: reasons[-1] for job, reasons in ledger.failures().items() if len(reasons) >= ATTEMPTS
-    }
-    outcomes = ledger.outcomes() if failures else {}
-    for cell in manifest.cells if failures else ():
-        cell = cell_to_run(manifest, cell, outcomes)
-        for start in manifest.all_starts:
-            job = manifest.job(cell, start)
-            if job in failures:
-                result = Result("infrastructure", first=(0, "", failures[job]))
-                yield RunRecord(cell, start, job, result)
-
-
-def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
+def export_runs(folder: Folder, records: RunRecords) -> list[str]:
     """Write runs and questions' rows as tables; return the files' names, or raise InputError."""
-    digests = {name for cell in manifest.cells for name in (cell.level, cell.program, *cell.parts)}
+    cells = records.manifest.cells
+    digests = {name for cell in cells for name in (cell.level, cell.program, *cell.parts)}
     for name in sorted(digests - {""}):
         folder.text(name)
     file_names = []
-    for name, table in tables_of_runs(manifest, ledger).items():
+    for name, table in tables_of_runs(records).items():
         file_names += write_tables(folder, {name: table})
         if has_extra("pyarrow"):
             import pyarrow.parquet as pq
@@ -92,11 +104,10 @@ def write_tables(folder: Folder, tables: Mapping[str, ResultTable]) -> list[str]
     return [f"{name}.csv" for name in tables]
 
 
-def tables_of_runs(manifest: Manifest, ledger: Ledger) -> dict[str, ResultTable]:
-    runs = list(finished_runs(manifest, ledger))
-    tables = {"runs": _runs(manifest, ledger, [*runs, *failed_runs(manifest, ledger)])}
-    if manifest.asked or manifest.until:
-        tables["series"] = _series(manifest, runs)
+def tables_of_runs(records: RunRecords) -> dict[str, ResultTable]:
+    tables = {"runs": _runs(records)}
+    if records.manifest.asked or records.manifest.until:
+        tables["series"] = _series(records.manifest, records.finished)
     return tables
 
 
@@ -145,8 +156,8 @@ def _run_cells(names: list[str], run: RunRecord) -> Row:
     return (cell.level_name, cell.program_name, *settings, run.start)
 
 
-def _runs(manifest: Manifest, ledger: Ledger, runs: list[RunRecord]) -> ResultTable:
-    engines = ledger.engines()
+def _runs(records: RunRecords) -> ResultTable:
+    manifest, engines = records.manifest, records.ledger.engines()
     student = ("student",) if manifest.kind == "grade" else ()
     measures, settings = measures_of(manifest), settings_of(manifest)
     columns = ("run", *student, *_run_columns(manifest), "outcome", *measures)
@@ -154,7 +165,7 @@ def _runs(manifest: Manifest, ledger: Ledger, runs: list[RunRecord]) -> ResultTa
     columns += ("forfeit",) * bool(manifest.teams)
     columns += ("last_tick", "notices", "first_notice", "engine", "replay")
     rows: list[Row] = []
-    for run in runs:
+    for run in (*records.finished, *records.failed):
         cell, _, job, result = run
         first_notice = run.reason
         if result.mistakes:

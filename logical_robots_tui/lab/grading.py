@@ -17,14 +17,13 @@ from logical_robots_tui.lab.exporting import (
     ResultTable,
     Row,
     RunRecord,
-    failed_runs,
-    finished_runs,
+    RunRecords,
     harmless_text,
     parts_as_markdown,
     parts_as_page,
     write_tables,
 )
-from logical_robots_tui.lab.folder import Folder, Ledger, Manifest, Student, digest
+from logical_robots_tui.lab.folder import Folder, Manifest, Student, digest
 from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
 from logical_robots_tui.lab.tasks import Result
 from logical_robots_tui.wording import count_of
@@ -138,15 +137,14 @@ class Grade(msgspec.Struct, frozen=True):
         return f"{self.so_far:g} of {self.most:g} points so far, {pending} not graded yet"
 
 
-def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
+def grades_of(records: RunRecords) -> list[Grade]:
+    manifest = records.manifest
     assignment = _assignment_of(manifest)
     cells = {(cell.student, cell.level_name) for cell in manifest.cells}
     runs: dict[tuple[str, str], list[RunRecord]] = defaultdict(list)
-    for run in finished_runs(manifest, ledger):
+    for run in records.finished:
         runs[run.cell.student, run.cell.level_name].append(run)
-    failed = {
-        (run.cell.student, run.cell.level_name): run.reason for run in failed_runs(manifest, ledger)
-    }
+    failed = {(run.cell.student, run.cell.level_name): run.reason for run in records.failed}
     grades = []
     for student in manifest.students:
         levels = []
@@ -285,16 +283,14 @@ def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
     return [(level, text, tuple(ids)) for (level, text), ids in owners.items() if len(ids) > 1]
 
 
-def export_grades(
-    folder: Folder, manifest: Manifest, ledger: Ledger, draw: Draw | None = None
-) -> list[str]:
+def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None) -> list[str]:
     """Write gradebook, feedback and exports; return what was written, or raise InputError."""
-    grades = grades_of(manifest, ledger)
+    manifest, grades = records.manifest, grades_of(records)
     assignment = _assignment_of(manifest)
     show: list[str] = [*assignment.assignment.show]
     kept_share = assignment.late.keep
     names = _file_names([grade.student.id for grade in grades])
-    given_runs = [run for run in finished_runs(manifest, ledger) if not run.start]
+    given_runs = [run for run in records.finished if not run.start]
     runs_by_level = {(run.cell.student, run.cell.level_name): run for run in given_runs}
     for grade, name in zip(grades, names, strict=True):
         record = {**msgspec.to_builtins(grade), "title": manifest.title}
@@ -368,13 +364,12 @@ def gradebook(grades: list[Grade]) -> ResultTable:
     return ResultTable((*head, *levels, "remarks"), list(rows))
 
 
-def feedback_of(manifest: Manifest, ledger: Ledger, student: str) -> str:
+def feedback_of(records: RunRecords, student: str) -> str:
     """Return what a student gets to read, as Markdown."""
-    (grade,) = (grade for grade in grades_of(manifest, ledger) if grade.student.id == student)
-    table = manifest.assignment
-    return parts_as_markdown(
-        manifest.title, _feedback(grade, table["assignment"]["show"], table["late"]["keep"])
-    )
+    (grade,) = (grade for grade in grades_of(records) if grade.student.id == student)
+    table = records.manifest.assignment
+    parts = _feedback(grade, table["assignment"]["show"], table["late"]["keep"])
+    return parts_as_markdown(records.manifest.title, parts)
 
 
 def _feedback(grade: Grade, show: list[str], kept_share: float) -> list[tuple[str, list[str]]]:

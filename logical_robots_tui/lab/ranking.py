@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 from logical_robots_tui.lab.exporting import (
     ResultTable,
     Row,
-    RunRecord,
+    RunRecords,
     as_code,
-    finished_runs,
     harmless_text,
     shade,
     table_section,
 )
-from logical_robots_tui.lab.folder import Ledger, Manifest
+from logical_robots_tui.lab.folder import Manifest
 from logical_robots_tui.lab.tasks import Result
 from logical_robots_tui.wording import align
 
@@ -95,9 +94,9 @@ def share_of_match(result: Result, seats: Mapping[str, str], player: str) -> flo
     return share_of_points(player_points, opponent_points)
 
 
-def ranking_of(manifest: Manifest, ledger: Ledger, *, resamples: int = RESAMPLES) -> Ranking:
+def ranking_of(records: RunRecords, *, resamples: int = RESAMPLES) -> Ranking:
     """Return the ranking by all matches that were played from all seats."""
-    players = manifest.players
+    manifest, players = records.manifest, records.manifest.players
     pairs = [pair for pairs in manifest.rounds for pair in pairs]
     names = [player.name for player in players]
     pair_index = {(names[i], names[j]): n for n, (i, j) in enumerate(pairs)}
@@ -106,7 +105,7 @@ def ranking_of(manifest: Manifest, ledger: Ledger, *, resamples: int = RESAMPLES
         lost = [bool(players[index].lost) for index in pair]
         if any(lost):
             shares[:, n] = 0.5 if all(lost) else float(lost[1])
-    for run in finished_runs(manifest, ledger):
+    for run in records.finished:
         seats = {team: str(name) for team, name in run.cell.settings.items()}
         first, second, *_ = seats.values()
         is_swapped = (first, second) not in pair_index
@@ -235,9 +234,9 @@ def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
     ]
 
 
-def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
-    ranking = ranking_of(manifest, ledger)
-    lines = align([_HEAD, *_rows(manifest, ranking)], right=(0, *range(2, len(_HEAD) - 1)))
+def tournament_lines(records: RunRecords) -> list[str]:
+    ranking = ranking_of(records)
+    lines = align([_HEAD, *_rows(records.manifest, ranking)], right=(0, *range(2, len(_HEAD) - 1)))
     names = [s.player for s in ranking.standings]
     if len(names) <= _WIDEST:
         numbers = [str(n) for n in range(1, len(names) + 1)]
@@ -262,10 +261,10 @@ def _cycle_text(cycle: Sequence[str]) -> str:
     return "Cycle: " + " beats ".join(harmless_text(name) for name in (*cycle, cycle[0]))
 
 
-def tournament_parts(manifest: Manifest, ledger: Ledger, runs: Sequence[RunRecord]) -> list[str]:
-    ranking = ranking_of(manifest, ledger)
+def tournament_parts(records: RunRecords) -> list[str]:
+    ranking = ranking_of(records)
     names = [s.player for s in ranking.standings]
-    parts = [table_section("Ranking", _HEAD, _rows(manifest, ranking))]
+    parts = [table_section("Ranking", _HEAD, _rows(records.manifest, ranking))]
     rows: list[Sequence[Any]] = []
     for name in names:
         cells = [ranking.pairings.get((name, opponent)) for opponent in names]
@@ -276,11 +275,11 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, runs: Sequence[RunRecor
         rows = [(_cycle_text(cycle).partition(" ")[2],) for cycle in ranking.cycles]
         parts.append(table_section("Cycles", ["each beats the next beyond doubt"], rows))
     rows = []
-    for run in runs:
+    for run in records.finished:
         if run.start == 0:
             seats = run.cell.settings
             points = ", ".join(f"{seats[t]} ({t}) {n:,g}" for t, n in run.result.points.items())
-            command = as_code(manifest.command(run.cell, 0))
+            command = as_code(records.manifest.command(run.cell, 0))
             rows.append((run.cell.program_name, points, command))
     intro = (
         "Each from the given start; runs.csv has all. Run the commands in this folder; "
@@ -290,9 +289,9 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, runs: Sequence[RunRecor
     return parts
 
 
-def tournament_tables(manifest: Manifest, ledger: Ledger) -> dict[str, ResultTable]:
-    ranking = ranking_of(manifest, ledger)
-    losses = {player.name: player.lost for player in manifest.players}
+def tournament_tables(records: RunRecords) -> dict[str, ResultTable]:
+    ranking = ranking_of(records)
+    losses = {player.name: player.lost for player in records.manifest.players}
     names = [s.player for s in ranking.standings]
     standings: list[Row] = [
         (

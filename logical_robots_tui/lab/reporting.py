@@ -20,13 +20,12 @@ from logical_robots_tui.lab.classroom import (
 from logical_robots_tui.lab.exporting import (
     ResultTable,
     RunRecord,
+    RunRecords,
     as_code,
     as_page,
     as_percent,
     check_extra,
     export_runs,
-    failed_runs,
-    finished_runs,
     harmless_text,
     measures_of,
     settings_of,
@@ -35,7 +34,7 @@ from logical_robots_tui.lab.exporting import (
     tables_of_runs,
     write_tables,
 )
-from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
+from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
 from logical_robots_tui.lab.grading import Draw, export_grades, gradebook, grades_of
 from logical_robots_tui.lab.ranking import tournament_lines, tournament_parts, tournament_tables
 
@@ -92,14 +91,14 @@ def setting_text(cell: Cell) -> str:
     return ", ".join(f"{name} = {value}" for name, value in cell.settings.items())
 
 
-def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
+def lines_of(records: RunRecords) -> list[str]:
     """Return a short report with text plots; raises InputError without the library."""
+    manifest, runs = records.manifest, records.finished
     if manifest.kind == "tournament":
-        return tournament_lines(manifest, ledger)
+        return tournament_lines(records)
     check_extra("plotext", "A report")
-    runs = list(finished_runs(manifest, ledger))
     if manifest.kind == "grade":
-        grades = grades_of(manifest, ledger)
+        grades = grades_of(records)
         points = [grade.points for grade in grades if grade.points is not None]
         ungraded = [f"{g.student.label}: {g.points_text}" for g in grades if g.points is None]
         given_runs = (run for run in runs if not run.start)
@@ -108,7 +107,7 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
         lines = _bars("Students who win from the given start", winners)
         counts = Counter(math.floor(point) for point in points)
         lines += _bars("Students by points", {str(n): counts[n] for n in sorted(counts)})
-        return lines + ungraded + fault_lines(manifest, ledger, _WIDTH)
+        return lines + ungraded + fault_lines(records, _WIDTH)
     return _sweep_lines(manifest, runs)
 
 
@@ -169,46 +168,44 @@ def _plot(title: str, ticks: list[int], lines: Mapping[str, list[Spread | None]]
 _BARS = 20
 
 
-def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
+def write_report(folder: Folder, records: RunRecords) -> str:
     """Write the report; return its path, or raise InputError, also for a missing library."""
-    runs = list(finished_runs(manifest, ledger))
+    manifest, runs = records.manifest, records.finished
     if manifest.kind == "tournament":
-        parts = [*tournament_parts(manifest, ledger, runs), _failures(manifest, ledger, runs)]
+        parts = [*tournament_parts(records), _failures(records)]
     else:
         check_extra("pygal", "A report")
         if manifest.kind == "grade":
-            main = [*class_parts(folder, manifest, ledger), _overview(runs), _ticks(runs)]
+            main = [*class_parts(folder, records), _overview(runs), _ticks(runs)]
         else:
             main = [_overview(runs), _variation(manifest, runs), _ticks(runs)]
-            main.append(_failures(manifest, ledger, runs))
+            main.append(_failures(records))
         parts = [*main, _cells(folder, manifest, runs)]
     file = folder.path / "report.html"
     folder.put(file, as_page(manifest.title, parts))
     return str(file)
 
 
-def export(
-    folder: Folder, manifest: Manifest, ledger: Ledger, draw: Draw | None = None
-) -> list[str]:
+def export(folder: Folder, records: RunRecords, draw: Draw | None = None) -> list[str]:
     """Write all tables; return the names of what was written, or raise InputError.
 
     Feedback has pictures of what was not won, if there is something that draws them.
     """
-    file_names = export_runs(folder, manifest, ledger)
+    manifest, file_names = records.manifest, export_runs(folder, records)
     if manifest.kind == "grade":
-        file_names += export_grades(folder, manifest, ledger, draw)
+        file_names += export_grades(folder, records, draw)
         file_names += write_tables(folder, {"similar": similar_table(folder, manifest)})
     elif manifest.kind == "tournament":
-        file_names += write_tables(folder, tournament_tables(manifest, ledger))
+        file_names += write_tables(folder, tournament_tables(records))
     return file_names
 
 
-def tables_of(manifest: Manifest, ledger: Ledger) -> dict[str, ResultTable]:
+def tables_of(records: RunRecords) -> dict[str, ResultTable]:
     """Return all tables by name, the one of most interest first."""
-    runs = tables_of_runs(manifest, ledger)
-    if manifest.kind == "grade":
-        return {"gradebook": gradebook(grades_of(manifest, ledger)), **runs}
-    return (tournament_tables(manifest, ledger) if manifest.kind == "tournament" else {}) | runs
+    runs, kind = tables_of_runs(records), records.manifest.kind
+    if kind == "grade":
+        return {"gradebook": gradebook(grades_of(records)), **runs}
+    return (tournament_tables(records) if kind == "tournament" else {}) | runs
 
 
 def _interval(share: Share) -> str:
@@ -406,19 +403,21 @@ def _ticks(all_runs: list[RunRecord]) -> str:
     return "\n".join(parts) if len(parts) > 1 else ""
 
 
-def _failures(manifest: Manifest, ledger: Ledger, all_runs: list[RunRecord]) -> str:
+def _failures(records: RunRecords) -> str:
     failures = [
         run
-        for run in (*all_runs, *failed_runs(manifest, ledger))
+        for run in (*records.finished, *records.failed)
         if run.result.outcome not in ("won", "played")
         or (run.result.outcome == "played" and run.result.first)
     ]
     kinds = _group(failures, lambda run: (run.cell.level_name, run.result.outcome, run.reason))
     rows: list[Sequence[Any]] = []
     for (level, outcome, reason), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
-        rows.append((level, outcome, reason, len(runs), as_code(manifest.command(*runs[0][:2]))))
+        rows.append(
+            (level, outcome, reason, len(runs), as_code(records.manifest.command(*runs[0][:2])))
+        )
     head = ("level", "how it ended", "why", "runs", "one of them")
-    title = "What failed" if manifest.kind == "tournament" else "Not won"
+    title = "What failed" if records.manifest.kind == "tournament" else "Not won"
     return table_section(title, head, rows) if rows else ""
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.lab.coordinating import Coordinator
-from logical_robots_tui.lab.exporting import finished_runs
+from logical_robots_tui.lab.exporting import RunRecords
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
 from logical_robots_tui.lab.tasks import RunTask, WorkerAnswer
 from tests.lab.laboratory import InlineEngine
@@ -75,7 +75,7 @@ def test_the_ledger_ends_the_same(tmp_path: Path, seed: int, *, given_first: boo
         coordinator = Coordinator(folder, manifest, ledger)
         coordinator.work(engine, lambda: False, lambda: None)
         assert coordinator.tally().is_complete
-        runs = finished_runs(manifest, ledger)
+        runs = RunRecords(manifest, ledger).finished
         found = Counter((done.cell.program_name, done.result.outcome) for done in runs)
         wins = {(name, "won"): 6 for name in ("wins a", "wins b", "wins c", "wins  c")}
         lost = {(name, "out of ticks"): 1 for name, _ in wins}

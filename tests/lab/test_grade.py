@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from logical_robots_tui.cli.main import main
-from logical_robots_tui.lab.exporting import ResultTable, csv_of
+from logical_robots_tui.lab.exporting import ResultTable, RunRecords, csv_of
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.grading import grades_of
 from tests.cli.running import Command
@@ -119,7 +119,7 @@ def test_what_was_not_run_or_not_matched_stays_ungraded(exported: Path) -> None:
     manifest = folder.manifest()
     more = msgspec.structs.replace(manifest, starts=3)  # a start that has not been run
     with folder.ledger() as ledger:
-        ada, *_ = grades_of(more, ledger)
+        ada, *_ = grades_of(RunRecords(more, ledger))
     assert [level.points for level in ada.levels] == [None, None]
     assert ada.ungraded == 2
     remarks = ("nothing that was submitted was found to be theirs",)
@@ -128,7 +128,9 @@ def test_what_was_not_run_or_not_matched_stays_ungraded(exported: Path) -> None:
         for each in manifest.students
     ]
     with folder.ledger() as ledger:
-        found = grades_of(msgspec.structs.replace(manifest, students=tuple(students)), ledger)
+        found = grades_of(
+            RunRecords(msgspec.structs.replace(manifest, students=tuple(students)), ledger)
+        )
     assert {grade.student.id for grade in found if grade.points is None} == {"4"}
 
 

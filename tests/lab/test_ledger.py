@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.exporting import export_runs
+from logical_robots_tui.lab.exporting import RunRecords, export_runs
 from logical_robots_tui.lab.folder import Entry, Folder, Ledger, LedgerError
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.damage import Change, changed, changes
@@ -151,7 +151,7 @@ def test_an_export_names_damaged_inputs_and_ledgers(swept: Folder, tmp_path: Pat
     manifest = folder.manifest()
     (folder.path / "inputs" / manifest.files[manifest.cells[0].level]).write_text("another")
     with folder.ledger() as ledger, pytest.raises(InputError, match="This input is damaged"):
-        export_runs(folder, manifest, ledger)
+        export_runs(folder, RunRecords(manifest, ledger))
     file = tmp_path / "ledger.db"
     with closing(sqlite3.connect(swept.path / "ledger.db")) as whole:
         whole.execute("PRAGMA wal_checkpoint(TRUNCATE)")
@@ -172,7 +172,7 @@ def test_a_manifest_that_was_changed_is_read_or_refused(
     with bounded_memory(), bounded_work(), suppress(InputError):
         manifest = folder.manifest()
         with folder.ledger() as ledger:
-            export_runs(folder, manifest, ledger)
+            export_runs(folder, RunRecords(manifest, ledger))
 
 
 @pytest.mark.sampled
@@ -184,6 +184,6 @@ def test_a_ledger_that_was_changed_is_read_or_refused(
     (copy / "ledger.db").write_bytes(changed((swept.path / "ledger.db").read_bytes(), changes))
     folder = Folder(copy)
     with bounded_memory(), bounded_work(), suppress(InputError), folder.ledger() as ledger:
-        export_runs(folder, folder.manifest(), ledger)
+        export_runs(folder, RunRecords(folder.manifest(), ledger))
         ledger.seconds()
         ledger.differences()

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.lab import Results, sweep
-from logical_robots_tui.lab.exporting import reduce_series
+from logical_robots_tui.lab.exporting import RunRecords, reduce_series
 from logical_robots_tui.lab.reporting import lines_of
 from logical_robots_tui.lab.sweeping import SampleTable, draw_samples, plan_sweep
 from logical_robots_tui.lab.tasks import QueryMeasure, Reduction, Result, Series
@@ -191,7 +191,7 @@ def run(
     assert not re.search(r"(href|src)=", page)
     assert results.report().read_text("utf-8") == page
     with results._folder.ledger() as ledger:
-        lines = lines_of(results._folder.manifest(), ledger)
+        lines = lines_of(RunRecords(results._folder.manifest(), ledger))
     text = re.sub(r"<style.*?</style>|<[^>]+>", " ", page, flags=re.S)
     return results, unescape(text), "\n".join(lines)
 

@@ -14,7 +14,7 @@ import pytest
 from logical_robots_tui.lab import engines
 from logical_robots_tui.lab.coordinating import Coordinator, Engine, RunTally
 from logical_robots_tui.lab.engines import LocalEngine
-from logical_robots_tui.lab.exporting import export_runs, finished_runs
+from logical_robots_tui.lab.exporting import RunRecords, export_runs
 from logical_robots_tui.lab.folder import Entry, Folder
 from logical_robots_tui.lab.sweeping import plan_sweep
 from logical_robots_tui.lab.tasks import WorkerAnswer
@@ -51,7 +51,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = Folder(path / "out")
     assert work(InlineEngine(1), folder, write_experiment(path)).is_complete
     with folder.ledger() as ledger:
-        export_runs(folder, folder.manifest(), ledger)
+        export_runs(folder, RunRecords(folder.manifest(), ledger))
     return path
 
 
@@ -92,7 +92,7 @@ def test_nothing_is_computed_again_and_differences_are_told(copied: Path, comman
     # Two results of a run that differ are said loudly.
     folder = Folder(copied)
     with folder.ledger() as ledger:
-        (run, *_), manifest = finished_runs(folder.manifest(), ledger), folder.manifest()
+        (run, *_), manifest = RunRecords(folder.manifest(), ledger).finished, folder.manifest()
         result = '{"outcome":"won","ticks":1}'
         ledger.record([Entry(run.job, manifest.run(run.job), result, 0.1, "elsewhere/1")])
     told = command("lab", "status", copied, status=1)
@@ -139,7 +139,7 @@ def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
     with folder.ledger() as ledger:
         assert list(ledger.failures().values()) == [["its worker process died"] * 3] * 2
         assert Coordinator(folder, folder.manifest(), ledger).tally() == tally
-        export_runs(folder, folder.manifest(), ledger)
+        export_runs(folder, RunRecords(folder.manifest(), ledger))
     table = (folder.path / "runs.csv").read_text("utf-8")
     assert (table.count(",infrastructure,"), table.count("its worker process died")) == (2, 2)
 
