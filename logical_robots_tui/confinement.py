@@ -11,6 +11,7 @@ import resource
 import time
 from contextlib import suppress
 from errno import EACCES, EDQUOT
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -99,53 +100,42 @@ def _check_number(number: int, path: str | Path) -> None:
         raise OSError(EDQUOT, reason, str(path))
 
 
-class _FolderUsage(NamedTuple):
-    """The folders directly in a folder, and the sizes of its files, as of a modification time."""
-
-    modified: int
-    folders: list[str]
-    number: int
-    size: int
-
-
-_folder_usages: dict[str, _FolderUsage] = {}
-_SETTLED = 2 * 10**9  # nanoseconds after which another change gets another modification time
+_SETTLED = 2 * 10**9  # nanoseconds after which another change gets another time of change
 
 
 def _usage(folder: str) -> tuple[int, int]:
     """Return the number of files and folders below a folder, and the sum of the files' sizes.
 
-    Only folders that were modified since are read again. That is enough, whichever process
-    writes: files are renamed into place, and a database that grows has a journal meanwhile.
+    Only folders that have changed are read again. That is enough, whichever process writes:
+    files are renamed into place, and a database that grows has a journal meanwhile.
     """
     number = total = 0
     folders = [folder]
     while folders:
         with suppress(OSError):
-            usage = _read_folder(folders.pop())
-            folders += usage.folders
-            number += usage.number
-            total += usage.size
+            path = folders.pop()
+            changed = Path(path).stat().st_ctime_ns
+            is_settled = time.time_ns() - changed > _SETTLED
+            read = _read_folder if is_settled else _read_folder.__wrapped__
+            inner_folders, sizes = read(path, changed)
+            folders += inner_folders
+            number += len(inner_folders) + len(sizes)
+            total += sum(sizes)
     return number, total
 
 
-def _read_folder(folder: str) -> _FolderUsage:
-    modified = Path(folder).stat().st_mtime_ns
-    usage = _folder_usages.get(folder)
-    if usage is None or usage.modified != modified:
-        folders, sizes = [], []
-        is_settled = time.time_ns() - modified > _SETTLED
-        with os.scandir(folder) as entries:
-            for entry in entries:
-                if entry.is_dir(follow_symlinks=False):
-                    folders.append(entry.path)
-                elif entry.is_file(follow_symlinks=False):
-                    with suppress(FileNotFoundError):
-                        sizes.append(entry.stat().st_size)
-        number = len(folders) + len(sizes)
-        usage = _FolderUsage(modified if is_settled else -1, folders, number, sum(sizes))
-        _folder_usages[folder] = usage
-    return usage
+@lru_cache(maxsize=MOST_FILES)
+def _read_folder(folder: str, _changed: int) -> tuple[list[str], list[int]]:
+    """Return the folders in a folder and the sizes of its files, as of its time of change."""
+    folders, sizes = [], []
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                folders.append(entry.path)
+            elif entry.is_file(follow_symlinks=False):
+                with suppress(FileNotFoundError):
+                    sizes.append(entry.stat().st_size)
+    return folders, sizes
 
 
 def check_room(size: int) -> None:
