@@ -42,7 +42,10 @@ def read_ordinary(path: Path, max_bytes: int) -> bytes:
     real_path = real(path)
     if any(real_path.is_relative_to(folder) for folder in _OF_THE_KERNEL):
         raise OSError(None, "not a regular file", str(path))
-    with open(path, "rb", opener=_open_without_waiting) as file:
+    without_waiting = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+    with open(
+        path, "rb", opener=lambda path, flags: os.open(path, flags | without_waiting)
+    ) as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
             raise OSError(None, "not a regular file", str(path))
         return file.read(max_bytes)
@@ -62,10 +65,6 @@ def read_text(path: Path, max_bytes: int) -> str:
         return decoded(content)
     except UnicodeDecodeError:
         raise OSError(None, "it is not UTF-8 text") from None
-
-
-def _open_without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
 
 
 def typed_path(text: str) -> Path:
