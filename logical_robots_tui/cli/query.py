@@ -23,6 +23,7 @@ from logical_robots_tui.cli.command import (
 )
 from logical_robots_tui.cli.run import (
     BAR_DELAY,
+    DEFAULT_TICKS,
     frame_at,
     mistakes_in,
     open_run,
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.diagnosing import Diagnosis
 
 FOUND, NOTHING = 0, 1
-DEFAULT_TICKS = 5000
 NARROWEST, WIDEST = 40, 96  # columns of a diagnosis
 
 _WIDEST_CELL = 60  # characters of a value in a table

@@ -13,7 +13,7 @@ from logical_robots_tui import game
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import harmless, named_programs, print_json, progress_bar
 from logical_robots_tui.cli.level import refuse_existing, write
-from logical_robots_tui.cli.run import open_run
+from logical_robots_tui.cli.run import DEFAULT_TICKS, open_run
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.verification import SECONDS, FileBudget, OverBudgetError, check_size
 from logical_robots_tui.wording import count_of
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay, Verifier
 
 SAME, DIFFERENT = 0, 3
-DEFAULT_TICKS = 5000
 
 command.group(
     "replay",
