@@ -1,4 +1,4 @@
-"""The exceptions that this package raises on purpose."""
+"""The exceptions that this package raises on purpose, as for an optional library."""
 
 from __future__ import annotations
 
@@ -42,6 +42,20 @@ class InputError(LogicalRobotsError):
         if not self.hint:
             return head
         return f"{head}{'' if head.endswith(('.', '!', '?')) else '.'} {self.hint}"
+
+
+def is_installed(library: str) -> bool:
+    """Return whether an optional library can be imported."""
+    from importlib.util import find_spec
+
+    return find_spec(library) is not None
+
+
+def check_installed(library: str, purpose: str, package: str = "'logical-robots-tui[lab]'") -> None:
+    """Raise InputError, with the package to install, if an optional library is missing."""
+    if not is_installed(library):
+        hint = f"Install it with: pip install {package}"
+        raise InputError(f"{purpose} needs {library}", hint=hint)
 
 
 def is_out_of_memory(error: BaseException | None) -> bool:

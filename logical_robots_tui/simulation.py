@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.errors import InputError, check_installed
 from logical_robots_tui.explain import Ask, Explainer
 from logical_robots_tui.game.advancing import play_tick, start_frame
 from logical_robots_tui.game.debugging.breakpoints import matching_rows
@@ -263,11 +263,9 @@ class Simulation:
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return `rows` as a table; raise InputError without pandas, which is installed apart."""
-        try:
-            from pandas import DataFrame
-        except ImportError:
-            message, hint = "A table needs pandas.", "Install it with: pip install pandas"
-            raise InputError(message, hint=hint) from None
+        check_installed("pandas", "A table", "pandas")
+        from pandas import DataFrame
+
         return DataFrame(self.rows())
 
     def rows(self) -> Iterator[dict[str, Any]]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import drawn_bar, harmless
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.errors import InputError, is_installed
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
@@ -371,13 +371,12 @@ def _tell(folder: Folder, records: RunRecords, coordinator: Coordinator) -> int:
 
 
 def _export(folder: Folder, records: RunRecords) -> None:
-    from logical_robots_tui.lab.exporting import has_extra
     from logical_robots_tui.lab.reporting import export
     from logical_robots_tui.tui.labyrinth.svg import svg
 
     file_names = export(folder, records, svg)
     print(harmless(f"Written to {folder.path}: {', '.join(file_names)}"))
-    if not has_extra("pyarrow"):
+    if not is_installed("pyarrow"):
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.errors import check_installed
 
 if TYPE_CHECKING:
     import pandas
@@ -78,18 +78,16 @@ class Results:
         """
         from logical_robots_tui.lab.exporting import columns_of
 
-        try:
-            from pandas import DataFrame
-        except ImportError:
-            message, hint = "A table needs pandas.", "Install it with: pip install pandas"
-            raise InputError(message, hint=hint) from None
+        check_installed("pandas", "A table", "pandas")
+        from pandas import DataFrame
+
         return DataFrame(columns_of(self._tables[table or self.tables[0]]))
 
     def to_arrow(self, table: str = "") -> Any:
         """Return the same as a `pyarrow.Table`; it raises alike."""
-        from logical_robots_tui.lab.exporting import arrow_of, check_extra
+        from logical_robots_tui.lab.exporting import arrow_of
 
-        check_extra("pyarrow", "A table of Arrow")
+        check_installed("pyarrow", "A table of Arrow")
         return arrow_of(self._tables[table or self.tables[0]])
 
     def report(self) -> Path:

@@ -12,7 +12,7 @@ from functools import cached_property, partial
 from statistics import fmean
 from typing import Any, NamedTuple, TypeAlias
 
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.errors import is_installed
 from logical_robots_tui.lab.coordinating import cell_to_run, split_starts
 from logical_robots_tui.lab.folder import ATTEMPTS, MEASURES, Cell, Folder, Ledger, Manifest
 from logical_robots_tui.lab.tasks import QueryMeasure, Reduction, Result
@@ -87,7 +87,7 @@ def export_runs(folder: Folder, records: RunRecords) -> list[str]:
     file_names = []
     for name, table in tables_of_runs(records).items():
         file_names += write_tables(folder, {name: table})
-        if has_extra("pyarrow"):
+        if is_installed("pyarrow"):
             import pyarrow.parquet as pq
 
             buffer = io.BytesIO()
@@ -236,12 +236,6 @@ def harmless_text(text: str) -> str:
     return printable(text.replace("\n", " ").replace("\t", " "))
 
 
-def has_extra(module: str) -> bool:
-    from importlib.util import find_spec
-
-    return find_spec(module) is not None
-
-
 def arrow_of(table: ResultTable) -> Any:
     import pyarrow as pa
 
@@ -262,13 +256,6 @@ def columns_of(table: ResultTable) -> dict[str, list[Any]]:
             cells = [None if v is None else harmless_text(str(v)) for v in values]
         columns[name] = cells
     return columns
-
-
-def check_extra(module: str, purpose: str) -> None:
-    """Raise InputError if a library is not installed."""
-    if not has_extra(module):
-        hint = "Install it with: pip install 'logical-robots-tui[lab]'"
-        raise InputError(f"{purpose} needs {module}", hint=hint)
 
 
 _MOST_ROWS = 1_000

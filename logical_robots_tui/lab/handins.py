@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.errors import InputError, check_installed
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.lab.archives import (
     MOST_PACKED,
@@ -21,7 +21,6 @@ from logical_robots_tui.lab.archives import (
     stem_of,
     unpack,
 )
-from logical_robots_tui.lab.exporting import check_extra
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.paths import decoded, is_folder, read_ordinary
 from logical_robots_tui.wording import join_names
@@ -317,7 +316,7 @@ def _students_of_gradescope(files: list[File]) -> dict[str, tuple[str, str]]:
 
 def _yaml(content: bytes) -> object:
     """Parse Gradescope's metadata, all scalars as text; raises InputError."""
-    check_extra("yaml", "An export of Gradescope")
+    check_installed("yaml", "An export of Gradescope")
     import yaml
 
     stack: list[list[Any]] = [[]]

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import NormalDist, median, quantiles
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
+from logical_robots_tui.errors import check_installed
 from logical_robots_tui.lab.classroom import (
     class_parts,
     fault_lines,
@@ -24,7 +25,6 @@ from logical_robots_tui.lab.exporting import (
     as_code,
     as_page,
     as_percent,
-    check_extra,
     export_runs,
     harmless_text,
     measures_of,
@@ -96,7 +96,7 @@ def lines_of(records: RunRecords) -> list[str]:
     manifest, runs = records.manifest, records.finished
     if manifest.kind == "tournament":
         return tournament_lines(records)
-    check_extra("plotext", "A report")
+    check_installed("plotext", "A report")
     if manifest.kind == "grade":
         grades = grades_of(records)
         points = [grade.points for grade in grades if grade.points is not None]
@@ -174,7 +174,7 @@ def write_report(folder: Folder, records: RunRecords) -> str:
     if manifest.kind == "tournament":
         parts = [*tournament_parts(records), _failures(records)]
     else:
-        check_extra("pygal", "A report")
+        check_installed("pygal", "A report")
         if manifest.kind == "grade":
             main = [*class_parts(folder, records), _overview(runs), _ticks(runs)]
         else:

@@ -141,5 +141,5 @@ def test_the_report_is_one_page_and_says_what_is_missing_without_the_extra(
     page = page_of(exported)
     assert "<svg" in page
     assert "Week &lt;1&gt;" in page
-    monkeypatch.setattr("logical_robots_tui.lab.exporting.has_extra", lambda _module: False)
+    monkeypatch.setattr("logical_robots_tui.errors.is_installed", lambda _module: False)
     assert "pip install 'logical-robots-tui[lab]'" in command("lab", "report", exported).refusal
