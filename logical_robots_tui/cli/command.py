@@ -404,20 +404,16 @@ class CrashLog(logging.Handler):
 
 def _write_log(message: str) -> Path | None:
     """Write a new file in the system's log folder; return None if it can't be written."""
+    from platformdirs import user_log_path
+
     moment = datetime.now(UTC)
     versions = f"logical-robots {__version__}, Python {platform.python_version()}, {sys.platform}"
     text = f"{versions}\n{moment.isoformat(timespec='seconds')}\n\n{message}"
     try:
-        folder = _log_folder()
+        folder = user_log_path("logical-robots", appauthor=False)
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"crash-{moment:%Y%m%d-%H%M%S-%f}.log"
         path.write_text(text, encoding="utf-8")
     except OSError:
         return None
     return path
-
-
-def _log_folder() -> Path:
-    from platformdirs import user_log_path
-
-    return user_log_path("logical-robots", appauthor=False)

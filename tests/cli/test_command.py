@@ -198,13 +198,13 @@ def test_a_full_disk_is_told_where_anything_can_be_and_by_the_status(typed: str,
 def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(commands, "_log_folder", lambda: tmp_path / "log")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     log = logging.getLogger("elsewhere")
     keeper = commands.CrashLog(logging.ERROR)
     log.addHandler(keeper)
     log.error("it stumbled")
     log.removeHandler(keeper)
-    (kept,) = (tmp_path / "log").iterdir()
+    (kept,) = (tmp_path / "logical-robots" / "log").iterdir()
     assert "it stumbled" in kept.read_text()
     assert capsys.readouterr().err == ""
 
