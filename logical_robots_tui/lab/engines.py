@@ -173,17 +173,17 @@ def _no_main() -> Iterator[None]:
 
 
 def _prepare_worker() -> None:
-    """Prepare a worker process: ignore interrupts, which the coordinator handles."""
+    """Ignore interrupts, which the coordinator handles, and end when it has ended."""
+
+    def end_with_coordinator() -> None:
+        coordinator = multiprocessing.parent_process()
+        if coordinator is not None:
+            coordinator.join()
+        os._exit(1)
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     collect_seldom()
-    threading.Thread(target=_end_with_coordinator, daemon=True).start()
-
-
-def _end_with_coordinator() -> None:
-    coordinator = multiprocessing.parent_process()
-    if coordinator is not None:
-        coordinator.join()
-    os._exit(1)
+    threading.Thread(target=end_with_coordinator, daemon=True).start()
 
 
 _TASKS_PER_THREAD = 2  # tasks for each thread of a worker, so that none waits for the coordinator
