@@ -177,10 +177,10 @@ async def explain_row(
     depth: int = 0,
 ) -> WhyAnswer:
     """Explain a row, with a depth by its whole proof; raise QueryError."""
+    proof = await inquiry.proof(program, robot, frame, question, depth=depth or 1)
+    explanation = proof.explanation
     if depth:
-        proof = await inquiry.proof(program, robot, frame, question, depth=depth)
-        return WhyAnswer(proof.explanation, proof.nodes, is_tree=True, complete=not proof.is_cut)
-    explanation = await inquiry.why(program, robot, frame, question)
+        return WhyAnswer(explanation, proof.nodes, is_tree=True, complete=not proof.is_cut)
     nearest: Sequence[tuple[int, Suggestion]] = ()
     if any(rule.rows == 0 for rule in explanation.rules):
         nearest = await inquiry.nearest(program, robot, frame, question)

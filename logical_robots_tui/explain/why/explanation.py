@@ -144,11 +144,13 @@ class Proof:
     """A row, or its absence, and the rules that it follows from.
 
     Attributes:
+        alternatives: The rules that it does not follow from.
         is_cut: Whether a larger depth would show more.
     """
 
     explanation: Explanation
     nodes: tuple[ProofNode, ...]
+    alternatives: tuple[ProofNode, ...]
     complete: bool
     is_cut: bool = False
 

@@ -309,8 +309,12 @@ def prove(derivations: Derivations, query: Ask, *, depth: int, nodes: int) -> Pr
     explanation = explain(derivations, query)
     unfolder = _Unfolder(derivations, nodes)
     path = (explanation.query.key,)
-    roots = tuple(unfolder.node(node, depth, path) for node in _premises(explanation))
-    return Proof(explanation, roots, unfolder.complete, unfolder.is_cut)
+    premises = _premises(explanation)
+    roots = tuple(unfolder.node(node, depth, path) for node in premises)
+    alternatives = tuple(
+        node for node in explanation.nodes if not any(node is premise for premise in premises)
+    )
+    return Proof(explanation, roots, alternatives, unfolder.complete, unfolder.is_cut)
 
 
 class _Unfolder:

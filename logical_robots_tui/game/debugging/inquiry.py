@@ -28,7 +28,7 @@ from logical_robots_tui.values import Value, spell
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain import Ask, Explanation, Proof
+    from logical_robots_tui.explain import Ask, Proof
     from logical_robots_tui.explain.why.explainer import Explainer
     from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.mind import Mind, Program, ResultTable
@@ -210,16 +210,13 @@ class Inquiry:
 
         await self._explainer.do(work)
 
-    async def why(self, program: Program, robot: str, frame: Frame, question: Ask) -> Explanation:
-        """Explain a predicate's rows, or their absence, or raise QueryError."""
-        return await self._explain(
-            self._explainer, program, robot, frame, lambda explainer: explainer.why(question)
-        )
-
     async def proof(
         self, program: Program, robot: str, frame: Frame, question: Ask, *, depth: int = 100
     ) -> Proof:
-        """Prove the first row that is asked for, `depth` predicates deep; raises as `why`."""
+        """Prove the first row that is asked for, or its absence, `depth` predicates deep.
+
+        Asked again deeper, it reuses what it has worked out. Raises QueryError.
+        """
         return await self._explain(
             self._explainer, program, robot, frame, lambda e: e.proof(question, depth=depth)
         )

@@ -2,12 +2,11 @@
 
 import asyncio
 from pathlib import Path
-from typing import Any
 
 import pytest
 from textual.widgets import Input
 
-from logical_robots_tui.explain import Ask, Explanation, Proof, ProofNode
+from logical_robots_tui.explain import Ask, Proof, ProofNode
 from logical_robots_tui.game import Breakpoint, Frame, Inquiry
 from logical_robots_tui.mind import Program
 from logical_robots_tui.tui.inspector.pages.why import ValuesPrompt
@@ -157,6 +156,15 @@ async def test_what_is_expanded_deep_down_stays_so_in_another_tick(data_dir: Pat
         await game.press("n", sees="Why · tick 2", until=lambda: told(game) == before)
 
 
+async def test_a_rule_that_contributes_is_not_an_alternative(data_dir: Path) -> None:
+    text = "Total() += 1;\nTotal() += 2;\n" + TWO_RULES
+    async with opened(data_dir, text=text, size=TALL) as game:
+        await game.ready()
+        game.inspector.inspect("Total")
+        await game.press("n", "w", tick=1, until=lambda: len(told(game)) > 1)
+        assert [line for line in told(game) if ":" not in line] == ["Total() += 1", "Total() += 2"]
+
+
 async def test_a_proof_goes_as_deep_as_there_is_room_and_on_where_opened(data_dir: Path) -> None:
     text = TWO_RULES.replace("d <= 20,", "Close(d), Low(d),").replace(":- d > 20;", ":- Far(d);", 1)
     text += "Far(d) :- Further(d);\nFurther(d) :- d > 20;\n"
@@ -300,23 +308,21 @@ async def test_other_values_show_where_rules_stop_and_nonsense_is_mended(data_di
 
 async def test_a_slow_proof_can_be_stopped(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     is_proved, is_asked, asked_for = asyncio.Event(), asyncio.Event(), list[str]()
-    prove, ask = Inquiry.proof, Inquiry.why
+    prove = Inquiry.proof
     is_asked.set()
 
     async def proof(
         inquiry: Inquiry, program: Program, robot: str, frame: Frame, asked: Ask, depth: int
     ) -> Proof:
-        asked_for.append(asked.predicate)
-        if asked.predicate == "Robot":
-            await is_proved.wait()
+        if depth == 1:
+            await is_asked.wait()
+        else:
+            asked_for.append(asked.predicate)
+            if asked.predicate == "Robot":
+                await is_proved.wait()
         return await prove(inquiry, program, robot, frame, asked, depth=depth)
 
-    async def why(*about: Any, **options: Any) -> Explanation:
-        await is_asked.wait()
-        return await ask(*about, **options)
-
     monkeypatch.setattr(Inquiry, "proof", proof)
-    monkeypatch.setattr(Inquiry, "why", why)
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.until(lambda: game.shows("Solo: Robot  ") and game.shows("unfolding"))

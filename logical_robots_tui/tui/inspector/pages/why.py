@@ -11,7 +11,7 @@ from math import isclose
 from textual.content import Content
 from textual.widgets.input import Selection
 
-from logical_robots_tui.explain import Ask, Explanation, Proof, ProofNode
+from logical_robots_tui.explain import Ask, Proof, ProofNode
 from logical_robots_tui.explain.why.explanation import Subject, spell_call
 from logical_robots_tui.game import Breakpoint, Frame, Inquiry, Superseded, read_part
 from logical_robots_tui.mind import Program, ProgramError, QueryError
@@ -83,20 +83,19 @@ class WhyPage(Page):
         question = _WhyQuestion(self.robot, tuple(self._steps), frame)
         if not question.is_like(self._shown):
             self._depth = _FIRST_DEPTH
-        robot, call = question.robot, question.call
-        explanation = await self.answer(
-            lambda inquiry, program: inquiry.why(program, robot, frame, call),
-            lambda: f"taking the rules of {call.predicate} apart",
+        proof = await self.answer(
+            partial(self._proof, question, question.call, 1),
+            lambda: f"taking the rules of {question.call.predicate} apart",
             partial(self._say_instead, question),
         )
-        if explanation is None:
+        if proof is None:
             return
         if self._session.running:
-            self._show(question, explanation, _proving(explanation))
+            self._show(question, proof)
             self._show_caption(question, Content.styled("a pause unfolds it", INK.dim))
         else:
-            await self._prove(question, explanation)
-            await self._suggest(question, explanation)
+            await self._deepen(question, proof)
+            await self._suggest(question, proof)
 
     def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
         node = self.view.pointed if self.view.has_focus else None
@@ -173,7 +172,7 @@ class WhyPage(Page):
             arguments.pop(VALUE, None)
         return replace(call, given=arguments), column_name
 
-    async def _prove(self, question: _WhyQuestion, explanation: Explanation) -> None:
+    async def _deepen(self, question: _WhyQuestion, proof: Proof) -> None:
         """Show the first level of a proof until it is as deep as there is room for.
 
         It is as deep as possible after the player has expanded what it ended with.
@@ -184,26 +183,26 @@ class WhyPage(Page):
             nonlocal trouble
             trouble = words if isinstance(words, str) else ""
             if self._answered is not question:
-                self._show(question, explanation, _proving(explanation))
+                self._show(question, proof)
             self._show_caption(question, words)
 
         self._is_proving = True
         try:
             for depth in (self._depth, _DEPTH):
                 work = partial(self._proof, question, question.call, depth)
-                proof = await self.answer(work, lambda: "unfolding", say)
-                if proof is None:  # calls are then proved one by one, as they are expanded
+                deeper_proof = await self.answer(work, lambda: "unfolding", say)
+                if deeper_proof is None:  # calls are then proved one by one, as they are expanded
                     say(trouble)
                     return
-                self._show(question, proof.explanation, proof.nodes)
-                if not (proof.is_cut and self.view.has_room_for_proofs):
+                self._show(question, deeper_proof)
+                if not (deeper_proof.is_cut and self.view.has_room_for_proofs):
                     return
                 self._depth = _DEPTH
         finally:
             self._is_proving = False
 
-    async def _suggest(self, question: _WhyQuestion, explanation: Explanation) -> None:
-        if explanation.row is not None or self._answered is not question:
+    async def _suggest(self, question: _WhyQuestion, proof: Proof) -> None:
+        if proof.explanation.row is not None or self._answered is not question:
             return
         try:
             inquiry, program = self._questions.context()
@@ -223,14 +222,10 @@ class WhyPage(Page):
             head = ProofNode("note", f"{subject} would give a row", children=tuple(notes))
             self._show_nodes(question, (*self._roots, head), ())
 
-    def _show(
-        self, question: _WhyQuestion, explanation: Explanation, roots: Sequence[ProofNode]
-    ) -> None:
-        self._answered, self._roots = question, roots
+    def _show(self, question: _WhyQuestion, proof: Proof) -> None:
+        self._answered, self._roots = question, proof.nodes
         self.say("")
-        nodes = () if explanation.row is None else explanation.nodes
-        proving = _proving(explanation)
-        self._show_nodes(question, roots, [node for node in nodes if node is not proving[0]])
+        self._show_nodes(question, proof.nodes, proof.alternatives)
 
     def _say_instead(self, question: _WhyQuestion, words: Content | str) -> None:
         """Show a message instead of a proof; the view keeps the focus, and can go back."""
@@ -313,14 +308,6 @@ class WhyPage(Page):
         if moved and node.span is not None:
             place = node.span.start, node.span.stop
             self.post_message(Placed(self._questions.program.text, place))
-
-
-def _proving(explanation: Explanation) -> Sequence[ProofNode]:
-    """Return the rule that derives the row, or all rules if none does."""
-    if explanation.row is None:
-        return explanation.nodes
-    giving = [rule.node for rule in explanation.rules if rule.row is not None]
-    return giving[:1] or explanation.nodes[-1:]
 
 
 def sight(node: ProofNode, robot: str, frame: Frame) -> Highlight | None:
