@@ -222,7 +222,7 @@ view.add("hide_teams", "Hide the other teams", "", lambda s: s.team_choice.toggl
 view.add("why", "Why", "w", lambda s: s.inspector.why(),
     "Prove what the robot did at this tick, or why a predicate has its rows, as a tree.", bar="Why",
     also="explain proof")
-view.add("ask", "Ask", "slash", lambda s: s.inspector.ask(),
+view.add("ask", "Ask", "slash", lambda s: s.inspector.go_to("ask"),
     "Answer a query in Logica about this tick.", bar="Ask", spare=4, also="query question")
 view.add("watch", "Watch", "V", lambda s: s.inspector.go_to("watch"),
     "Show pinned values at this tick and in the ticks around it.")

@@ -187,8 +187,11 @@ class InspectorPane(Pane):
         else:
             self.notify(f"The program has no predicate {name}.", markup=False)
 
-    def go_to(self, page_id: str) -> None:
+    def go_to(self, page_id: str, subject: object = None) -> None:
+        """Show a page and focus its view, after it has begun with a subject."""
         self._reveal()
+        if subject is not None:
+            self._page(page_id).begin(subject)
         self._select(page_id)
         self.screen.set_focus(self.page.view)
 
@@ -196,12 +199,7 @@ class InspectorPane(Pane):
 
     def why(self) -> None:
         program_names = {p.name for p in self._session.predicates if p.kind == "program"}
-        self._page("why").begin(self._selected if self._selected in program_names else "Robot")
-        self.go_to("why")
-
-    def ask(self, query: str = "") -> None:
-        self.go_to("ask")
-        self.page.begin(query)
+        self.go_to("why", self._selected if self._selected in program_names else "Robot")
 
     def pin(self) -> None:
         pin = self.active.pin_here()
@@ -241,8 +239,7 @@ class InspectorPane(Pane):
 
     def trace(self, target: Traced) -> None:
         self._has_traced = True
-        self._page("origin").begin((target, self._selected))
-        self.go_to("origin")
+        self.go_to("origin", (target, self._selected))
 
     # -- following the tick --------------------------------------------------------------------
 
@@ -366,7 +363,10 @@ class InspectorPane(Pane):
 
     @on(Page.LinkOpened)
     def _page_opened(self, event: Page.LinkOpened) -> None:
-        (self.open if event.name.isidentifier() else self.ask)(event.name)
+        if event.name.isidentifier():
+            self.open(event.name)
+        else:
+            self.go_to("ask", event.name)
 
     @on(Page.Left)
     def _page_left(self, event: Page.Left) -> None:

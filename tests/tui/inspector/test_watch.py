@@ -184,7 +184,7 @@ async def test_long_lists_are_folded_and_of_answers_questions_are_pinned(data_di
         await game.until(lambda: tree.cursor_node is group)
         await game.press("at", sees="Only a value of a predicate can be pinned.")
         await game.press("escape")
-        game.inspector.ask()
+        game.inspector.go_to("ask")
         game.main.query_one(QueryLine).value = "Long(l:)"
         await game.press("enter")
         answer = game.main.query_one("#answer", ValueTable)

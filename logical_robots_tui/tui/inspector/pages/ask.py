@@ -83,10 +83,8 @@ class AskPage(Page):
         super().__init__(entry, questions, self.line, above=(self.line,), below=(self.table,))
 
     def begin(self, subject: str) -> None:
-        if subject:
-            self._query = self.line.value = subject
-            self.line.remember(subject)
-            self.post_message(self.Changed())
+        self._query = self.line.value = subject
+        self.line.remember(subject)
 
     async def show(self, frame: Frame) -> None:
         names = (predicate.name for predicate in self._session.predicates)

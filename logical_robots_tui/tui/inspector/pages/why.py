@@ -71,7 +71,6 @@ class WhyPage(Page):
 
     def begin(self, subject: str) -> None:
         self._steps = [Ask(subject, {})]
-        self.post_message(self.Changed())
 
     def ask(self, call: Ask) -> None:
         """Go on with another question; backspace leads back."""
