@@ -61,7 +61,7 @@ class InspectorQuestions:
         self.chosen: str | None = None
         """The robot that the player chose last, of this level or an earlier one."""
         self._level: Level | None = None
-        self._asked: Inquiry | None = None
+        self._inquiry: Inquiry | None = None
         self._survey: Survey | None = None
 
     @property
@@ -88,7 +88,16 @@ class InspectorQuestions:
         return None if self.branch is None else (*self.branch, self.program)
 
     def context(self) -> tuple[Inquiry, Program]:
-        return self._inquiry(), self.program
+        """Return what answers questions about the level at hand, and the program to ask."""
+        from logical_robots_tui.game import Inquiry
+
+        program, level = self.program, self.session.level
+        seen_alike = self._level is not None and self._level.visibility == level.visibility
+        if self._inquiry is None or not seen_alike:
+            if self._inquiry is not None:
+                self.session.release(self._inquiry.close)
+            self._level, self._inquiry, self._survey = level, Inquiry(level), None
+        return self._inquiry, program
 
     def is_function(self, name: str) -> bool:
         matches = (predicate for predicate in self.session.predicates if predicate.name == name)
@@ -97,17 +106,17 @@ class InspectorQuestions:
     async def rows(self, predicate: str, robot: str, frame: Frame) -> ResultTable:
         """A predicate's rows, or a function's calls for a robot, or raise QueryError."""
         if self.is_function(predicate):
-            return await self._inquiry().calls(self.program, robot, frame, predicate)
+            inquiry, program = self.context()
+            return await inquiry.calls(program, robot, frame, predicate)
         game = self.session.game
         if game is None:
             raise Superseded
         return await game.query(predicate, frame)
 
     async def survey(self, frame: Frame) -> Survey:
-        program, last = self.program, self._survey
         if stored_survey := self.stored_survey(frame):
             return stored_survey
-        inquiry = self._inquiry()
+        last, (inquiry, program) = self._survey, self.context()
         previous_tables: dict[str, ResultTable | QueryError] = {}
         earlier = self._frame_before(frame)
         if last is not None and last.program is program and last.frame is earlier:
@@ -126,22 +135,9 @@ class InspectorQuestions:
         return last if last.frame is frame and last.program is game.program else None
 
     async def close(self) -> None:
-        inquiry, self._asked = self._asked, None
+        inquiry, self._inquiry = self._inquiry, None
         if inquiry is not None:
             await inquiry.close()
-
-    def _inquiry(self) -> Inquiry:
-        from logical_robots_tui.game import Inquiry
-
-        level = self.session.level
-        seen_alike = self._level is not None and self._level.visibility == level.visibility
-        if self._asked is None or not seen_alike:
-            old, self._level = self._asked, level
-            if old is not None:
-                self.session.release(old.close)
-            self._asked = Inquiry(self._level)
-            self._survey = None
-        return self._asked
 
     def _frame_before(self, frame: Frame) -> Frame | None:
         game = self.session.game
