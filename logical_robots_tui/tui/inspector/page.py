@@ -81,8 +81,7 @@ class Page(Vertical):
     """Shows one thing about the current tick; `pending` is the query that escape cancels.
 
     What commands ask of it are the methods whose names end in ``here``: about the value, row or
-    line under the cursor. By default there is none, and a page for a robot stands for the robot's
-    decision and memory.
+    line under the cursor. By default there is none.
     """
 
     DEFAULT_CSS = """
@@ -233,16 +232,42 @@ class Page(Vertical):
         return self.table if self.display and self.table and self.table.display else None
 
     def pin_here(self) -> Pin | None:
-        if self.entry.scope != "robot":
+        return None
+
+    def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
+        """Return a title and what to open as a tree."""
+        return "", ()
+
+    def traced_here(self) -> Traced | None:
+        return None
+
+    def breakpoint_here(self) -> Breakpoint | None:
+        return None
+
+    def breakpoint_at(self, predicate: str, robot: str, column: str = "") -> Breakpoint | None:
+        """Return one at which rows of a predicate change; None if it has no rows of its own."""
+        matches = (entry for entry in self._session.predicates if entry.name == predicate)
+        if not any(entry.has_rows for entry in matches):
             return None
+        from logical_robots_tui.game import Breakpoint
+
+        return Breakpoint("change", predicate, robot, column)
+
+    async def change_values_here(self) -> None:
+        """Let the player change values of a line of a proof, and ask why again."""
+        words = with_keys("Put the cursor on a line of a proof; {why} makes one.")
+        self.notify(words, markup=False)
+
+
+class RobotPage(Page):
+    """Stands for the robot's decision and memory where nothing is under the cursor."""
+
+    def pin_here(self) -> Pin | None:
         from logical_robots_tui.game import Pin
 
         return Pin("Memory", "memory", (("robot_name", self.robot),))
 
     def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
-        """Return a title and what to open as a tree."""
-        if self.entry.scope != "robot":
-            return "", ()
         from logical_robots_tui.game import Pin
         from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 
@@ -262,28 +287,9 @@ class Page(Vertical):
         return f"Decision of {robot}", branches
 
     def traced_here(self) -> Traced | None:
-        if self.entry.scope != "robot":
-            return None
         from logical_robots_tui.explain.why.explanation import Subject
 
         return Traced(self.robot, Subject(), self._session.frame.tick)
-
-    def breakpoint_here(self) -> Breakpoint | None:
-        return None
-
-    def breakpoint_at(self, predicate: str, robot: str, column: str = "") -> Breakpoint | None:
-        """Return one at which rows of a predicate change; None if it has no rows of its own."""
-        matches = (entry for entry in self._session.predicates if entry.name == predicate)
-        if not any(entry.has_rows for entry in matches):
-            return None
-        from logical_robots_tui.game import Breakpoint
-
-        return Breakpoint("change", predicate, robot, column)
-
-    async def change_values_here(self) -> None:
-        """Let the player change values of a line of a proof, and ask why again."""
-        words = with_keys("Put the cursor on a line of a proof; {why} makes one.")
-        self.notify(words, markup=False)
 
 
 @dataclass

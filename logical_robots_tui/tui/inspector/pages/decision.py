@@ -11,7 +11,7 @@ from textual.content import Content
 from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import ResultTable
 from logical_robots_tui.tui.inspector.line_views import LinesView
-from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.page import PageEntry, RobotPage
 from logical_robots_tui.tui.inspector.plots import format_value, ink_value, radar_plot
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions, Survey
 from logical_robots_tui.tui.theme.themes import INK
@@ -26,7 +26,7 @@ _ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn
 _LONGEST = 400
 
 
-class DecisionPage(Page):
+class DecisionPage(RobotPage):
     BINDINGS = [("enter", "screen.command('open_value')")]
 
     beside = "robots"

@@ -14,7 +14,7 @@ from textual.content import Content
 from logical_robots_tui.game import Frame
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.inspector.line_views import LinesView
-from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.page import PageEntry, RobotPage
 from logical_robots_tui.tui.inspector.plots import BARS, OBJECT_INKS, format_value
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
@@ -66,7 +66,7 @@ class RobotsView(LinesView):
             self.post_message(RobotChosen(self._names[number]))
 
 
-class RobotsPage(Page):
+class RobotsPage(RobotPage):
     replays = False
     view: RobotsView
 

@@ -25,7 +25,6 @@ from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin, PinReading
-    from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 
 _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
@@ -231,9 +230,6 @@ class WatchPage(Page):
 
     def pin_here(self) -> Pin | None:
         return self.view.pointed if self.view.has_focus else None
-
-    def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
-        return "", ()
 
     def traced_here(self) -> Traced | None:
         return traced_pin(self.view.pointed, self.robot, self._session.frame.tick)

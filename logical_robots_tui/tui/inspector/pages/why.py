@@ -17,7 +17,7 @@ from logical_robots_tui.game import Breakpoint, Frame, Inquiry, Superseded, read
 from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed, Sighted, Traced
+from logical_robots_tui.tui.inspector.page import PageEntry, Placed, RobotPage, Sighted, Traced
 from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions
@@ -50,7 +50,7 @@ class _WhyQuestion:
         return question is not None and (self.robot, self.steps) == (question.robot, question.steps)
 
 
-class WhyPage(Page):
+class WhyPage(RobotPage):
     """Explains what a robot did: the first level of the proof at once, the rest soon after."""
 
     fills = True
