@@ -38,16 +38,22 @@ class RobotsView(LinesView):
         self._robot_name: str | None = None
 
     def show(self, level: Level, frame: Frame, name: str | None) -> None:
-        def lines(width: int) -> list[Content]:
-            palette = palette_of(self.app.current_theme)
-            columns, hidden = _columns(level, width)
-            robots = _robots(level, frame, palette)
-            remarks = [*_hidden_cells(robots, hidden, name), *_notes(level, frame, name)]
-            notes = [line for note in remarks for line in note.wrap(width)]
-            return [*_table(columns, robots, name), Content(""), *notes]
+        def lines_for(width: int) -> list[Content]:
+            columns, hidden_columns = _columns(level, width)
+            robots = _robots(level, frame, palette_of(self.app.current_theme))
+            titles = [
+                column.title if column.right else clip(column.title, column.width)
+                for column in columns
+            ]
+            lines = [_line(columns, [Content.styled(title, INK.dim) for title in titles])]
+            for robot in robots:
+                line = _line(columns, [column.cell(robot) for column in columns])
+                lines.append(line.stylize_before(_CHOSEN) if robot.name == name else line)
+            notes = _notes(frame, robots, hidden_columns, name)
+            return [*lines, Content(""), *(line for note in notes for line in note.wrap(width))]
 
         self._names, self._robot_name = [robot.name for robot in level.robots], name
-        self.show_lines(lines)
+        self.show_lines(lines_for)
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
@@ -113,31 +119,6 @@ def _robots(level: Level, frame: Frame, palette: Palette) -> list[_RobotRow]:
     ]
 
 
-def _table(
-    columns: Sequence[_RobotColumn], robots: Sequence[_RobotRow], robot_name: str | None
-) -> Iterator[Content]:
-    titles = [
-        column.title if column.right else clip(column.title, column.width) for column in columns
-    ]
-    yield _line(columns, [Content.styled(title, INK.dim) for title in titles])
-    for robot in robots:
-        line = _line(columns, [column.cell(robot) for column in columns])
-        yield line.stylize_before(_CHOSEN) if robot.name == robot_name else line
-
-
-def _hidden_cells(
-    robots: Sequence[_RobotRow], columns: Sequence[_RobotColumn], robot_name: str | None
-) -> Iterator[Content]:
-    """Yield the cells that don't fit into the table, for the selected or only robot."""
-    for robot in robots:
-        if columns and (robot.name == robot_name or len(robots) == 1):
-            parts = [
-                Content.styled(f"{column.title} ", INK.dim).append(column.cell(robot))
-                for column in columns
-            ]
-            yield Content("   ").join(parts)
-
-
 def _line(columns: Sequence[_RobotColumn], cells: Sequence[Content]) -> Content:
     parts = []
     for column, cell in zip(columns, cells, strict=True):
@@ -147,24 +128,27 @@ def _line(columns: Sequence[_RobotColumn], cells: Sequence[Content]) -> Content:
     return Content("").join(parts)
 
 
-def _notes(level: Level, frame: Frame, robot_name: str | None) -> list[Content]:
-    notes = [
-        Content.assemble(
-            ("! ", f"bold {INK.warn}"),
-            (f"{one_line(decision.robot_name)}: ", INK.warn),
-            (clip(one_line(notice.message), 400), INK.text),
+def _notes(
+    frame: Frame, robots: Sequence[_RobotRow], hidden: Sequence[_RobotColumn], name: str | None
+) -> Iterator[Content]:
+    """Yield notices, and of the selected or only robot its memory and the `hidden` cells."""
+    robot = next((robot for robot in robots if robot.name == name or len(robots) == 1), None)
+    if robot is not None and hidden:
+        yield Content("   ").join(
+            Content.styled(f"{column.title} ", INK.dim).append(column.cell(robot))
+            for column in hidden
         )
-        for decision in frame.decisions
-        for notice in decision.notices
-    ]
-    names = [robot.name for robot in level.robots]
-    if robot_name is None and len(names) == 1:
-        robot_name = names[0]
-    if robot_name is not None and robot_name in names:
-        words = format_value(frame.memories.get(robot_name), 4000)
-        who = f"{one_line(robot_name)} remembers "
-        notes.append(Content.assemble((who, INK.dim), (words, INK.text)))
-    return notes
+    for decision in frame.decisions:
+        for notice in decision.notices:
+            yield Content.assemble(
+                ("! ", f"bold {INK.warn}"),
+                (f"{one_line(decision.robot_name)}: ", INK.warn),
+                (clip(one_line(notice.message), 400), INK.text),
+            )
+    if robot is not None:
+        who = f"{one_line(robot.name)} remembers "
+        words = format_value(robot.memory, 4000)
+        yield Content.assemble((who, INK.dim), (words, INK.text))
 
 
 def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
