@@ -93,7 +93,7 @@ class _Proof(App[None]):
         def ignore(*_: object) -> None:
             """The benchmark only draws."""
 
-        self.view = WhyView(pointed=ignore, deeper=ignore, lacking=ignore, back=ignore)
+        self.view = WhyView(pointed=ignore, deeper=ignore, lacking=ignore, back=lambda: False)
         self.register_theme(NIGHT)
         self.theme = NIGHT.name
 

@@ -79,7 +79,18 @@ class ProofTree:
 
     def fit(self, room: int) -> None:
         lines = self._siblings((*self._roots, *self._alternatives), 0, 0)
-        self._open = self._fitting(lines, len(self._roots), room)
+        line_count = len(lines)
+        self._open = set()
+        waiting = deque((line, number < len(self._roots)) for number, line in enumerate(lines))
+        while waiting:
+            line, is_wanted = waiting.popleft()
+            fits = is_wanted and bool(line.children) and line_count + len(line.children) <= room
+            if line.folds and self._choices.get(line.key, fits):
+                self._open.add(line.key)
+                below = self._children(line)
+                line_count += len(below)
+                failed_first = sorted(below, key=lambda child: child.node.holds is not False)
+                waiting.extend((child, True) for child in failed_first)
         self.lines = [descendant for line in lines for descendant in (line, *self._below(line))]
 
     def is_open(self, line: ProofLine) -> bool:
@@ -120,21 +131,6 @@ class ProofTree:
         depth = self.lines[number].depth
         later = range(number + 1, len(self.lines))
         return next((n for n in later if self.lines[n].depth <= depth), len(self.lines))
-
-    def _fitting(self, lines: Sequence[ProofLine], roots: int, room: int) -> set[int]:
-        open_keys: set[int] = set()
-        line_count = len(lines)
-        waiting = deque((line, number < roots) for number, line in enumerate(lines))
-        while waiting:
-            line, is_wanted = waiting.popleft()
-            fits = is_wanted and bool(line.children) and line_count + len(line.children) <= room
-            if line.folds and self._choices.get(line.key, fits):
-                open_keys.add(line.key)
-                below = self._children(line)
-                line_count += len(below)
-                failed_first = sorted(below, key=lambda child: child.node.holds is not False)
-                waiting.extend((child, True) for child in failed_first)
-        return open_keys
 
     def _below(self, line: ProofLine) -> list[ProofLine]:
         subtree: list[ProofLine] = []
@@ -241,15 +237,17 @@ class WhyView(CursorView):
         pointed: Callable[[ProofNode, bool], None],
         deeper: Callable[[Ask], None],
         lacking: Callable[[int, Ask], None],
-        back: Callable[[], None],
+        back: Callable[[], bool],
     ) -> None:
-        """`pointed` gets whether the player has moved the cursor, `lacking` the key of a line."""
+        """`pointed` gets whether the player has moved the cursor, `lacking` the key of a line.
+
+        `back` returns whether there is a way back.
+        """
         super().__init__(id="why")
         self._tell_pointed, self._tell_deeper, self._tell_lacking = pointed, deeper, lacking
         self.action_back = back
         self._tree = ProofTree()
         self._key = 0
-        self._has_way_back = False
 
     @property
     def lines(self) -> Sequence[ProofLine]:
@@ -302,11 +300,9 @@ class WhyView(CursorView):
         alternatives: Sequence[ProofNode] = (),
         *,
         anew: bool = False,
-        has_way_back: bool = False,
     ) -> None:
         """Show a proof. Cursor and expansions stay, unless `anew`."""
         was_empty = not self.lines
-        self._has_way_back = has_way_back
         self._tree.show(roots, alternatives, self.size.height, anew=anew)
         if anew:
             self._at, self._key = 0, 0
@@ -365,14 +361,11 @@ class WhyView(CursorView):
     def action_outward(self) -> None:
         """Collapse the line under the cursor, or go to its parent; at a root, go back."""
         parent = self._tree.parent(self._at) if self.lines else None
-        if parent is None and self._has_way_back:
-            self.action_back()
-        elif not self.lines:
-            return
-        elif self.is_open(self._at):
-            self.close(self._at)
-        elif parent is not None:
-            self.action_move(parent - self._at)
+        if not (parent is None and self.action_back()) and self.lines:
+            if self.is_open(self._at):
+                self.close(self._at)
+            elif parent is not None:
+                self.action_move(parent - self._at)
 
     def action_deeper(self) -> None:
         node = self.pointed

@@ -241,7 +241,7 @@ class WhyPage(RobotPage):
         tick = question.frame.tick
         self.head(tick, "" if tick or self._session.game is None else "what it will decide")
         self._show_caption(question)
-        self.view.show(roots, alternatives, anew=anew, has_way_back=len(question.steps) > 1)
+        self.view.show(roots, alternatives, anew=anew)
 
     def _show_caption(self, question: _WhyQuestion, note: Content | str = "") -> None:
         names = []
@@ -260,10 +260,12 @@ class WhyPage(RobotPage):
             line = line.append(Content.styled(f"  ← {previous_names}", INK.faint))
         self.caption(line)
 
-    def _back(self) -> None:
-        if len(self._steps) > 1:
-            self._steps.pop()
-            self.post_message(self.Changed())
+    def _back(self) -> bool:
+        if len(self._steps) == 1:
+            return False
+        self._steps.pop()
+        self.post_message(self.Changed())
+        return True
 
     def _unfold(self, key: int, call: Ask) -> None:
         self._depth = _DEPTH
