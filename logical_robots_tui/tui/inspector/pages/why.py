@@ -279,26 +279,24 @@ class WhyPage(RobotPage):
         while self._lacking:
             question, key, call = self._lacking[0]
             try:
-                if self._answered is question:
-                    nodes = await self._prove_call(question, call)
-                    if self._answered is question:
-                        self.view.unfold(key, nodes)
+                if self._answered is not question:
+                    continue
+                context = self._questions.context()
+                nodes = (await self._proof(question, call, _DEPTH, *context)).nodes
+            except QueryError as error:
+                nodes = (ProofNode("note", str(error)),)
             except Superseded:
                 self._lacking.clear()
+                return
             finally:
                 del self._lacking[:1]
+            if self._answered is question:
+                self.view.unfold(key, nodes)
 
     async def _proof(
         self, question: _WhyQuestion, call: Ask, depth: int, inquiry: Inquiry, program: Program
     ) -> Proof:
         return await inquiry.proof(program, question.robot, question.frame, call, depth=depth)
-
-    async def _prove_call(self, question: _WhyQuestion, call: Ask) -> Sequence[ProofNode]:
-        try:
-            proof = await self._proof(question, call, _DEPTH, *self._questions.context())
-        except QueryError as error:
-            return (ProofNode("note", str(error)),)
-        return proof.nodes
 
     def _pointed(self, node: ProofNode, moved: bool) -> None:
         question = self._answered
