@@ -71,13 +71,13 @@ def _parts(
     body = sensor["self"]
     front_object = sensor["forward_object"]
     label = "" if front_object in ("wall", "none") else f" {one_line(sensor['forward_label'])}"
-    yield _text_field("front", f"{sensor['forward_distance']}, {front_object}{label}")
+    yield _field("front", f"{sensor['forward_distance']}, {front_object}{label}")
     if body["has_battery"]:
-        yield _text_field("battery", f"{body['battery_level']:.1f} of {body['battery_capacity']:g}")
-    yield _text_field("clock", str(sensor["clock"]))
+        yield _field("battery", f"{body['battery_level']:.1f} of {body['battery_capacity']:g}")
+    yield _field("clock", str(sensor["clock"]))
     yield _heading("memory before")
     memory_before, memory_after = frame.memories_before.get(robot), frame.memories.get(robot)
-    yield _value_field("memory", memory_before)
+    yield _field("memory", format_value(memory_before, _LONGEST), INK.record)
     yield from _on_the_way(program, robot, survey)
     decision = frame.decision_of(robot)
     if decision is None:
@@ -86,11 +86,9 @@ def _parts(
     yield _heading("desire")
     if decision.desire is not None:
         desire = decision.desire
-        yield _text_field(
-            "as given", f"left {desire.left_engine:.6g}, right {desire.right_engine:.6g}"
-        )
+        yield _field("as given", f"left {desire.left_engine:.6g}, right {desire.right_engine:.6g}")
     state = frame.after.robots[number]
-    yield _text_field("as driven", f"left {state.left_engine:.6g}, right {state.right_engine:.6g}")
+    yield _field("as driven", f"left {state.left_engine:.6g}, right {state.right_engine:.6g}")
     yield _heading("memory after")
     yield from _difference(memory_before, memory_after)
     for notice in decision.notices:
@@ -107,7 +105,7 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
     for name in program.needed:
         table = survey.tables.get(name)
         if not isinstance(table, ResultTable):
-            yield _text_field(name, "failed" if table is not None else "not known")
+            yield _field(name, "failed" if table is not None else "not known")
             continue
         place = table.columns.index("robot_name") if "robot_name" in table.columns else None
         viewers = table.viewers or [robot] * len(table.rows)
@@ -131,28 +129,20 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
 
 def _difference(old_memory: Value, new_memory: Value) -> Iterator[Content]:
     """Compare two memories, field by field if they are records; mark what changed."""
-    if isinstance(new_memory, Mapping) and isinstance(old_memory, Mapping):
-        for name, value in new_memory.items():
-            yield _value_field(
-                name, value, changed=name not in old_memory or old_memory[name] != value
-            )
-        for name in old_memory:
-            if name not in new_memory:
-                yield Content.assemble("  ", (f"{one_line(name)} is gone", INK.key))
-    else:
-        yield _value_field("memory", new_memory, changed=old_memory != new_memory)
+    if not (isinstance(new_memory, Mapping) and isinstance(old_memory, Mapping)):
+        old_memory, new_memory = {"memory": old_memory}, {"memory": new_memory}
+    for name, value in new_memory.items():
+        is_changed = name not in old_memory or old_memory[name] != value
+        yield _field(name, format_value(value, _LONGEST), INK.record, changed=is_changed)
+    for name in old_memory:
+        if name not in new_memory:
+            yield Content.assemble("  ", (f"{one_line(name)} is gone", INK.key))
 
 
 def _heading(title: str) -> Content:
     return Content.styled(title, f"bold {INK.title}")
 
 
-def _text_field(name: str, text: str) -> Content:
-    return Content.assemble("  ", (f"{one_line(name)}  ", INK.dim), (text, INK.text))
-
-
-def _value_field(name: str, value: Value, *, changed: bool = False) -> Content:
+def _field(name: str, text: str, ink: str = INK.text, *, changed: bool = False) -> Content:
     mark = ("• ", INK.key) if changed else ("  ", INK.dim)
-    return Content.assemble(
-        mark, (f"{one_line(name)}  ", INK.dim), (format_value(value, _LONGEST), INK.record)
-    )
+    return Content.assemble(mark, (f"{one_line(name)}  ", INK.dim), (text, ink))
