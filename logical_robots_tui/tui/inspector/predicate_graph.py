@@ -44,11 +44,8 @@ class GraphView(LinesView):
     def __init__(self, program: Program, name: str, opened: Callable[[str], object]) -> None:
         super().__init__(id="graph")
         self._program, self._opened = program, opened
-        self._columns: tuple[Sequence[str], ...] = ((), (name,), ())
-        self._at = (_MIDDLE, 0)
-        self.middle = name
-        self._tops = (0, 0, 0)
-        self._widths = (0, 0, 0)
+        self._tops: tuple[int, ...] = (0, 0, 0)
+        self._widths: tuple[int, ...] = (0, 0, 0)
         self.centre(name)
 
     @property
@@ -60,7 +57,7 @@ class GraphView(LinesView):
         uses = self._program.uses
         users = [user for user, used in uses.items() if name in used]
         self.middle = name
-        self._columns = (users, (name,), uses.get(name, ()))
+        self._columns: tuple[Sequence[str], ...] = (users, (name,), uses.get(name, ()))
         self._at = (_MIDDLE, 0)
         self.redraw()
 
@@ -100,8 +97,8 @@ class GraphView(LinesView):
         labels[_USED] = labels[_USED] or [Content.styled(_NOTHING, INK.dim)]
         limit = (self.columns - _ARROWS) // 3
         height = max(map(len, labels))
-        self._tops = tuple((height - len(side)) // 2 for side in labels)  # type: ignore[assignment] # three
-        self._widths = tuple(  # type: ignore[assignment] # three again
+        self._tops = tuple((height - len(side)) // 2 for side in labels)
+        self._widths = tuple(
             min(limit, max(label.cell_length for label in side)) for side in labels
         )
         self.paint([self._line(row, labels) for row in range(height)])
