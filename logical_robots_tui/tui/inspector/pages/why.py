@@ -64,7 +64,6 @@ class WhyPage(RobotPage):
         self._steps: list[Ask] = [Ask("Robot", {})]
         self._shown: _WhyQuestion | None = None
         self._answered: _WhyQuestion | None = None
-        self._roots: Sequence[ProofNode] = ()
         self._lacking: list[tuple[_WhyQuestion, int, Ask]] = []
         self._is_proving = False
         self._depth = _FIRST_DEPTH
@@ -93,8 +92,7 @@ class WhyPage(RobotPage):
             self._show(question, proof)
             self._show_caption(question, Content.styled("a pause unfolds it", INK.dim))
         else:
-            await self._deepen(question, proof)
-            await self._suggest(question, proof)
+            await self._suggest(question, await self._deepen(question, proof))
 
     def values_here(self) -> tuple[str, Sequence[ValueBranch]]:
         node = self.view.pointed if self.view.has_focus else None
@@ -171,8 +169,8 @@ class WhyPage(RobotPage):
             arguments.pop(VALUE, None)
         return replace(call, given=arguments), column_name
 
-    async def _deepen(self, question: _WhyQuestion, proof: Proof) -> None:
-        """Show the first level of a proof until it is as deep as there is room for.
+    async def _deepen(self, question: _WhyQuestion, proof: Proof) -> Proof:
+        """Show the first level of a proof until it is as deep as there is room for; return it.
 
         It is as deep as possible after the player has expanded what it ended with.
         """
@@ -192,13 +190,15 @@ class WhyPage(RobotPage):
                 deeper_proof = await self.answer(work, lambda: "unfolding", say)
                 if deeper_proof is None:  # calls are then proved one by one, as they are expanded
                     say(trouble)
-                    return
-                self._show(question, deeper_proof)
-                if not (deeper_proof.is_cut and self.view.has_room_for_proofs):
-                    return
+                    break
+                proof = deeper_proof
+                self._show(question, proof)
+                if not (proof.is_cut and self.view.has_room_for_proofs):
+                    break
                 self._depth = _DEPTH
         finally:
             self._is_proving = False
+        return proof
 
     async def _suggest(self, question: _WhyQuestion, proof: Proof) -> None:
         if proof.explanation.row is not None or self._answered is not question:
@@ -219,10 +219,10 @@ class WhyPage(RobotPage):
                 )
             subject = "This change" if len(misses) == 1 else "Each of these changes"
             head = ProofNode("note", f"{subject} would give a row", children=tuple(notes))
-            self._show_nodes(question, (*self._roots, head), ())
+            self._show_nodes(question, (*proof.nodes, head), ())
 
     def _show(self, question: _WhyQuestion, proof: Proof) -> None:
-        self._answered, self._roots = question, proof.nodes
+        self._answered = question
         self.say("")
         self._show_nodes(question, proof.nodes, proof.alternatives)
 
