@@ -285,9 +285,6 @@ class WhyView(CursorView):
     def span(self, item: int) -> range:
         return range(item, item + 1)
 
-    def item_at(self, line: int) -> int | None:
-        return line if line < self.count else None
-
     def content(self, number: int) -> Content:
         return line_content(self.lines[number], self.columns, is_open=self.is_open(number))
 
