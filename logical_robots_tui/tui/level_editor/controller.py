@@ -408,8 +408,20 @@ class LevelController(SessionListener):
             self._noted()
 
     def _edited(self) -> None:
+        """Let the game follow a change: at once, or a little later if only walls changed."""
         self._is_unwanted = False
-        self._change_game_soon()
+        old_level, new_level = self.levels.shown, self.levels.edited
+        only_walls = (
+            old_level.robots is new_level.robots
+            and old_level.beacons is new_level.beacons
+            and old_level.areas is new_level.areas
+            and old_level.walls.shape == new_level.walls.shape
+        )
+        if not only_walls:
+            self.change_game()
+        elif not self._is_change_due:
+            self._is_change_due = True
+            self.ui.spawn(self._change_game_later, "live", exclusive=False)
         self._noted()
 
     def _noted(self) -> None:
@@ -429,21 +441,6 @@ class LevelController(SessionListener):
         if level is self.levels.edited:
             self._checked, self.findings = level, findings
             self.changed()
-
-    def _change_game_soon(self) -> None:
-        """Let the game follow a change: at once, or a little later if only walls changed."""
-        old_level, new_level = self.levels.shown, self.levels.edited
-        only_walls = (
-            old_level.robots is new_level.robots
-            and old_level.beacons is new_level.beacons
-            and old_level.areas is new_level.areas
-            and old_level.walls.shape == new_level.walls.shape
-        )
-        if not only_walls:
-            self.change_game()
-        elif not self._is_change_due:
-            self._is_change_due = True
-            self.ui.spawn(self._change_game_later, "live", exclusive=False)
 
     async def _change_game_later(self) -> None:
         levels = self.levels

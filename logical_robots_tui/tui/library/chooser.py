@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import difflib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
@@ -231,7 +231,12 @@ class VersionShelf:
 
     def card(self, name: str) -> Card:
         version = self.take(name)
-        rows = list(_changes(self.text, version.text))
+        old_lines, new_lines = self.text.splitlines(), version.text.splitlines()
+        diff = islice(difflib.unified_diff(old_lines, new_lines, n=2, lineterm=""), 2, None)
+        rows = [
+            f"@ line {row.split()[1][1:].partition(',')[0]}" if row.startswith("@@") else row
+            for row in diff
+        ]
         added, removed = (sum(row.startswith(sign) for row in rows) for sign in "+-")
         headline = f"{version_result(version)}   +{added} -{removed}" if rows else "as it is now"
         ink = {"+": INK.good, "-": INK.bad, "@": INK.faint}
@@ -270,10 +275,3 @@ class ReplayShelf:
         is_file = "/" in name_or_path or name_or_path.endswith(SUFFIX)
         path = typed_path(name_or_path) if is_file else self.folder / f"{name_or_path}{SUFFIX}"
         return load_replay(path)
-
-
-def _changes(current: str, restored: str) -> Iterator[str]:
-    """Yield the lines that restoring a text adds and removes, with some around them."""
-    diff = difflib.unified_diff(current.splitlines(), restored.splitlines(), n=2, lineterm="")
-    for row in islice(diff, 2, None):
-        yield f"@ line {row.split()[1][1:].partition(',')[0]}" if row.startswith("@@") else row

@@ -62,7 +62,7 @@ class LevelScreen(Dialog["Level | Wish"]):
         Binding("down", "go('down')", priority=True),
         Binding("pageup", "go('page_up')", priority=True),
         Binding("pagedown", "go('page_down')", priority=True),
-        Binding("ctrl+n", "new", priority=True),
+        Binding("ctrl+n", "dismiss('new')", priority=True),
     ]
 
     keys = "enter play   ←↑↓→ choose   ^N new level   esc close"
@@ -99,9 +99,6 @@ class LevelScreen(Dialog["Level | Wish"]):
         self._cards.forget_pictures()
         if self._all:
             in_background(self, self._draw_all, "pictures", exclusive=True)
-
-    def action_new(self) -> None:
-        self.dismiss("new")
 
     def action_go(self, motion: str) -> None:
         across, page = self._cards.across, self._cards.page
