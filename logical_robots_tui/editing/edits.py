@@ -77,15 +77,11 @@ class Edits:
     """
 
     def __init__(self, level: Level) -> None:
-        self._level = level
+        self.level = level
         self._undo_stack: list[tuple[str, Delta]] = []
         self._redo_stack: list[tuple[str, Delta]] = []
         self._open: tuple[str, Level] | None = None
         self._saved: int | None = 0
-
-    @property
-    def level(self) -> Level:
-        return self._level
 
     @property
     def is_changed(self) -> bool:
@@ -110,15 +106,15 @@ class Edits:
         With `merge` it extends the previous step, if that has the same description and nothing
         was undone or saved since.
         """
-        if level is self._level:
+        if level is self.level:
             return False
         if not (merge and self._open is not None and self._open[0] == label):
             self._close()
-            self._open = label, self._level
+            self._open = label, self.level
             if self._saved is not None and self._saved > len(self._undo_stack):
                 self._saved = None
         self._redo_stack.clear()
-        self._level = level
+        self.level = level
         return True
 
     def undo(self) -> str:
@@ -137,7 +133,7 @@ class Edits:
             return ""
         target.append(source.pop())
         label, delta = target[-1]
-        self._level = delta.apply(self._level, forward=forward)
+        self.level = delta.apply(self.level, forward=forward)
         return label
 
     def mark_saved(self) -> None:
@@ -152,6 +148,6 @@ class Edits:
         if self._open is not None:
             label, old_level = self._open
             self._open = None
-            delta = Delta.between(old_level, self._level)
+            delta = Delta.between(old_level, self.level)
             if not delta.empty:
                 self._undo_stack.append((label, delta))

@@ -205,8 +205,8 @@ class Form(Dialog[bool]):
                     yield Static(label, classes="label", markup=False)
                     yield field
         with Horizontal(id="buttons"):
-            yield Button(self.verb, id="take", compact=True)
-            yield Button("Cancel", id="close", compact=True)
+            yield Button(self.verb, id="take", compact=True, action="screen.take")
+            yield Button("Cancel", compact=True, action="screen.leave")
 
     def on_mount(self) -> None:
         self._before = self.values()
@@ -221,7 +221,6 @@ class Form(Dialog[bool]):
     def field_entered(self) -> None:
         self.action_take()
 
-    @on(Button.Pressed, "#take")
     def action_take(self) -> None:
         try:
             self.take()
@@ -229,10 +228,6 @@ class Form(Dialog[bool]):
             self.complain(error.message)
         else:
             self.dismiss(True)
-
-    @on(Button.Pressed, "#close")
-    def _close(self) -> None:
-        self.dismiss(None)
 
     def values(self, *names: str) -> dict[str, Any]:
         """Return values of some fields, or all, by name, or raise LevelError."""
