@@ -17,13 +17,13 @@ from textual.content import Content
 from textual.message import Message
 from textual.suggester import SuggestFromList
 from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
-from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import LevelFinding
 from logical_robots_tui.editing.entities import Ref, change, entity_of, resize, set_words
 from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.library.level_screen import own_levels
+from logical_robots_tui.tui.library.picker import Picker
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import (
@@ -437,25 +437,14 @@ async def ask_for_level(ui: Dialogs, current_name: str, folder: Path) -> Level |
     return form.level if await ui.ask(form) else None
 
 
-class FindingList(Dialog[LevelFinding]):
-    DEFAULT_CSS = """
-    FindingList > #box { max-width: 90; padding: 1 2 0 2; }
-    FindingList OptionList { height: auto; max-height: 16; }
-    """
+class FindingList(Picker[LevelFinding, LevelFinding]):
+    DEFAULT_CSS = "FindingList > #box { max-width: 90; }"
 
     heading = "Findings"
     keys = "enter go there   ↑↓ choose   esc close"
 
-    def __init__(self, findings: Sequence[LevelFinding]) -> None:
-        self._findings = findings
-        lines = []
-        for finding in findings:
-            style, text = INK.bad if finding.forbids else INK.warn, one_line(finding.text)
-            has_place = finding.x is not None and finding.y is not None
-            place = f"   {finding.x:.0f}, {finding.y:.0f}" if has_place else ""
-            lines.append(Content.assemble(("! ", style), (text, INK.text), (place, INK.dim)))
-        super().__init__("", Listing(*map(Option, lines), markup=False, compact=True))
-
-    @on(OptionList.OptionSelected)
-    def _chosen(self, event: OptionList.OptionSelected) -> None:
-        self.dismiss(self._findings[event.option_index])
+    def line(self, entry: LevelFinding) -> Content:
+        style, text = INK.bad if entry.forbids else INK.warn, one_line(entry.text)
+        has_place = entry.x is not None and entry.y is not None
+        place = f"   {entry.x:.0f}, {entry.y:.0f}" if has_place else ""
+        return Content.assemble(("! ", style), (text, INK.text), (place, INK.dim))

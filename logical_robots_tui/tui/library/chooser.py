@@ -9,26 +9,26 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from textual import events, on
-from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
-from textual.widgets import Input, OptionList, Static
-from textual.widgets.option_list import Option
+from textual.widgets import OptionList, Static
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource, list_programs, load_program
 from logical_robots_tui.game.replay import SUFFIX, Replay, load_replay
-from logical_robots_tui.paths import pasted_path, typed_path
+from logical_robots_tui.paths import typed_path
 from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
+from logical_robots_tui.tui.library.picker import Picker
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line, visible, visible_lines
 
 if TYPE_CHECKING:
+    from textual.app import ComposeResult
+
     from logical_robots_tui.progress import Version
 
 T = TypeVar("T")
@@ -62,37 +62,30 @@ class Shelf(Protocol[T_co]):
     def take(self, name_or_path: str) -> T_co: ...
 
 
-class Chooser(Dialog[T], Generic[T]):
-    """A list with a filter and a preview."""
+class Chooser(Picker[T, str]):
+    """The names on a shelf, with a preview beside them; a path is a name as well."""
 
     DEFAULT_CSS = """
     Chooser > #box { height: 90%; max-height: 32; }
-    Chooser #entries { width: 1fr; height: 1fr; }
+    Chooser #filter { margin-bottom: 1; }
+    Chooser #entries { width: 1fr; height: 1fr; max-height: 100%; }
     Chooser #preview { width: 1fr; height: 1fr; padding: 0 1; border-left: solid $ink-faint; }
     Chooser.-narrow #preview { display: none; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "go('cursor_up')", priority=True),
-        Binding("down", "go('cursor_down')", priority=True),
-        Binding("pageup", "go('page_up')", priority=True),
-        Binding("pagedown", "go('page_down')", priority=True),
-    ]
-
     def __init__(self, shelf: Shelf[T], current: str) -> None:
         self._shelf = shelf
-        self._current = current
         self._cards: dict[str, Card] = {}
-        self._shown: list[str] = []
-        self._all: list[str] = []
-        # Kept because a closing dialog loses its widgets before itself.
-        self._filter = Input(placeholder=shelf.placeholder, id="filter", select_on_focus=False)
-        self._entries = Listing(id="entries", markup=False, compact=True)
-        self._entries.can_focus = False
         self._preview_text = Static(id="preview-text")
-        preview = VerticalScroll(self._preview_text, id="preview", can_focus=False)
-        super().__init__(shelf.title, self._filter, Horizontal(self._entries, preview))
+        self.heading, self.placeholder = shelf.title, shelf.placeholder
+        super().__init__(current=current)
         self.keys = f"enter {shelf.does}   ↑↓ choose   esc close"
+
+    def content_widgets(self) -> ComposeResult:
+        yield self._filter
+        yield Horizontal(
+            self._list, VerticalScroll(self._preview_text, id="preview", can_focus=False)
+        )
 
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.width < _PREVIEW_FROM, "-narrow")
@@ -100,90 +93,58 @@ class Chooser(Dialog[T], Generic[T]):
     def on_mount(self) -> None:
         in_background(self, self._read_all)
 
-    def action_go(self, motion: str) -> None:
-        getattr(self._entries, f"action_{motion}")()
-
     async def _read_all(self) -> None:
-        self._all = list(await asyncio.to_thread(self._shelf.names))
-        if self._entries.is_attached:
-            self._list(self._current)
-        for name in self._all:
+        self.entries = list(await asyncio.to_thread(self._shelf.names))
+        if self._list.is_attached:
+            self.fill(self.current)
+        for name in self.entries:
             try:
                 card = await asyncio.to_thread(self._shelf.card, name)
             except InputError as error:
                 card = Card("can't be used", str(error), is_error=True)
             self._cards[name] = card
-            if not self._entries.is_attached:
+            if not self._list.is_attached:
                 return  # closed meanwhile
-            if name in self._shown:
-                self._entries.replace_option_prompt(name, self._entry(name))
-            if self._highlighted == name:
-                self._preview(name)
+            self.redraw(name)
+            if self.highlighted == name:
+                self._preview()
 
-    @property
-    def _highlighted(self) -> str | None:
-        highlighted = self._entries.highlighted
-        return None if highlighted is None else self._shown[highlighted]
+    def matching(self, text: str) -> list[str]:
+        names = super().matching(text)
+        names.sort(key=lambda name: name.casefold() != text.casefold())
+        if is_path(text) and text not in self.entries:
+            names.insert(0, text)
+        return names
 
-    def _list(self, highlighted: str | None) -> None:
-        text = pasted_path(self._filter.value)
-        words = text.casefold().split()
-        self._shown = []
-        for name in self._all:
-            card = self._cards.get(name)
-            content = f"{name} {card.headline if card else ''}".casefold()
-            if all(word in content for word in words):
-                self._shown.append(name)
-        self._shown.sort(key=lambda name: name.casefold() != text.casefold())
-        if is_path(text) and text not in self._all:
-            self._shown.insert(0, text)
-        self._entries.clear_options()
-        self._entries.add_options([Option(self._entry(name), id=name) for name in self._shown])
-        if self._shown:
-            self._entries.highlighted = (
-                self._shown.index(highlighted) if highlighted in self._shown else 0
-            )
-        else:
-            self._preview(None)
+    def words_of(self, entry: str) -> str:
+        card = self._cards.get(entry)
+        return f"{entry} {card.headline if card else ''}"
 
-    def _entry(self, name: str) -> Content:
-        if name not in self._all:
-            return Content.assemble(("Open the file ", INK.dim), (one_line(name), INK.key))
-        marker = ("▸ ", INK.key) if name == self._current else ("  ", INK.dim)
-        card = self._cards.get(name)
+    def line(self, entry: str) -> Content:
+        if entry not in self.entries:
+            return Content.assemble(("Open the file ", INK.dim), (one_line(entry), INK.key))
+        marker = ("▸ ", INK.key) if entry == self.current else ("  ", INK.dim)
+        card = self._cards.get(entry)
         headline = clip(one_line(card.headline), 60) if card else ""
         style = INK.bad if card and card.is_error else INK.dim
-        return Content.assemble(marker, (one_line(name), INK.text), "  ", (headline, style))
+        return Content.assemble(marker, (one_line(entry), INK.text), "  ", (headline, style))
 
-    def _preview(self, name: str | None) -> None:
-        card = self._cards.get(name) if name else None
-        preview = card.preview if card else "" if name else "Nothing has this name."
+    def fill(self, highlighted: str | None) -> None:
+        super().fill(highlighted)
+        if not self.matches:
+            self._preview()
+
+    @on(OptionList.OptionHighlighted)
+    def _preview(self) -> None:
+        card = self._cards.get(self.highlighted or "")
+        preview = card.preview if card else "" if self.matches else "Nothing has this name."
         if isinstance(preview, str):
             style = INK.bad if card and card.is_error else INK.text
             preview = Content.styled(visible_lines(preview), style)
         self._preview_text.update(preview)
 
-    @on(Input.Changed, "#filter")
-    def _filter_changed(self) -> None:
-        self.complain("")
-        self._list(self._highlighted)
-
-    @on(OptionList.OptionHighlighted, "#entries")
-    def _entry_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        self._preview(event.option_id)
-
-    @on(Input.Submitted, "#filter")
-    def _submitted(self) -> None:
-        if self._highlighted is not None:
-            self._take(self._highlighted)
-
-    @on(OptionList.OptionSelected, "#entries")
-    def _entry_clicked(self, event: OptionList.OptionSelected) -> None:
-        if event.option_id is not None:
-            self._take(event.option_id)
-
-    def _take(self, name: str) -> None:
-        work = partial(self.leave_with, self._shelf.take, name)
+    def take(self, entry: str) -> None:
+        work = partial(self.leave_with, self._shelf.take, entry)
         in_background(self, work, "take", exclusive=True)
 
 

@@ -87,7 +87,7 @@ async def change(game: Opened, name: str, *keys: str) -> None:
     await game.press("ctrl+p", sees="Find a command")
     await game.press(*"settings", "enter")
     await game.until(lambda: isinstance(game.app.screen, SettingsScreen))
-    await game.press(*["down"] * [row.name for row in rows()].index(name), *keys, "escape")
+    await game.press(*name, *keys, "escape")  # typing filters
     await game.until(lambda: game.app.screen is game.main)
 
 
@@ -103,7 +103,10 @@ async def test_a_theme_is_previewed_and_it_and_settings_are_kept(
         await game.until(lambda: isinstance(game.app.screen, ThemeList))
         assert game.shows(f"▸ {before}")
         await game.press("down", until=lambda: game.app.theme != before)
-        await game.press("escape")
+        await game.press(*"monok", until=lambda: game.app.theme == "monokai")
+        await game.until(lambda: not game.shows("gruvbox"))
+        await game.press(*["backspace"] * 5, sees="gruvbox")
+        await game.press(*"xyzzy", "enter", "escape")
         await game.until(lambda: game.app.theme == before and game.app.screen is screen)
         command("theme").run(screen, screen.ui.spawn)
         await game.until(lambda: isinstance(game.app.screen, ThemeList))
