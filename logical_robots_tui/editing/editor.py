@@ -58,10 +58,6 @@ class ToolSettings:
     is_wall: bool = True
     is_filled: bool = False
 
-    @property
-    def paints_wall(self) -> bool:
-        return self.is_wall and self.tool is not Tool.ERASER
-
 
 TURN = math.radians(15)
 _NEW_RADIUS = 30.0  # map units, of an area that is placed without dragging

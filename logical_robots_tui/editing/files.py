@@ -131,8 +131,9 @@ def _rewrite(text: str, old_level: Level, level: Level) -> str | None:
             old, new = getattr(old_level, kind), getattr(level, kind)
             if old == new:
                 continue
-            if len(blocks.of_kind(kind)) == len(old):
-                blocks.replace(kind, _blocks(blocks.of_kind(kind), old, new))
+            old_blocks = [block for block in blocks.blocks if block.kind == kind]
+            if len(old_blocks) == len(old):
+                blocks.replace(kind, _blocks(old_blocks, old, new))
             else:
                 inline.append(kind)
         blocks.head = _head(blocks.head, old_level, level, inline)
@@ -278,9 +279,6 @@ class _Blocks:
             return _merge(map(tomllib.loads, pieces)) == tomllib.loads(text)
         except ValueError:
             return False
-
-    def of_kind(self, kind: Kind) -> list[_Block]:
-        return [block for block in self.blocks if block.kind == kind]
 
     def replace(self, kind: Kind, blocks: Sequence[_Block]) -> None:
         """Replace the blocks of a kind; existing ones must be in order, and keep their places."""

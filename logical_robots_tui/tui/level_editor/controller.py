@@ -16,7 +16,7 @@ from logical_robots_tui.game import is_shipped
 from logical_robots_tui.player.drafts import Autosave, Draft, Drafts, Key
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import one_line
-from logical_robots_tui.world import Level, LevelError, load_level
+from logical_robots_tui.world import Level, LevelError, list_shipped, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.load import is_web_file
 
@@ -151,11 +151,14 @@ class LevelController(SessionListener):
         self.session.run()
 
     async def make_level(self) -> None:
-        from logical_robots_tui.tui.level_editor.forms import ask_for_level
+        from logical_robots_tui.tui.level_editor.forms import NewLevelForm
+        from logical_robots_tui.tui.library.level_screen import own_levels
 
-        level = await ask_for_level(self.ui, self.session.level.name, self._folder)
-        if level is not None:
-            await self._open_level(level)
+        own_names = await asyncio.to_thread(own_levels, self._folder)
+        names = [*dict.fromkeys([*await asyncio.to_thread(list_shipped), *own_names])]
+        form = NewLevelForm(names, self.session.level.name, self._folder)
+        if await self.ui.ask(form) and form.level is not None:
+            await self._open_level(form.level)
             self.open()
 
     def level_opened(self, level: Level) -> None:

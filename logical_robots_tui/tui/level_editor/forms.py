@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -20,7 +19,6 @@ from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static,
 
 from logical_robots_tui.editing.checks import LevelFinding
 from logical_robots_tui.editing.entities import Ref, change, entity_of, resize, set_words
-from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.library.level_screen import own_levels
 from logical_robots_tui.tui.library.picker import Picker
@@ -32,7 +30,6 @@ from logical_robots_tui.world import (
     LevelError,
     Robot,
     Visibility,
-    list_shipped,
     load_level,
 )
 from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
@@ -419,22 +416,17 @@ class NewLevelForm(Form):
 
     def take(self) -> None:
         kind, title = self.values("kind", "title").values()
-        makers: dict[str, Callable[..., Level]]
-        makers = {"room": empty_room, "labyrinth": labyrinth, "copy": self._copy}
-        level = makers[kind](**self.values(*_OF[kind]))
+        values = self.values(*_OF[kind])
+        if kind == "room":
+            level = empty_room(**values)
+        elif kind == "labyrinth":
+            level = labyrinth(**values)
+        else:
+            name = values["original"]
+            original = load_level(own_levels(self._folder).get(name, name))
+            copy_title = f"{original.title} (copy)"
+            level = replace(original, name=f"{name}-copy", title=copy_title, source="")
         self.level = set_words(level, title=title) if title else level
-
-    def _copy(self, original: str) -> Level:
-        level = load_level(own_levels(self._folder).get(original, original))
-        return replace(level, name=f"{original}-copy", title=f"{level.title} (copy)", source="")
-
-
-async def ask_for_level(ui: Dialogs, current_name: str, folder: Path) -> Level | None:
-    own_names = await asyncio.to_thread(own_levels, folder)
-    shipped = await asyncio.to_thread(list_shipped)
-    names = list(dict.fromkeys([*shipped, *own_names]))
-    form = NewLevelForm(names, current_name, folder)
-    return form.level if await ui.ask(form) else None
 
 
 class FindingList(Picker[LevelFinding, LevelFinding]):

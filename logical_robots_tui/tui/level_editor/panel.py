@@ -281,7 +281,8 @@ class EditPanel:
             if finding.x is not None and finding.y is not None:
                 canvas.put(view.cell(finding.x, finding.y), "!", _WARN)
         covered = _cover(view, editor)
-        accent = _ACCENT if editor.settings.paints_wall else _WIPE
+        paints_wall = editor.settings.is_wall and editor.settings.tool is not Tool.ERASER
+        accent = _ACCENT if paints_wall else _WIPE
         if covered is not None:
             _tint(cells, covered, accent)
             if look.is_plain:

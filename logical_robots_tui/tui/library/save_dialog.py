@@ -24,14 +24,18 @@ if TYPE_CHECKING:
 
 
 class SaveDialog(Dialog[Result]):
-    """Asks for a name and saves; a second enter replaces a file. Returns what was saved."""
+    """Asks for a name and saves; a second enter replaces a file, except `own`.
+
+    Returns what was saved.
+    """
 
     DEFAULT_CSS = "SaveDialog > #box { max-width: 72; padding: 1 2 0 2; }"
 
     keys = "enter save   esc close"
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, folder: Path, own: Path | None = None) -> None:
         super().__init__("", Input(name if name.isprintable() else "", id="name"))
+        self._folder, self._own = folder, own
         self._confirmed: Path | None = None
         self._is_saving = False
 
@@ -42,9 +46,6 @@ class SaveDialog(Dialog[Result]):
     @abstractmethod
     async def save(self, path: Path) -> Result:
         """Save in a file, and return what was saved, or raise InputError."""
-
-    def replaces(self, path: Path) -> bool:
-        return is_there(path)
 
     @on(Input.Changed)
     def _changed(self) -> None:
@@ -64,7 +65,7 @@ class SaveDialog(Dialog[Result]):
             return
         try:
             path = self.file(self.query_one("#name", Input).value.strip())
-            if self.replaces(path) and path != self._confirmed:
+            if path not in (self._own, self._confirmed) and is_there(path):
                 self._confirmed = path
                 self.complain(f"{path.stem} already exists. Press enter again to replace it.")
                 return
@@ -83,16 +84,11 @@ class SaveAs(SaveDialog[ProgramSource]):
 
     def __init__(self, source: ProgramSource, text: str, folder: Path) -> None:
         name = source.name if source.path.parent == folder else str(source.path)
-        super().__init__(f"my-{source.name}" if source.shipped else name)
-        self._source = source
+        super().__init__(f"my-{source.name}" if source.shipped else name, folder, source.path)
         self._text = text
-        self._folder = folder
 
     def file(self, name: str) -> Path:
         return target(name, self._folder)
-
-    def replaces(self, path: Path) -> bool:
-        return path != self._source.path and super().replaces(path)
 
     async def save(self, path: Path) -> ProgramSource:
         await asyncio.to_thread(save_program, path, self._text)
@@ -108,10 +104,8 @@ class SaveLevel(SaveDialog[Level]):
     keys = "enter save   tab title   esc close"
 
     def __init__(self, level: Level, name: str, folder: Path, file: Path | None) -> None:
-        super().__init__(name)
-        self._level = level
-        self._folder = folder
-        self._file = file
+        super().__init__(name, folder)
+        self._level, self._file = level, file
 
     def content_widgets(self) -> ComposeResult:
         yield Static("File name", classes="label", markup=False)
