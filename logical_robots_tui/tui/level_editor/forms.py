@@ -13,7 +13,6 @@ from textual import on
 from textual.binding import Binding
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
-from textual.message import Message
 from textual.suggester import SuggestFromList
 from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
 
@@ -81,10 +80,7 @@ class ChoiceField(Select[str]):
     `nothing` is the label for no name, or "" if one must be chosen.
     """
 
-    BINDINGS = [("enter", "submit")]
-
-    class Submitted(Message):
-        """Enter was pressed while the list was closed."""
+    BINDINGS = [("enter", "screen.enter")]
 
     def __init__(self, name: str, labels: Mapping[str, str], value: str, nothing: str = "") -> None:
         options = [(Content(one_line(label)), option_name) for option_name, label in labels.items()]
@@ -101,9 +97,6 @@ class ChoiceField(Select[str]):
 
     def read(self) -> str:
         return "" if self.value is Select.NULL else str(self.value)
-
-    def action_submit(self) -> None:
-        self.post_message(self.Submitted())
 
 
 def _box(is_on: bool) -> str:
@@ -180,6 +173,7 @@ class Form(Dialog[bool]):
 
     keys = "tab next   F2 or enter apply   esc cancel"
     verb = "Apply"
+    enter_goes_on = False  # to the next field
 
     def __init__(self, title: str) -> None:
         super().__init__(title)
@@ -211,12 +205,9 @@ class Form(Dialog[bool]):
             line.cursor_blink = False
 
     @on(Input.Submitted)
-    @on(ChoiceField.Submitted)
-    def _submitted(self) -> None:
-        self.field_entered()
-
-    def field_entered(self) -> None:
-        self.action_take()
+    def action_enter(self) -> None:
+        if not self.enter_goes_on or isinstance(self.focus_next(), Button):
+            self.action_take()
 
     def action_take(self) -> None:
         try:
@@ -377,6 +368,7 @@ class NewLevelForm(Form):
 
     keys = "tab or enter next   F2 create   esc cancel"
     verb = "Create"
+    enter_goes_on = True
 
     def __init__(self, names: list[str], current_name: str, folder: Path) -> None:
         super().__init__("New level")
@@ -403,10 +395,6 @@ class NewLevelForm(Form):
 
     def on_mount(self) -> None:
         self._arrange()
-
-    def field_entered(self) -> None:
-        if isinstance(self.focus_next(), Button):
-            self.action_take()
 
     @on(Select.Changed, "#kind")
     def _arrange(self) -> None:
