@@ -124,7 +124,13 @@ class LevelScreen(Dialog["Level | Wish"]):
                 self._all[index] = replace(card, level=level)
             except LogicalRobotsError as error:
                 self._all[index] = replace(card, complaint=str(error))
-            self._update(card.name, self._all[index])
+            names = [shown_card.name for shown_card in self._shown]
+            if card.name in names:
+                position = names.index(card.name)
+                self._shown[position] = self._all[index]
+                self._cards.replace(position, self._shown)
+                if position == self._cards.chosen:
+                    self._tell_detail()
         self._is_read = True
         in_background(self, self._draw_all, "pictures", exclusive=True)
 
@@ -138,14 +144,6 @@ class LevelScreen(Dialog["Level | Wish"]):
                     miniature, level, *self._cards.picture_size, self._drawing, palette
                 )
                 self._cards.set_picture(name, drawn)
-
-    def _update(self, name: str, card: LevelCard) -> None:
-        for index, old_card in enumerate(self._shown):
-            if old_card.name == name:
-                self._shown[index] = card
-                self._cards.replace(index, self._shown)
-                if index == self._cards.chosen:
-                    self._tell_detail()
 
     def _filter(self, highlighted: str | None) -> None:
         text = self._filter_text
