@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class SaveDialog(Dialog[Result]):
-    """Asks for a name and saves; a second enter replaces a file, except `own`.
+    """Asks for a name and saves; a second enter replaces a file, except the current one.
 
     Returns what was saved.
     """
@@ -33,9 +33,9 @@ class SaveDialog(Dialog[Result]):
 
     keys = "enter save   esc close"
 
-    def __init__(self, name: str, folder: Path, own: Path | None = None) -> None:
+    def __init__(self, name: str, folder: Path, current: Path | None = None) -> None:
         super().__init__("", Input(name if name.isprintable() else "", id="name"))
-        self._folder, self._own = folder, own
+        self._folder, self._current = folder, current
         self._confirmed: Path | None = None
         self._is_saving = False
 
@@ -65,7 +65,7 @@ class SaveDialog(Dialog[Result]):
             return
         try:
             path = self.file(self.query_one("#name", Input).value.strip())
-            if path not in (self._own, self._confirmed) and is_there(path):
+            if path not in (self._current, self._confirmed) and is_there(path):
                 self._confirmed = path
                 self.complain(f"{path.stem} already exists. Press enter again to replace it.")
                 return
