@@ -71,7 +71,7 @@ class Checker:
 
     def _false(self, claims: Sequence[Claim], made: str) -> Iterator[str]:
         rules = [
-            f"Holds(n: {n}) :- {', '.join(each for each in claim.conditions if each)}"
+            f"Holds(n: {n}) distinct :- {', '.join(each for each in claim.conditions if each)}"
             for n, claim in enumerate(claims)
         ]
         found = self.rows(";\n".join(rules), made)
