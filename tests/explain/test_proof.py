@@ -6,15 +6,13 @@ from itertools import pairwise
 import pytest
 
 from logical_robots_tui.explain import Explainer
+from logical_robots_tui.explain.why.explanation import Subject
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError
 from logical_robots_tui.values import Value
 from tests.explain.asking import REST, asked, below, find, proof, stop, texts, the_rule, why
 from tests.mind.rows import row
 
 ITEMS = "Item(x: 1, y: 2); Item(x: 2, y: 3);"
-REACH = """Edge(1, 2); Edge(2, 1);
-Reach(a:, b:) distinct :- Edge(a, b);
-Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
 REACH = """Edge(1, 2); Edge(2, 1);
 Reach(a:, b:) distinct :- Edge(a, b);
 Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);"""
@@ -303,6 +301,9 @@ def test_a_row_is_the_rules_though_another_rule_has_more_fields() -> None:
     assert explanation.row["memory"] == {"a": 1, "b": None, "of": [{"x": 1, "y": None}]}
     assert [rule.row is not None for rule in explanation.rules] == [True, False]
     assert why(NULL_FIELDS, given={"memory": {"a": 1, "of": [{"x": 1}]}}).rows == 1
+    with closing(Mind(Program.compile(NULL_FIELDS))) as mind:
+        missing = Explainer(mind, "Ada", [row("Ada")], {}).source(Subject(path=("b",)))
+    assert (missing.value, missing.inputs) == (None, ())
 
 
 def test_derivations_that_take_long_to_count_are_not() -> None:

@@ -170,6 +170,7 @@ class _SourceTracer:
             parts = dict(zip(term.names, term.parts, strict=True))
             if path[0] in parts:
                 return self._term(frame, parts[str(path[0])], path[1:])
+            return ValueSource(term.span.text, None, term.span, frame.rule)
         if term.kind == "if":
             return self._branch(frame, term, path)
         if term.kind == "coalesce":
