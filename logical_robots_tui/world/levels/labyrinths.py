@@ -176,6 +176,7 @@ def _level(
         robots=(Robot("Ada", start[0], start[1], angle, "orange"),),
         areas=(Area("Goal", goal[0], goal[1], radius, "green", ("Ada",)),),
         briefing="Bring Ada to the goal.",
+        starter="first-steps-starter",
     )
 
 
@@ -231,6 +232,5 @@ class Daily(NamedTuple):
             beacons=(Beacon("Goal", goal.x, goal.y),),
             idea="Everybody has this labyrinth today.",
             briefing=_BRIEFING.strip(),
-            starter="first-steps-starter",
             source=source,
         )

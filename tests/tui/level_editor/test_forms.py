@@ -142,6 +142,7 @@ async def test_a_new_level_is_an_empty_room_or_a_labyrinth_drawn_by_lot(data_dir
         fill(new, width="300")
         await game.press("enter", until=lambda: game.main.editing.is_on)
         assert game.session.level.width == 300
+        assert game.session.source.name == "first-steps-starter"  # not the program before
         await game.press("H", sees="New level")
         new = game.app.screen
         await game.until(lambda: new.query("#kind"))
