@@ -90,11 +90,13 @@ def hide_solutions(progress: Progress) -> None:
 
 def is_hidden(name: str) -> bool:
     """Return whether a shipped program is a solution that the player must not read yet. Blocks."""
-    return any(
-        progress.record(_solved_levels()[name]).state != "won"
-        for progress in _hiding
-        if name in _solved_levels()
-    )
+    return any(is_unsolved(name, progress) for progress in _hiding)
+
+
+def is_unsolved(name: str, progress: Progress) -> bool:
+    """Return whether a shipped program is a solution of a level that is not won. Blocks."""
+    level = _solved_levels().get(name)
+    return level is not None and progress.record(level).state != "won"
 
 
 @lru_cache(maxsize=1)

@@ -6,11 +6,11 @@ import asyncio
 from collections.abc import Callable
 
 from logical_robots_tui.game import ProgramSource, load_program
-from logical_robots_tui.game.source import is_hidden, reference_names
+from logical_robots_tui.game.source import is_hidden, is_unsolved, reference_names
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.session_state import ProgramText, Ui, run_or_warn
-from logical_robots_tui.progress import Version
+from logical_robots_tui.progress import Progress, Version
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.level import LevelQuestion
 
@@ -25,6 +25,16 @@ def version_result(version: Version) -> str:
         return "★ won" if version.won else count_of(version.text.count("\n") + 1, "line")
     robust = f", {measures.wins}/{measures.starts}" if measures.wins is not None else ""
     return f"★ {count_of(measures.ticks, 'tick')}{robust}"
+
+
+def is_spoiler(program: str, progress: Progress) -> bool:
+    """Return whether a program solves a level that is neither won nor given up. Blocks."""
+    return is_unsolved(program, progress) and progress.fact(_shown(program)) is None
+
+
+def _shown(solution: str) -> str:
+    """Return the fact that the player has asked to see a solution."""
+    return f"shown {solution}"
 
 
 class Learning:
@@ -102,9 +112,10 @@ class Learning:
             "Do you want to see winning programs before you have won? "
             "A hint ({hint}) may be all you need."
         )
-        choose = self._ui.choose
-        if not self._has_won and await choose("Reference programs", question, answers) != "yes":
-            return ""
+        if not self._has_won:
+            if await self._ui.choose("Reference programs", question, answers) != "yes":
+                return ""
+            self._recorder.set_fact(_shown(solution), "yes")
         names = await asyncio.to_thread(reference_names, solution)
         sources = await run_or_warn(self._ui, lambda: [*map(load_program, names)])
         return "\n\n".join(source.text for source in sources or ())

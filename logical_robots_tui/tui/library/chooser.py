@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import difflib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
@@ -22,6 +22,7 @@ from logical_robots_tui.game.replay import SUFFIX, Replay, load_replay
 from logical_robots_tui.paths import typed_path
 from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.library.picker import Picker
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line, visible, visible_lines
@@ -35,6 +36,11 @@ T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 
 _PREVIEW_FROM = 70  # columns
+_SOLUTIONS = "solutions, shown after {solution}"
+_SPOILERS = (
+    "A level's solution is listed here when you have won the level, or have asked for its "
+    "reference programs there ({solution})."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,14 +163,22 @@ class ProgramShelf:
     """The shipped programs, the player's own, and any program file."""
 
     folder: Path
+    is_spoiler: Callable[[str], bool]
+    """Whether a program is a solution that the player is not to see yet."""
     title: str = "Choose a program"
     placeholder: str = "type to filter, or the path of a .l file"
     does: str = "open"
 
     def names(self) -> Sequence[str]:
-        return list_programs(self.folder)
+        """Return the programs; the solutions that are not to be seen are one entry, the last."""
+        names = list_programs(self.folder)
+        shown_names = [name for name in names if not self.is_spoiler(name)]
+        is_whole = len(shown_names) == len(names)
+        return shown_names if is_whole else [*shown_names, with_keys(_SOLUTIONS)]
 
     def card(self, name: str) -> Card:
+        if name == with_keys(_SOLUTIONS):
+            return Card("", with_keys(_SPOILERS))
         source = load_program(name, self.folder)
         lines = (line.lstrip() for line in source.text.splitlines()[:20])
         comments = (line.lstrip("#").strip() for line in lines if line.startswith("#"))
@@ -172,6 +186,8 @@ class ProgramShelf:
 
     def take(self, name_or_path: str) -> ProgramSource:
         """Load a program; raises `InputError`."""
+        if name_or_path == with_keys(_SOLUTIONS):
+            raise InputError(with_keys(_SPOILERS))
         program = typed_path(name_or_path) if "/" in name_or_path else name_or_path
         return load_program(program, self.folder)
 

@@ -42,12 +42,12 @@ class LibraryController:
             await self.library.open_level(level)
 
     async def choose_program(self) -> None:
+        from logical_robots_tui.player.learning import is_spoiler
         from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 
-        chooser = Chooser[ProgramSource](
-            ProgramShelf(self.library.programs), self.session.source.name
-        )
-        source = await self.ui.ask(chooser)
+        progress = self.recorder.progress
+        shelf = ProgramShelf(self.library.programs, lambda name: is_spoiler(name, progress))
+        source = await self.ui.ask(Chooser[ProgramSource](shelf, self.session.source.name))
         if source is not None:
             self.library.open_program(source)
 

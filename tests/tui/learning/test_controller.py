@@ -100,6 +100,7 @@ async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, sho
             assert not game.shows(solution[:40])
             await game.press(answer, until=lambda: not isinstance(game.app.screen, QuestionDialog))
         await game.sees(solution[:40])
+        assert game.main.recorder.progress.fact("shown first-steps-starter")
         await stay(game)
         await win(game)
         await stay(game)

@@ -14,6 +14,7 @@ from textual.widgets import Input, OptionList, Static
 
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.paths import ARENAS, shipped_folder
+from logical_robots_tui.player.learning import is_spoiler
 from logical_robots_tui.progress import Version
 from logical_robots_tui.tui.library.chooser import Chooser, VersionShelf
 from logical_robots_tui.tui.library.level_screen import LevelScreen
@@ -100,6 +101,17 @@ async def test_programs_are_picked_or_dropped_and_text_kept(data_dir: Path, tmp_
     async with opened(data_dir, ready=True) as game:
         await game.press("o", on=Chooser)
         await complains(game, f"{tmp_path}/", "folder")
+        await game.fill("solution")
+        await game.sees("solutions, shown after W")
+        assert not game.shows("lighthouse")
+        await complains(game, "shown after", "when you have won the level")
+        for name in ("first-steps", "lighthouse"):  # one won, one asked for
+            assert is_spoiler(name, game.main.recorder.progress)
+        game.main.recorder.progress.win(FIRST, "")
+        game.main.recorder.progress.set_fact("shown lighthouse", "yes")
+        await game.press("escape")
+        await game.press("o", on=Chooser)
+        await game.until(lambda: game.shows("first-steps ") and game.shows("lighthouse "))
         for path, why in OUT_OF_REACH:
             await complains(game, path, why)
         await game.press("escape", "2", *"hello", "escape", "space", until=lambda: game.tick > 2)
