@@ -72,9 +72,9 @@ class Library:
         self.programs = data_dir / "programs"
 
     async def next_name(self) -> str | None:
-        """Return the name of the level after this one, if there is one."""
-        list_names = list_arenas if self._session.level.teams else list_levels
-        names = await asyncio.to_thread(list_names)
+        """Return the name of the level after this one, if there is one; arenas come last."""
+        levels, arenas = await asyncio.to_thread(lambda: (list_levels(), list_arenas()))
+        names = arenas if self._session.level.teams else [*levels, *arenas]
         name = self._session.level.name
         later_names = names[names.index(name) + 1 :] if name in names else names
         return later_names[0] if later_names else None

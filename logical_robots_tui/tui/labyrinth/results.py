@@ -165,6 +165,7 @@ class Miniature(Widget):
 _CONFETTI = "·*✦•˚+"
 _COLOURS = (INK.bad, INK.warn, INK.good, INK.robot, INK.record, INK.key)
 _DENSITY = 0.14
+_CHALLENGE = ": a challenge, not even the solution does it"
 _ROOMY = 30  # lines of the terminal from which confetti falls above and below as well
 
 
@@ -200,7 +201,10 @@ class ResultsDialog(QuestionDialog):
         story: str = "",
         picture: Cells | None = None,
     ) -> None:
-        keyed = [(name, f"{label}  {command(name).key_name}") for name, label in answers]
+        keyed = [
+            (name, f"{label}  {command(name).key_name}" if command(name).keys else label)
+            for name, label in answers
+        ]
         super().__init__("Victory" if headline else "Results", "", keyed, noticing=noticing)
         self._recorder, self._headline, self._seed = recorder, headline, seed
         self._story, self._picture = story, picture
@@ -229,10 +233,23 @@ class ResultsDialog(QuestionDialog):
 
     def _table(self) -> list[Content]:
         recorder = self._recorder
-        rows = [*results_lines(recorder), *goal_lines(recorder.goals, recorder.record.bests.goals)]
+        goals = [*goal_lines(recorder.goals, recorder.record.bests.goals)]
+        challenge = self._challenge() if self._headline else None
+        if challenge is not None:
+            place = recorder.goals.index(challenge)
+            goals[place] = goals[place].append(Content.styled(_CHALLENGE, INK.record))
+        rows = [*results_lines(recorder), *goals]
         if self._headline and recorder.is_reference:
             return [Content.styled("Won by a reference program: not counted.", INK.dim), *rows]
         return rows
+
+    def _challenge(self) -> SecondGoal | None:
+        """Return an open goal that the solution does not reach."""
+        solution, *_ = (*self._recorder.references.values(), None)
+        if solution is None:
+            return None
+        reached = {*self._recorder.record.bests.goals, *solution.goals}
+        return next((goal for goal in self._recorder.goals if goal.words not in reached), None)
 
     def _tell(self) -> None:
         number = len(self._recorder.goals)

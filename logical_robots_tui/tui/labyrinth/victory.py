@@ -15,7 +15,7 @@ from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import robustness_line
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import clip, count_of, one_line
-from logical_robots_tui.world import Level, LevelError
+from logical_robots_tui.world import Level, LevelError, list_arenas
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
@@ -29,6 +29,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
 _PICTURE_ROWS = 9
+_FURTHER = (("next_level", "First arena"), ("daily", "Daily"), ("new_level", "Own swarm"))
+_AFTER_THE_LAST = (
+    " This was the last level. Go on in the arenas, against another team, in the labyrinth that "
+    "everybody has today, or with a swarm in a level of your own."
+)
 _PAUSE = 1.0
 """Seconds without a key after which a text that is typed may be interrupted."""
 
@@ -142,9 +147,13 @@ class VictoryAnnouncer(SessionListener):
             self.ui.tell(victory.refusal)
         who = "You made it" if len(victory.level.robots) == 1 else "Everyone made it"
         headline = f"★ {clip(who, 50)} — {count_of(victory.tick, 'tick')} ★"
-        answers = [("restart", "Again"), ("leave", "Stay")]
+        answers, story = [("restart", "Again"), ("leave", "Stay")], victory.level.story
+        arenas = await asyncio.to_thread(list_arenas)
         if self.is_test():
             answers[:0] = [("test", "Edit")]
+        elif following in arenas and not victory.level.teams:
+            answers = [*_FURTHER, ("restart", "Again"), ("lesson", "Lesson")]
+            story = story.strip() + _AFTER_THE_LAST
         else:
             answers[:0] = [("next_level", "Next level")] * (following is not None)
             answers[-1:-1] = [("lesson", "Lesson")] * bool(victory.level.lesson)
@@ -155,7 +164,7 @@ class VictoryAnnouncer(SessionListener):
             answers,
             seed=victory.tick,
             noticing=noticing,
-            story=victory.level.story,
+            story=story,
             picture=picture,
         )
         self._obey(await self.offers.put(self._results))
