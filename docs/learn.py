@@ -42,15 +42,6 @@ Yours may well be better: `m` in the game compares them. In a class, `play --no-
 each of these programs until its level is won.
 """
 
-SEES = {
-    ("own", "own"): "A robot sees only its own memory and sensor.",
-    ("seen", "own"): "A robot sees its own sensor, and also the memory of each robot on its radar.",
-    ("all", "own"): "A robot sees its own sensor, and the memories of all robots.",
-    ("own", "all"): "A robot sees its own memory, and the sensors of all robots.",
-    ("seen", "all"): "A robot sees all sensors, and also the memory of each robot on its radar.",
-    ("all", "all"): "A robot sees the memories and sensors of all robots.",
-}
-
 FLOOR, WALL, ROBOT, BEACON, AREA = "#f4f1ea", "#4a4e5f", "#e8590c", "#b8860b", "#868e96"
 
 
@@ -70,7 +61,7 @@ def _lesson(level: Level) -> Iterator[str]:
     yield f"*{level.idea}*\n"
     yield f"![The labyrinth of {level.title}]({PICTURES}/{level.name}.svg)\n"
     yield f"{level.briefing.strip()}\n"
-    yield f"{SEES[level.visibility.memory, level.visibility.sensor]}\n"
+    yield f"{' '.join(level.terms)}\n"
     yield "The starter program:\n"
     yield from _program(level.starter)
     yield f"{level.lesson.strip()}\n"

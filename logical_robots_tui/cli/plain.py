@@ -188,7 +188,9 @@ class LineGame(SessionListener):
 
     def brief(self, _: str) -> None:
         level = self.session.level
-        say(level.briefing.strip(), *(f"Bonus goal: {goal.words}." for goal in level.second_goals))
+        goal_lines = (f"Bonus goal: {goal.words}." for goal in level.second_goals)
+        terms = level.terms if level.briefing.strip() else ()
+        say(level.briefing.strip(), *terms, *goal_lines)
 
     def where(self, _: str) -> None:
         level, state = self.session.level, self.session.frame.after

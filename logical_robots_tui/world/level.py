@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 import numpy as np
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.wording import clip
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -111,6 +112,17 @@ class Visibility:
 
     memory: Literal["own", "seen", "all"] = "own"
     sensor: Literal["own", "all"] = "own"
+
+
+_LONGEST_TEAM = 44  # characters
+_SIGHT = {
+    ("own", "own"): "only its own rows of Sensor and Memory",
+    ("seen", "own"): "its own rows, and Memory of robots on its radar",
+    ("all", "own"): "its own rows, and Memory of {}",
+    ("own", "all"): "its own rows, and Sensor of {}",
+    ("seen", "all"): "Sensor of {}, and Memory of robots on its radar",
+    ("all", "all"): "Sensor and Memory of {}",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,6 +278,21 @@ class Level:
     all_goals: bool = False
     shuffled_names: tuple[str, ...] = ()
     source: str = ""
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """What holds for a player's program: its team, if there are teams, and whose rows it sees.
+
+        Sentences that end every briefing.
+        """
+        visibility, all_robots = self.visibility, "all robots"
+        team_lines = []
+        if self.teams:
+            name, all_robots = self.teams[0].name, "its team"
+            names = ", ".join(robot.name for robot in self.robots if robot.team == name)
+            team_lines = [f"Your team is {name}: {clip(names, _LONGEST_TEAM)}."]
+        sight = _SIGHT[visibility.memory, visibility.sensor].format(all_robots)
+        return (*team_lines, f"A robot sees {sight}.")
 
     def team_of(self, robot_name: str) -> str:
         """Return the team of a robot, or "" if it has none."""

@@ -44,14 +44,16 @@ class BriefingTask(NamedTuple):
             offers["lesson"] = "lesson"
         return cls(
             one_line(level.title),
-            [visible(line) for line in level.briefing.strip().splitlines()],
+            [visible(line) for line in (*level.briefing.strip().splitlines(), *level.terms)],
             [f"☐ {goal.words}" for goal in level.second_goals],
             [f"{command(name).key_name} {effect}" for name, effect in offers.items()],
         )
 
     def stacked(self, width: int) -> Content:
         """Return the text in lines of a width, with the goals and the keys below it."""
-        rows = [*self._text(width), ("", ""), *self._goals_and_keys()]
+        key_lines = ["   ".join(self.keys[n : n + 2]) for n in range(0, len(self.keys), 2)]
+        shorter = self._replace(keys=key_lines)
+        rows = [*self._text(width), ("", ""), *shorter._goals_and_keys()]
         return Content("\n").join(Content.styled(text, ink) for text, ink in rows)
 
     def side_by_side(self, width: int, rows: int) -> Content:

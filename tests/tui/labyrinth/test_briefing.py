@@ -10,7 +10,7 @@ from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.briefing import BriefingTask
-from logical_robots_tui.world import list_levels, load_level
+from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.player.test_session import table
 from tests.tui.conftest import STILL, Opened, Size, opened
 
@@ -78,6 +78,11 @@ def test_each_shipped_briefing_fits_in_its_smallest_place() -> None:
         task = BriefingTask.of(load_level(name))
         assert len(task.side_by_side(105, 9).split("\n", allow_blank=True)) <= 9, name
         assert len(task.stacked(36).split("\n", allow_blank=True)) <= 20, name
+    terms = [tuple(BriefingTask.of(load_level(name)).lines[-2:]) for name in list_arenas()]
+    sight = "A robot sees its own rows, and Memory of its team."
+    others = ("Your team is red: Raven, Rook.", sight)
+    assert terms == [trio := ("Your team is red: Raven, Robin, Rook.", sight), others, trio]
+    assert BriefingTask.of(load_level("13-swarm")).lines[-1].endswith("robots on its radar.")
 
 
 async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> None:
