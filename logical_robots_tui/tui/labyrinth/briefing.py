@@ -24,11 +24,12 @@ if TYPE_CHECKING:
 _GAP = 4  # columns between the text and what is beside it
 _NARROWEST = 24
 _EDGES = 3  # columns of the border and the padding
+_LEAST_BESIDE = 48  # columns that are of use beside it: the inspector's list and some of a page
 _FOLDED = re.compile(r"(?<=[^.:!?\n])\n(?=\S)")  # line ends within a sentence
 
 
 class BriefingTask(NamedTuple):
-    """What a briefing says: a title, lines of text, goals, and keys."""
+    """What a briefing says: a title, lines of text, goals, and keys that no bar shows."""
 
     title: str
     lines: Sequence[str]
@@ -37,9 +38,7 @@ class BriefingTask(NamedTuple):
 
     @classmethod
     def of(cls, level: Level) -> BriefingTask:
-        offers = {"run": "runs", "briefing": "hides this"}
-        if level.hints:
-            offers["hint"] = "gives a hint"
+        offers = {"briefing": "hides this"}
         if level.lesson:
             offers["lesson"] = "lesson"
         return cls(
@@ -114,7 +113,9 @@ class BriefingCard(Widget):
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
         lines = self._fit(container).split("\n", allow_blank=True)
-        return min(max(line.cell_length for line in lines), container.width)
+        width = max(line.cell_length for line in lines)
+        leaves_a_sliver = self._is_over and container.width - width < _LEAST_BESIDE
+        return container.width if leaves_a_sliver else min(width, container.width)
 
     def render(self) -> Content:
         assert isinstance(self.parent, Widget)

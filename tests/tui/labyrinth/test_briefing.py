@@ -44,15 +44,18 @@ async def test_the_briefing_is_there_at_first_and_when_wanted(data_dir: Path, sh
 
 
 def shows_beside_the_map(game: Opened) -> bool:
-    """Whether the whole briefing is on the screen, and no cell of it over the map."""
+    """Whether the whole briefing is on the screen, no cell of it over the map, none to spare."""
     briefing, view = game.main.briefing, game.main.labyrinth.view
     shown = [card.region for card in (briefing.beside, briefing.over) if card.display]
+    rest = game.main.inspector.content_region.width - briefing.over.region.width
     return (
         len(shown) == 1
         and shown[0].area > 0
         and view.region.area > 0
         and not shown[0].overlaps(view.region)
         and game.main.region.contains_region(shown[0])
+        and (not briefing.over.display or not rest or rest > 40)
+        and not game.shows("space runs")
         and all(game.shows(words) for words in ("First steps", "mirrored labyrinth", "t lesson"))
     )
 
