@@ -19,10 +19,9 @@ class Cell(NamedTuple):
 
 
 def cells_of(screen: pyte.Screen) -> list[list[Cell]]:
-    """The cells of a screen, where how long a thought took is always ``0.0 ms``."""
     lines = []
     for y in range(screen.lines):
-        row = _timeless([screen.buffer[y][x] for x in range(screen.columns)])
+        row = [screen.buffer[y][x] for x in range(screen.columns)]
         lines.append([Cell(cell.data, _look(cell)) for cell in row])
     return lines
 
@@ -69,16 +68,6 @@ def differences(wanted: list[list[Cell]], found: list[list[Cell]]) -> Iterator[s
                 part = line[first : last + 1] or [Cell("", "nothing")]
                 text = "".join(cell.text for cell in part)
                 yield f"  {name} |{text}| starting with {part[0].look}"
-
-
-def _timeless(cells: list[pyte.screens.Char]) -> list[pyte.screens.Char]:
-    found = re.search(r"\d+\.\d ms +$", "".join(cell.data for cell in cells))
-    if not found:
-        return cells
-    first, blank = cells[found.start()], cells[-1]
-    same = [first._replace(data=c) for c in "0.0 ms"]
-    left = cells[: found.start()]
-    return left + same + [blank] * (len(cells) - len(left) - len(same))
 
 
 def _look(cell: pyte.screens.Char) -> str:

@@ -199,7 +199,9 @@ async def sql(screen: MainScreen) -> None:
         plans = []
     if plans:
         text = query_plan_text(plans, inspector.inspected)
-        screen.app.push_screen(TextReader(f"How it is computed · tick {frame.tick}", text))
+        thought = f" · {frame.think_milliseconds:.1f} ms of thought" * bool(frame.tick)
+        title = f"How it is computed · tick {frame.tick}{thought}"
+        screen.app.push_screen(TextReader(title, text))
     else:
         screen.tell(NO_PROGRAM)
 

@@ -180,6 +180,7 @@ class ResultsDialog(QuestionDialog):
         story: What is told after a victory.
         picture: The start of what comes next.
         noticing: Seconds before there are answers.
+        explains: Whether a last line says what the signs mean.
     """
 
     DEFAULT_CSS = """
@@ -200,6 +201,7 @@ class ResultsDialog(QuestionDialog):
         noticing: float = 0.0,
         story: str = "",
         picture: Cells | None = None,
+        explains: bool = True,
     ) -> None:
         keyed = [
             (name, f"{label}  {command(name).key_name}" if command(name).keys else label)
@@ -207,7 +209,7 @@ class ResultsDialog(QuestionDialog):
         ]
         super().__init__("Victory" if headline else "Results", "", keyed, noticing=noticing)
         self._recorder, self._headline, self._seed = recorder, headline, seed
-        self._story, self._picture = story, picture
+        self._story, self._picture, self._explains = story, picture, explains
         self._rows = self._table()
         self._parts = [Static(id=name) for name in ("said", "goals", "table")]
 
@@ -254,15 +256,15 @@ class ResultsDialog(QuestionDialog):
     def _tell(self) -> None:
         number = len(self._recorder.goals)
         table, goals = self._rows[: len(self._rows) - number], self._rows[-number:][:number]
-        legend_line = legend(self._rows)
-        width = max(row.cell_length for row in (legend_line, *self._rows))
+        legend_rows = [Content(""), legend(self._rows)] * self._explains
+        width = max(row.cell_length for row in (*legend_rows, *self._rows))
         lines = [Content.styled(self._headline, f"bold {INK.key}")] if self._headline else []
         if lines and self.app.size.height >= _ROOMY:
             lines = [Content(""), *lines, Content("")]
         chance = random.Random(self._seed)  # noqa: S311 - confetti
         headline_lines = [_with_confetti(line, width, chance) for line in lines]
         for part, rows in zip(
-            self._parts, (headline_lines, goals, [*table, Content(""), legend_line]), strict=True
+            self._parts, (headline_lines, goals, [*table, *legend_rows]), strict=True
         ):
             part.update(Content("\n").join(rows))
             part.display = bool(rows)

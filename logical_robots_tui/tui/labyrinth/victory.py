@@ -63,6 +63,7 @@ class VictoryAnnouncer(SessionListener):
     _waiting: Victory | None = None
     _results: ResultsDialog | None = None
     _is_held: bool = False
+    _has_explained: bool = False
     _tick: int = 0
 
     def level_opened(self, level: Level) -> None:
@@ -166,7 +167,9 @@ class VictoryAnnouncer(SessionListener):
             noticing=noticing,
             story=story,
             picture=picture,
+            explains=not self._has_explained,
         )
+        self._has_explained = True
         self._obey(await self.offers.put(self._results))
 
     async def _picture_of(self, level: str | None) -> Cells | None:

@@ -46,7 +46,6 @@ class Status(NamedTuple):
     achieved: float | None
     goals: tuple[Goal, ...]
     standing: tuple[tuple[str, float], ...]
-    think_milliseconds: float
     thinking_for: float
 
 
@@ -71,7 +70,6 @@ def status_of(session: Session) -> Status:
         achieved=round(achieved, 1) if achieved else None,
         goals=goals(session.level, frame.after),
         standing=tuple(standing(session.level, frame.after).items()),
-        think_milliseconds=frame.think_milliseconds,
         thinking_for=round(session.thinking_for, 1),
     )
 
@@ -104,12 +102,10 @@ def fit(status: Status, width: int) -> Content:
         key = command("run").bar_key(typing=True) if status.thinking_for >= _LONG else ""
         stop = f", {key} stops it" if key else ""
         sign, sign_style = f"◌ thinking… {status.thinking_for:.1f} s{stop}", f"bold {INK.warn}"
-    thought = Content.styled(f"{status.think_milliseconds:.1f} ms" * bool(status.tick), INK.dim)
     by_importance: list[tuple[int, Content]] = [
         (2, Content.styled(sign, sign_style)),
         (3, Content.styled(tick, INK.text)),
         (5, _standing(status.standing).append(_goals(status.goals, long=True))),
-        (6, thought),
         (4, Content.styled(_speed(status), INK.number)),
         (0, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
     ]
@@ -118,7 +114,7 @@ def fit(status: Status, width: int) -> Content:
     gap, room = 3, width - 2
     parts: list[tuple[int, Content]] = []
     for place, part in by_importance:
-        if place == 5 and part.cell_length + thought.cell_length > room - 2 * gap:
+        if place == 5 and part.cell_length > room - gap:
             part = _standing(status.standing).append(_goals(status.goals, long=False))
         need = part.cell_length + (gap if parts else 0)
         if part.cell_length and need <= room:

@@ -105,7 +105,8 @@ async def test_the_inspector_follows_a_run(data_dir: Path, monkeypatch: pytest.M
         await game.press("p", "p", "p", sees="Seen · tick 0 · 1 row")
 
         await inspect(game, "Names", until=lambda: game.editor.selected_text == "Names")
-        await game.press("K", sees=("SQLite's plan for Names", "Milliseconds"))
+        await game.press("n", until=lambda: game.tick == 1)
+        await game.press("K", sees=("SQLite's plan for Names", "ms of thought"))
         await game.press("escape", sees_no="SQLite's plan for Names")
 
         # It follows a run without holding it up.

@@ -80,7 +80,10 @@ async def test_a_victory_ticks_the_goals_reached(data_dir: Path, short: Path, si
     async with opened(data_dir, level=short, text=AHEAD, size=size, ready=True) as game:
         await game.sees("☐ at most 11 symbols")
         await game.press(*["plus"] * 6, "space", sees="✓ at most 11 symbols")
-        await game.sees("☐ at most 20 ticks")
+        await game.sees("☐ at most 20 ticks", "☐ not reached")
+        await game.press("r", until=lambda: game.app.screen is game.main and not game.tick)
+        await game.press("space", sees="☐ at most 20 ticks")
+        assert not game.shows("☐ not reached"), "signs are explained once"
         await game.press("escape", until=lambda: game.app.screen is game.main)
 
         # What is measured before the results are mounted is shown.
