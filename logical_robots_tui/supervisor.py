@@ -21,6 +21,7 @@ from typing import Any
 from logical_robots_tui.processes.lifeline import (
     AWAY,
     BEATS,
+    LEFT,
     MOST_IN_A_CALL,
     bound_calls,
     share_heartbeat,
@@ -91,7 +92,7 @@ def _opens_screen(words: list[str]) -> bool:
 
 def _supervise() -> int | None:
     """Fork; return None in the game, and the game's exit status in this process."""
-    shared = mmap.mmap(-1, 2)
+    shared = mmap.mmap(-1, 3)
     terminal: list[Any] | None = None
     with suppress(termios.error):
         terminal = termios.tcgetattr(0)  # before the game can change it
@@ -288,11 +289,13 @@ class _Supervisor:
         """Leave the game's screen, restore the terminal settings, and discard pending input."""
         if self._terminal is None:
             return
+        is_away = self._shared[AWAY]
         with suppress(termios.error, OSError):
-            # A write would block where nobody reads what the game has drawn.
-            termios.tcflush(1, termios.TCOFLUSH)
-            keys = _PLAIN_KEYS if self._shared[BEATS] and not self._shared[AWAY] else ""
-            os.write(1, _PLAIN_SCREEN.format(keys=keys).encode())
+            if is_away or not self._shared[LEFT]:
+                # A write would block where nobody reads what the game has drawn.
+                termios.tcflush(1, termios.TCOFLUSH)
+                keys = _PLAIN_KEYS if self._shared[BEATS] and not is_away else ""
+                os.write(1, _PLAIN_SCREEN.format(keys=keys).encode())
         self._set_terminal(self._terminal)
         with suppress(termios.error):
             termios.tcflush(0, termios.TCIFLUSH)

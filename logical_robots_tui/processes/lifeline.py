@@ -29,8 +29,12 @@ def signal_when_closed(lifeline: int, number: signal.Signals) -> None:
         os.kill(os.getpid(), number)  # it was closed before
 
 
-BEATS, AWAY = 0, 1
-"""Bytes that both processes share: what counts up, 0 before the first beat, and `away`."""
+BEATS, AWAY, LEFT = 0, 1, 2
+"""Bytes that both processes share.
+
+The first counts up, and is 0 before the first beat; then `away`, and whether the game itself has
+left its screen.
+"""
 
 _BEAT_SECONDS = 1.0
 _MAX_COMPUTED = 30.0  # processor seconds without a heartbeat after which the kernel ends the game
@@ -82,3 +86,9 @@ def away() -> Iterator[None]:
     finally:
         for shared in _shared:
             shared[AWAY] = 0
+
+
+def note_screen(*, is_left: bool) -> None:
+    """Tell the supervisor whether the terminal still shows the game's screen."""
+    for shared in _shared:
+        shared[LEFT] = is_left

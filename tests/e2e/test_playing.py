@@ -53,6 +53,7 @@ def test_a_terminal_is_resized_another_level_chosen_and_the_game_left(player: Pl
     tmux.press("q")
     tmux.wait_until(lambda screen: screen.rstrip().endswith(PROMPT.strip()), "the prompt")
     until(lambda: not tmux.is_running)
+    assert "▄" not in tmux.screen, "of a window that has grown, tmux keeps lines of the game"
     tmux.type("echo a$((20+22))b")
     tmux.press("Enter", sees="a42b")
 

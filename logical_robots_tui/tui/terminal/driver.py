@@ -24,6 +24,7 @@ from textual.keys import Keys
 from textual.message import Message
 from textual.messages import InBandWindowResize
 
+from logical_robots_tui.processes.lifeline import note_screen
 from logical_robots_tui.tui.terminal.textual_internals import handle_exception
 
 if TYPE_CHECKING:
@@ -190,11 +191,13 @@ def _beginnings() -> frozenset[str]:
 LARGEST = (1000, 400)
 """Columns and lines of the largest screen that is drawn."""
 
+_FIRST_ANSWER = 3.0  # seconds after the first query in which a terminal shows that it answers
 _LAST_ANSWER = 0.5  # seconds to wait for it before another program gets the terminal
 _MOST_PATIENCE = 5.0  # seconds to wait for it where answers take long
 _BEGIN_OF_KEY_PROTOCOL = re.compile(r"\x1b\[>\d+u")
 _END_OF_KEY_PROTOCOL = "\x1b[<u"
 _TAKE_TERMINAL, _LEAVE_TERMINAL = "\x1b[?1049h", "\x1b[?1049l"
+_CLEAR = "\x1b[m\x1b[2J"
 
 _CHUNK = 4096
 _LOOK_UP_EVERY = 0.1  # seconds
@@ -235,6 +238,7 @@ class ListeningDriver(LinuxDriver):
         self._slowest = 0.0  # seconds until an answer
         self._under_way = 0
         self._all_answered = threading.Condition()
+        self._asked_at: float | None = None  # for the first time
         self._heard_at: float | None = None  # since it has answered once
         self._unknown: Size | None = None  # to the app, as it was last looked at
         self._is_key_protocol_begun = self._has_terminal = self._is_told_sizes = False
@@ -250,12 +254,21 @@ class ListeningDriver(LinuxDriver):
             while self._queries and time - self._queries[0] > _MOST_PATIENCE:
                 self._queries.popleft()  # its answer is lost
             self._queries.append(time)
+            self._asked_at = self._asked_at or time
         self.write(text)
 
     def write(self, data: str) -> None:
-        """Write to the terminal; no end of its key protocol where that was never begun."""
+        """Write to the terminal; no end of its key protocol where that was never begun.
+
+        The screen is cleared before it is left: where its window has grown meanwhile, tmux would
+        keep lines of it above the shell's.
+        """
         if data in (_TAKE_TERMINAL, _LEAVE_TERMINAL):
+            if self._has_terminal and data == _LEAVE_TERMINAL:
+                super().write(_CLEAR)
             self._has_terminal = data == _TAKE_TERMINAL
+            if self._has_terminal:
+                note_screen(is_left=False)
         if _BEGIN_OF_KEY_PROTOCOL.fullmatch(data):
             self._is_key_protocol_begun = True
         if data != _END_OF_KEY_PROTOCOL or self._is_key_protocol_begun:
@@ -264,10 +277,17 @@ class ListeningDriver(LinuxDriver):
     def disable_input(self) -> None:
         """Stop reading after any pending answers, so that the next program doesn't get them."""
         with self._all_answered:
-            patience = min(max(_LAST_ANSWER, 2 * self._slowest), _MOST_PATIENCE)
+            expected = 2 * self._slowest
+            if self._heard_at is None and self._asked_at is not None:
+                expected = self._asked_at + _FIRST_ANSWER - monotonic()
+            patience = min(max(_LAST_ANSWER, expected), _MOST_PATIENCE)
             self._all_answered.wait_for(lambda: not self._queries, patience)
             self._queries.clear()
         super().disable_input()
+
+    def close(self) -> None:
+        super().close()  # after which all is written
+        note_screen(is_left=not self._has_terminal)
 
     def resume_application_mode(self) -> None:
         # After a stop that no process is asked about, Textual would take the terminal twice.
