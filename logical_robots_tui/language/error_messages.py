@@ -8,7 +8,7 @@ from logica.compiler import functors, rule_translate
 from logica.parser_py import parse
 
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
-from logical_robots_tui.language.source_text import Prepared, diagnostic_at
+from logical_robots_tui.language.source_text import COMMENT_HINT, Prepared, diagnostic_at
 from logical_robots_tui.schema import INPUTS, SENSOR
 
 COMPLAINTS = (
@@ -39,13 +39,16 @@ _TOO_MANY_EQUALS = (
 )
 _NO_EXPRESSION = "This is not an expression"
 _NO_CALL = "This is not a predicate with arguments"
+_NO_DISTINCT = "The head of this rule can't be understood"
 _NO_IF = "This 'if' can't be read"
 _NO_COPY = "This is not a predicate made from another"
-_UNREAD = (_NO_CONDITION, _NO_EXPRESSION, _NO_CALL, _NO_IF)
+_UNREAD = (_NO_CONDITION, _NO_EXPRESSION, _NO_CALL, _NO_IF, _NO_HEAD, _NOT_IN_HEAD)
 
 _IF = "(if a < b then c else d)"
 _LOOK = "Look for a missing comma, quote or operator."
+_DISTINCT = "The word distinct comes last in a head, before ':-'."
 _ENDS = "Rules end with ';'."
+_LOST = "is a ';' missing before"
 _BRACES = "Aggregates use braces: Sum{x :- Item(x)}."
 _HEADS = "Heads aggregate like this: P(x, best? Max= v)."
 _TO_THE_END = "Move it to the end."
@@ -55,10 +58,11 @@ _START = "Add a rule for it that does not use it."
 _ELEMENT = "An element of a list is Element(list, 0), Element(list, 1) ..."
 _PREDICATE = re.compile(r"[A-Z]\w*")
 _FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
-_INSTEAD_OF_SIGN = re.compile(r"<-|[{:]|(if|when|where)\b")
+_INSTEAD_OF_SIGN = re.compile(r"<-|[{:]|(if|when|where)\b", re.IGNORECASE)
 _CONSTANT = re.compile(r"([A-Z]\w*)\s*=")
 _IN_BODY = re.compile(r"[=<>~]|\bin\b")
 _COMPARISON = re.compile(r"[<>!=]=")
+_SECOND_HEAD = re.compile(r"[\w)\]}\"']\s*\n\s*(?P<name>[A-Z@]\w*)")
 _HEAD = re.compile(r"\)\s*(=[^=,]*|distinct)?\s*$|\n\s*[A-Z]\w*\([^:]*$")
 
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
@@ -89,6 +93,11 @@ def explain(
     if copy_sign >= 0 and ":-" in source.text[start:copy_sign]:
         offset, length, message = copy_sign, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
+    elif message in (_TOO_MANY_EQUALS[0], _NO_DISTINCT) and (
+        head := _SECOND_HEAD.search(source.skeleton, offset, end)
+    ):
+        offset, length = head.start("name"), len(head["name"])
+        message, hint = f"There are two heads in one rule; {_LOST} {head['name']}?", _ENDS
     else:
         place, rule = (offset, offset + length), (start, end)
         message, hint = _fitting(message, hint, value, source, place, rule)
@@ -108,6 +117,8 @@ def _fitting(
         message = _NO_EXPRESSION
     if message in _UNREAD:
         hint = _neighbour_hint(source.skeleton, place[0], *statement)
+        if message == _NOT_IN_HEAD and _INSTEAD_OF_SIGN.match(value):
+            return message, "Write ':-' between the head and the body."
         if hint := hint or _foreign_hint(source.skeleton[slice(*place)]):
             return message, hint
     if message == _NO_CONDITION and _FIELD.fullmatch(value):
@@ -120,8 +131,6 @@ def _fitting(
         return message, f"Put the comparison in parentheses: {left}= ({compared.strip()[:60]})."
     if message.startswith(_TWO_SIGNS) and not _HEAD.search(source.skeleton, statement[0], place[0]):
         return f"{_TWO_SIGNS} in one rule", _BRACES
-    if message == _NOT_IN_HEAD and _INSTEAD_OF_SIGN.match(value):
-        return message, "Write ':-' between the head and the body."
     if message == _NO_HEAD and (constant := _CONSTANT.match(value)):
         return message, f"A predicate has parentheses, also a constant: {constant[1]}() = 0.5;"
     if message == _NO_HEAD and statement[0] and _IN_BODY.search(source.skeleton, *statement):
@@ -198,11 +207,11 @@ _PLAIN = (
     (r"^Could not parse predicate call", _NO_CALL,
      "Rules and facts start with a name: Robot(...)."),
     (r"^Found no call in rule head", _NO_HEAD, "Names of predicates start with a capital letter."),
-    (r"^Too many :-", f"{_TWO_SIGNS} in one rule; is a ';' missing before the second?", _ENDS),
+    (r"^Too many :-", f"{_TWO_SIGNS} in one rule; {_LOST} the second?", _ENDS),
     (r"should have been split by :- ", f"{_TWO_SIGNS} here", _ENDS),
     (r"^Unexpected :- in record", "A ':-' can't be used in parentheses", _BRACES),
-    (r"^Can not parse rule head|^Too many distinct", "The head of this rule can't be understood",
-     "The word distinct comes last in a head, before ':-'."),
+    (r"^Can not parse rule head|^Too many distinct", _NO_DISTINCT,
+     _DISTINCT),
     (r"^Denotation (\w+) should go last", r"The word \1 comes last in the head", _TO_THE_END),
     (r"split by (else|then)", _NO_IF, f"Put it in parentheses: x = {_IF}."),
     (r"^If-then-else clause", "An 'if' gives a value; it is not a condition",
@@ -271,21 +280,36 @@ _PLAIN = (
 """Patterns of the package's messages, each with a plain message and a hint."""
 
 
+_AND = "Write ',' between conditions, and '&&' within an expression."
+_GROUPS = "A head groups by its other columns: P(x, n? += 1) distinct :- Q(x)."
 _FOREIGN = (
-    (r"\A(//|--|/\*)", "Comments begin with '#'."),
-    (r"\n(?P<next>[A-Z@]\w*)", "Rules end with ';'. Is one missing before {next}?"),
+    (r"\A(//|--|/\*)", COMMENT_HINT),
+    (r"\n(?P<next>(?-i:[A-Z@])\w*)", "Rules end with ';'. Is one missing before {next}?"),
+    (r"\A(select|insert|create|update|delete|with)\s|\bselect\s",
+     "Rows come from rules: P(x) :- Q(x), x > 1."),
+    (r"\bgroup\s+by\b|\S\s+having\s", _GROUPS),
+    (r"\border\s+by\b|\blimit\s+\d",
+     'Write a statement of its own: @OrderBy(P, "col0 DESC"); or @Limit(P, 3);'),
+    (r"\S\s+(not\s+)?between\s", "Write both bounds: a <= x, x <= b."),
+    (r"\S\s+i?like\s", 'Write Like(x, "a%").'),
+    (r"\S\s+join\s", "Write ',' between predicates; a variable in both joins their rows."),
+    (r"\S\s+union\s", "Write a rule for each part, or '|' between conditions."),
+    (r"\bcase\s|\bwhen\s", f"Write {_IF}."),
+    (r"(?-i:\b(IS|IN|IF|THEN|ELSE|NULL)\b)",
+     "Write these words in lower case: is, in, if, then, else, not, null."),
     (r"\bel(s?if|seif)\b", "Write 'else if', as in (if a < b then c else if d then e else f)."),
     (r"\A(?=.*\bthen\b)(?!.*\belse\b)", f"Every 'if' needs an 'else': {_IF}."),
     (r"\bthen\b.*\belse\b", f"Begin with 'if': {_IF}."),
     (r"(?<!\bis )\bnot\b", "Write ~(a == b) or ~P(x) for negation."),
-    (r"\band\b", "Write ',' between conditions, and '&&' within an expression."),
+    (r"\band\b|(?<!&)&(?!&)|\S\s+where\b", _AND),
     (r"\bor\b", "Write '|' between conditions, and '||' within an expression."),
-    (r"(?<!&)&(?!&)", "Write ',' between conditions, and '&&' within an expression."),
     (r"\?.*:|\S\s+if\b", f"Write {_IF}."),
     (r"\A(for|let|var|where)\b", "Leave this word out."),
     (r"\bfor\b", "A body follows ':-', as in List{x :- x in [1, 2]}."),
+    (r"\bdistinct\b", _DISTINCT),
+    (r"\S\s+as\s+\w", "A name goes before its value: P(name: x), or y = x for a variable."),
     (r"[\w)]\[", _ELEMENT),
-)
+)  # fmt: skip
 """Syntax of other languages, or forgotten parts, in a piece of text that can't be parsed."""
 
 _BESIDE = (
@@ -297,7 +321,10 @@ _BESIDE = (
     (r"==\s*$", r"=", "Write '=='."),
     (r"<\s*$", r">", "Write '!='."),
     (r"", r"\S*\s*=>", "Write '>=' to compare."),
-    (r"[/-]$", r"[/-]\s", "Comments begin with '#'."),
+    (r"[/-]$", r"[/-]\s", COMMENT_HINT),
+    (r"", r"\s*(//|--)", COMMENT_HINT),
+    (r"--\s*$", r"", COMMENT_HINT),
+    (r"(?i)count\s*\(\s*$", r"\*", _GROUPS),
     (r",\s*$", r"\s*(;|\)|\}|$)", "Remove the ',' before it."),
     (r"[-+*/%]\s*$", r"\s*-\s*\w", "Put a negative value in parentheses: a * (-b)."),
     (r"[-+*/%]\s*$", r"\s*\w+\s*=(?!=)", "Compare with '==': a + b == c."),
@@ -317,7 +344,7 @@ def _neighbour_hint(skeleton: str, offset: int, start: int, end: int) -> str:
 
 def _foreign_hint(piece: str) -> str:
     for pattern, hint in _FOREIGN:
-        if match := re.search(pattern, piece, re.DOTALL):
+        if match := re.search(pattern, piece, re.DOTALL | re.IGNORECASE):
             return hint.format(**match.groupdict()) if match.groupdict() else hint
     return ""
 

@@ -16,6 +16,8 @@ from typing import NamedTuple
 
 from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS, Diagnostic, Severity
 
+COMMENT_HINT = "Comments begin with '#'."
+
 _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
 _NESTING = dict.fromkeys(_CLOSES, -1) | dict.fromkeys(_CLOSES.values(), 1)
@@ -192,7 +194,10 @@ class _Brackets:
         if not _is_closed(token, quote, quote):
             self._has_complained = True
             message = f"This string is never closed with {quote}"
-            self.report(offset, len(token), message, f"Add {quote} at its end.")
+            line = self._source[self._source.rfind("\n", 0, offset) + 1 : offset]
+            is_comment = "--" in line or "//" in line
+            hint = COMMENT_HINT if is_comment else f"Add {quote} at its end."
+            self.report(offset, len(token), message, hint)
         for escape in _ESCAPE.finditer(token) if quote == "'" else ():
             if _character(escape.group()) is None:
                 message = f"{escape.group()} is not a valid escape sequence"
