@@ -111,8 +111,9 @@ class LineGame(SessionListener):
         if victory is not None:
             self._tell_victory(victory)
 
-    def _tell_mistakes(self, mistakes: Sequence[Diagnostic], label: str = "Line") -> None:
+    def _tell_mistakes(self, mistakes: Sequence[Diagnostic]) -> None:
         for mistake in mistakes:
+            label = "Line" if mistake.severity == "error" else "Warning, line"
             say(f"{label} {mistake.line}: {mistake.message}. {mistake.hint}".rstrip())
 
     def _tell_victory(self, victory: Victory) -> None:
@@ -138,7 +139,7 @@ class LineGame(SessionListener):
     def program_used(self, program: Program) -> None:
         if self.session.game is not None:
             say("The robots will use it from the next tick.")
-        self._tell_mistakes(self.session.state.warnings, "Warning, line")
+        self._tell_mistakes(self.session.state.warnings)
 
     def tick_shown(self, frame: Frame) -> None:
         if frame.tick == self._last_frame.tick + 1:

@@ -233,7 +233,7 @@ async def _replay(
     except OverBudgetError as error:
         return str(error)
     except mind.ProgramError as error:
-        return f"line {error.diagnostics[0].line}: {error.diagnostics[0].message}"
+        return f"line {error.first.line}: {error.first.message}"
     except MeasuringError:
         if seconds_left - budget.remaining > _SHARE_OF_GIVEN_UP * limit:
             return f"{OverBudgetError(limit)}"

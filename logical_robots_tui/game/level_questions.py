@@ -116,7 +116,7 @@ def ticks_in_words(ticks: Sequence[int]) -> str:
 
 def mistake_lines(query: str, error: ProgramError) -> list[str]:
     """Return the first error in a query: its line, a caret below the place, and what is wrong."""
-    first = error.diagnostics[0]
+    first = error.first
     line = (*query.splitlines(), *[""] * first.line)[first.line - 1]
     caret = " " * (first.column - 1) + "^" * max(1, len(first.excerpt))
     return [line, caret[: len(line) + 1], f"{first.message}. {first.hint}".rstrip()]

@@ -331,7 +331,7 @@ async def mistake_in_question(program: Program, query: str) -> str:
     try:
         await _in_thread(lambda stop: program.question(query, stop=stop))
     except ProgramError as error:
-        first = error.diagnostics[0]
+        first = error.first
         return f"{first.message}. {first.hint}".strip()
     return ""
 

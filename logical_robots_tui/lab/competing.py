@@ -113,7 +113,7 @@ def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) 
     try:
         Program.compile(text)
     except ProgramError as error:
-        diagnostic = error.diagnostics[0]
+        diagnostic = error.first
         loss_reason = f"line {diagnostic.line}: {diagnostic.message}"
     return TournamentPlayer(name, digest(text), loss_reason)
 

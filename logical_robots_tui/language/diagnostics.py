@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.schema import NO_LABEL, WALL
+from logical_robots_tui.wording import count_of
 
 MOST_DIAGNOSTICS = 100
 """Most diagnostics of a program that are made and shown."""
 
+_OTHERS_HINT = "Correct these first."
 _MOST_LISTED = 4
 _LONGEST = 60  # characters of a name in a message
 
@@ -54,9 +57,15 @@ def most_important(diagnostics: Iterable[Diagnostic], excess: int = 0) -> tuple[
     visible.sort(key=lambda d: (d.line, d.column))
     if last is not None and (excess := excess + len(hidden)):
         message = f"{excess:,} more problem{'s' * (excess > 1)} not shown"
-        hint = "Correct these first."
-        visible.append(replace(last, message=message, hint=hint, excerpt=""))
+        visible.append(replace(last, message=message, hint=_OTHERS_HINT, excerpt=""))
     return tuple(visible)
+
+
+def count_words(diagnostics: Sequence[Diagnostic]) -> str:
+    """Return how many there are by severity, such as ``1 error, 24 warnings``, or ""."""
+    others = [d.message for d in diagnostics if d.hint == _OTHERS_HINT]
+    counts = Counter(d.severity for d in diagnostics if d.hint != _OTHERS_HINT)
+    return ", ".join([*(count_of(counts[noun], noun) for noun in sorted(counts)), *others])
 
 
 class ProgramError(LogicalRobotsError):
@@ -75,6 +84,11 @@ class ProgramError(LogicalRobotsError):
         self.is_unfinished = is_unfinished
         self.team = ""
         super().__init__("\n".join(str(d) for d in diagnostics))
+
+    @property
+    def first(self) -> Diagnostic:
+        """The first error; there may be warnings before it."""
+        return next(d for d in self.diagnostics if d.severity == "error")
 
 
 class QueryError(LogicalRobotsError):

@@ -81,7 +81,7 @@ class TeamSources:
         """Return the errors in the editor's text, or a note about another team's error."""
         if error.team in ("", self.team):
             return error.diagnostics
-        first = error.diagnostics[0]
+        first = error.first
         words = f"In the program of {error.team}, line {first.line}: {first.message}"
         return (replace(first, line=1, column=1, message=words, excerpt=""),)
 
@@ -153,6 +153,11 @@ class ProgramState(NamedTuple):
         if self.checked is None:
             return self.tried, self.mistakes
         return self.checked, self.diagnostics
+
+    @property
+    def error_line(self) -> int:
+        """The line of the first error, from 1, or 0."""
+        return next((m.line for m in self.mistakes if m.severity == "error"), 0)
 
     def for_text(self, text: str) -> ProgramState:
         """Return the state for an editor's text; errors vanish once the robots' text is back."""

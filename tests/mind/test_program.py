@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS
+from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS, count_words
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.mind import Diagnostic, Program, ProgramError, compilation
 from tests.mind.rows import PAPER, ROBOT, remembered
@@ -65,6 +65,7 @@ def test_the_first_hundred_problems_are_shown_and_the_number_of_the_others(
     *shown, last = caught.value.diagnostics
     assert len(shown) == MOST_DIAGNOSTICS
     assert last.message == f"{more} more problems not shown"
+    assert count_words(caught.value.diagnostics) == f"100 errors, {last.message}"
 
 
 def test_a_program_of_a_megabyte_is_refused_before_anything_reads_it(

@@ -219,7 +219,7 @@ class Watch:
                 else:
                     values = "; ".join(_occurrences(point, old, frame))
             except ProgramError as error:
-                self.problems[point] = f"This can't be asked: {error.diagnostics[0].message}."
+                self.problems[point] = f"This can't be asked: {error.first.message}."
                 continue
             except QueryError as error:
                 self.problems[point] = f"Tick {frame.tick}: {error}"

@@ -318,7 +318,7 @@ def _tables(
                 table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
                 tables[name] = matching_rows(question, table)
         except ProgramError as error:
-            tables[name] = QueryError(f"This can't be asked: {error.diagnostics[0].message}.")
+            tables[name] = QueryError(f"This can't be asked: {error.first.message}.")
         except QueryError as error:
             tables[name] = error
     return tables

@@ -31,7 +31,7 @@ def run(screen: MainScreen) -> None:
     screen.briefing.close()
     state = screen.session.state
     if screen.session.game is None and state.phase == "mistake":
-        screen.warn(f"The program has an error in line {state.mistakes[0].line}.")
+        screen.warn(f"The program has an error in line {state.error_line}.")
     screen.session.toggle_run()
 
 

@@ -14,9 +14,10 @@ from textual.strip import Strip
 from textual.style import Style
 from textual.widgets import Static
 
+from logical_robots_tui.language.diagnostics import count_words
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import clip, count_of, one_line
+from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
@@ -72,10 +73,8 @@ class MistakeStrip(Static):
         self.set_class(all(mistake.severity == "warning" for mistake in mistakes), "-odd")
         lines = [_describe(mistake) for mistake in mistakes[:_MOST_SHOWN]]
         if len(mistakes) > 1:
-            errors = sum(mistake.severity == "error" for mistake in mistakes)
-            counts = {"error": errors, "warning": len(mistakes) - errors}
-            words = ", ".join(count_of(number, noun) for noun, number in counts.items() if number)
-            head = (words, f"bold {INK.bad if errors else INK.warn}")
+            ink = INK.warn if self.has_class("-odd") else INK.bad
+            head = (count_words(mistakes), f"bold {ink}")
             hint = (f"   {command('error').key_name} goes to the next one", INK.dim)
             lines.insert(0, Content.assemble(head, hint))
         self.update(Content("\n").join(lines))

@@ -10,6 +10,7 @@ from textual import on
 from textual.content import Content
 from textual.widgets import Static, TextArea
 
+from logical_robots_tui.language.diagnostics import count_words
 from logical_robots_tui.language.services.completion import (
     WordHelp,
     call_before,
@@ -22,7 +23,7 @@ from logical_robots_tui.tui.layout.command_bar import Labels, RobotChosen
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.mistakes import MistakeStrip, Underline, place_of, underline_of
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import clip, count_of, one_line
+from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
@@ -230,13 +231,11 @@ class ProgramPane(Pane):
             return f"compiling… {compiled} of {total}" if total else "compiling…"
         text = self.text
         if state.phase == "mistake" and text == state.tried:
-            errors = count_of(len(state.mistakes), "error")
-            return (
-                errors if state.applied is None else f"{errors}, the old version is still running"
-            )
+            counts = count_words(state.mistakes)
+            is_new = state.applied is None
+            return counts if is_new else f"{counts}, the old version is still running"
         if text != state.applied:
             if text != state.checked or not state.diagnostics:
                 return "not applied"
-            return f"not applied, {count_of(len(state.diagnostics), 'error')}"
-        warnings = len(state.mistakes)
-        return f"applied, {count_of(warnings, 'warning')}" if warnings else "applied"
+            return f"not applied, {count_words(state.diagnostics)}"
+        return ", ".join(filter(None, ["applied", count_words(state.mistakes)]))

@@ -223,7 +223,7 @@ class TickSearch:
         except Superseded:
             return
         except ProgramError as error:
-            message = error.diagnostics[0].message
+            message = error.first.message
             self._ui.warn(f"{self._question} can't be asked: {message}.")
             return
         if state_key != self._state_key(session.game):
@@ -279,7 +279,7 @@ class Replays:
         try:
             programs = [await compile_program(texts) for texts in replay.programs.values()]
         except ProgramError as error:
-            mistake = error.diagnostics[0]
+            mistake = error.first
             self.ui.warn(f"A program of this replay no longer compiles: {mistake.message}")
             return
         self.session.go_through(programs[0], partial(self._follow, replay, programs))

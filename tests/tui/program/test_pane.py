@@ -244,13 +244,14 @@ async def test_mistakes_are_marked_when_the_keys_rest_and_can_be_reached(data_di
         game.session.check = counted  # type: ignore[method-assign] # to see when it is called
         await game.press("ctrl+end", *"Bad(x) :- Nothing(x);", sees="✗ line 3")
         assert checked == [game.editor.text]
-        game.editor.put(f"{STILL}A(x) :- Nothing(x);\nB(x) :- Nowhere(x);\n")
-        await game.sees("2 errors", "✗ line 4")
+        game.editor.put(f"{ODD}A(x) :- Nothing(x);\nB(x) :- Nowhere(x);\n")
+        await game.sees("2 errors, 1 warning   ^G", "! line 3", "✗ line 6")
+        assert title(game).startswith("Program · not applied, 2 errors, 1 warning · ")
         lines = game.screen().splitlines()
-        row = next(row for row, line in enumerate(lines) if "✗ line 4" in line)
-        await game.click(offset=(lines[row].index("✗ line 4") + 3, row))
-        await game.until(partial(is_at, game, 3))
-        for line in (2, 3, 2):
+        row = next(row for row, line in enumerate(lines) if "✗ line 6" in line)
+        await game.click(offset=(lines[row].index("✗ line 6") + 3, row))
+        await game.until(partial(is_at, game, 5))
+        for line in (2, 4, 5):
             await game.press("ctrl+g", until=partial(is_at, game, line))
 
 

@@ -151,7 +151,7 @@ class AskPage(Page):
 
     def _refuse(self, query: str, error: ProgramError) -> None:
         self._refused = query
-        first = error.diagnostics[0]
+        first = error.first
         mark = " " * (first.column - 1) + "^" * max(1, len(first.excerpt))
         self._say_instead(
             Content.assemble(

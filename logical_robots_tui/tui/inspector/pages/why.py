@@ -349,7 +349,7 @@ class ValuesPrompt(Prompt[Ask]):
             try:
                 call = await asyncio.to_thread(read_ask, self._program, text, self._within)
             except ProgramError as error:
-                first = error.diagnostics[0]
+                first = error.first
                 self.complain(f"{first.message}. {first.hint}")
             except QueryError as error:
                 self.complain(str(error))
