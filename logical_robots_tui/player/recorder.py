@@ -35,6 +35,7 @@ class ProgressRecorder(SessionListener):
 
     Attributes:
         references: Measures of the reference programs there by name, the solution first.
+        latest: The measures of the last victory, if it counts.
         former: The bests before the last victory.
         is_mixed: Whether several programs won it, so that `latest` is measured from the start.
     """
@@ -47,7 +48,7 @@ class ProgressRecorder(SessionListener):
         self.goals: tuple[SecondGoal, ...] = ()
         self.latest: Measures | None = None
         self.former: Bests = NEW.bests
-        self.is_reference = self.is_mixed = False
+        self.is_mixed = False
         self._writer = ThreadPoolExecutor(
             max_workers=1, thread_name_prefix="logical-robots-recorder"
         )
@@ -150,12 +151,10 @@ class ProgressRecorder(SessionListener):
         self._write(lambda progress: progress.set_fact(name, text))
 
     def won(self, victory: Victory) -> None:
-        if victory.refusal:
-            return
-        self.former, self.latest = self.record.bests, victory.measures
-        self.is_reference = victory.verdict == "reference"
+        counts = victory.verdict == "counts"
+        self.former, self.latest = self.record.bests, victory.measures if counts else None
         self.is_mixed = victory.measures is None
-        if self.is_reference:
+        if not counts:
             return
         key, text = self._key, victory.program.text
         self._write(lambda progress: progress.win(key, text, victory.measures))

@@ -78,7 +78,7 @@ def copy_result(screen: MainScreen) -> None:
     from logical_robots_tui.game.victory import result_line
 
     measures = screen.recorder.latest
-    if measures is None or screen.recorder.is_reference:
+    if measures is None:
         screen.tell("There is no result to copy: win this level first.")
         return
     line = result_line(screen.session.opened, measures)

@@ -39,7 +39,7 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
     """
     references, bests = recorder.references.values(), recorder.record.bests
     rows = [_row("", _TITLES, INK.dim)]
-    if recorder.latest is not None and not recorder.is_reference:
+    if recorder.latest is not None:
         label = "from start" if recorder.is_mixed else "this run"
         rows.append(_latest(label, recorder.latest, recorder.former, recorder.trial))
     rows.append(_row("your best", _numbers(bests), INK.text))
@@ -176,6 +176,7 @@ class ResultsDialog(QuestionDialog):
         recorder: Has the results.
         said: What is celebrated, or "" to look results up.
         answers: Ids of commands, with the labels of their buttons.
+        note: Why a victory has no measures, as long as it has none.
         seed: For the confetti.
         story: What is told after a victory.
         picture: The start of what comes next.
@@ -197,6 +198,7 @@ class ResultsDialog(QuestionDialog):
         headline: str,
         answers: Sequence[tuple[str, str]],
         *,
+        note: str = "",
         seed: int = 0,
         noticing: float = 0.0,
         story: str = "",
@@ -209,7 +211,7 @@ class ResultsDialog(QuestionDialog):
         ]
         super().__init__("Victory" if headline else "Results", "", keyed, noticing=noticing)
         self._recorder, self._headline, self._seed = recorder, headline, seed
-        self._story, self._picture, self._explains = story, picture, explains
+        self._note, self._story, self._picture, self._explains = note, story, picture, explains
         self._rows = self._table()
         self._parts = [Static(id=name) for name in ("said", "goals", "table")]
 
@@ -241,9 +243,9 @@ class ResultsDialog(QuestionDialog):
             place = recorder.goals.index(challenge)
             goals[place] = goals[place].append(Content.styled(_CHALLENGE, INK.record))
         rows = [*results_lines(recorder), *goals]
-        if self._headline and recorder.is_reference:
-            return [Content.styled("Won by a reference program: not counted.", INK.dim), *rows]
-        return rows
+        if recorder.latest is not None:
+            return rows
+        return [*(Content.styled(line, INK.warn) for line in wrap(self._note, STORY_WIDTH)), *rows]
 
     def _challenge(self) -> SecondGoal | None:
         """Return an open goal that the solution does not reach."""

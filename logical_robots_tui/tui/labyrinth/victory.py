@@ -14,11 +14,12 @@ from logical_robots_tui.game.frame import is_match_over, standing_words
 from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import robustness_line
 from logical_robots_tui.player.session_state import SessionListener
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level, LevelError, list_arenas
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.victory import Victory
+    from logical_robots_tui.game.victory import Verdict, Victory
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.progress import Measures
@@ -36,6 +37,15 @@ _AFTER_THE_LAST = (
 )
 _PAUSE = 1.0
 """Seconds without a key after which a text that is typed may be interrupted."""
+
+_NOTES: dict[Verdict, str] = {
+    "counts": "Several programs drove on the way, so this run has no result: press {restart}, then "
+    "{run}, for one of this program.",
+    "reference": "Won by a reference program: not counted.",
+    "clock": "Press {restart}, then {run}, to try again; {sql} shows what takes long.",
+    "edited": "Save or discard what has changed ({edit_level}), then press {restart} and {run}.",
+}
+"""What is said of a victory without measures, and what to press."""
 
 
 @dataclass(eq=False)
@@ -144,8 +154,6 @@ class VictoryAnnouncer(SessionListener):
         victory, self._waiting = self._waiting, None
         if victory is None:
             return
-        if victory.refusal:
-            self.ui.tell(victory.refusal)
         who = "You made it" if len(victory.level.robots) == 1 else "Everyone made it"
         headline = f"★ {clip(who, 50)} — {count_of(victory.tick, 'tick')} ★"
         answers, story = [("restart", "Again"), ("leave", "Stay")], victory.level.story
@@ -163,6 +171,7 @@ class VictoryAnnouncer(SessionListener):
             self.recorder,
             headline,
             answers,
+            note=with_keys(f"{victory.refusal} {_NOTES[victory.verdict]}"),
             seed=victory.tick,
             noticing=noticing,
             story=story,

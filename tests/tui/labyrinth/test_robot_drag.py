@@ -76,5 +76,5 @@ async def test_with_a_drag_no_victory_counts(data_dir: Path, room_file: Path, ti
         await game.drag((game.session.frame.after.robots[0].x, 50), (100, 50), (200, 50))
         await game.until(lambda: game.session.frame.after.robots[0].x > 190)
         game.session.run_until(1000)
-        await game.sees("a robot moved by hand")
+        await game.sees("a robot moved by hand", "changed (M),", "press r and space.")
         assert game.main.recorder.record.state != "won"

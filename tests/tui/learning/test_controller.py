@@ -167,16 +167,21 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
         return Measures(49, 11, 24.5, 13, 20)
 
     monkeypatch.setattr(measuring, "measure", measure_then)
-    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
+    async with opened(data_dir, level=short, text=STILL, ready=True) as game:
         await game.command("stop_measuring", sees="No robustness test is running.")
+        await game.press("n", tick=1)
+        await game.apply(AHEAD)
+        await game.press("1")
         await win(game)
-        await game.sees("varied starts tried: ")
+        await game.sees("Several programs drove on the way", "press r, then", "tried: ")
         await game.command("stop_measuring", until=lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"
         assert game.main.recorder.record.bests.wins is None
         await stay(game)
         await game.press("r", tick=0)
         await win(game)
+        await game.sees("this run")
+        assert not game.shows("Several programs")
         await stay(game)
         closed.set()
         await game.sees("of 20 varied starts")
