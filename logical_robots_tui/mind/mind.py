@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import repeat
+from itertools import islice, repeat
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
@@ -163,7 +163,8 @@ class Mind:
     ) -> ResultTable:
         """Return the rows of any predicate of the program, or of Sensor or Memory, at one moment.
 
-        Where robots think separately, each row is marked with its robot's name.
+        Where robots think separately, each row is marked with its robot's name, unless the
+        predicate depends on no sensor or memory.
 
         Raises:
             QueryError: There is no such predicate, it has no rows of its own, or it failed.
@@ -183,7 +184,7 @@ class Mind:
         inputs = self._inputs_of(rows, memories)
         is_answered = inputs is self._inputs and len(self._robot_answers) == len(inputs.views)
         if predicate == "Robot" and is_answered:
-            return self._table(self._robot_answers, {})
+            return self._table(self._robot_answers, self._databases.query_for(predicate))
         try:
             return self._answer(self._databases.query_for(predicate), inputs, stop)
         except FailureError as failure:
@@ -391,7 +392,7 @@ class Mind:
         budget = self._query_budget(self.limits.rows, stop)
         try:
             answers = self._databases.answers(question, inputs, budget, in_order=in_order)
-            table = self._table(answers, question.labels)
+            table = self._table(answers, question)
         except FailureError:
             if not budget.is_close:
                 raise
@@ -399,21 +400,22 @@ class Mind:
             if not budget.is_close:
                 return table
         answers = self._databases.answers(question, inputs, budget.exact(), in_order=in_order)
-        return self._table(answers, question.labels)
+        return self._table(answers, question)
 
     def _table(
-        self, answers: Iterable[tuple[View, Answer | FailureError]], labels: Mapping[str, str]
+        self, answers: Iterable[tuple[View, Answer | FailureError]], question: CompiledQuery
     ) -> ResultTable:
+        is_separate = (self.memory, self.sensor) != ("all", "all") and question.reads_inputs
         columns: Sequence[str] = ()
         rows: list[tuple[Value, ...]] = []
         viewers: list[str] = []
-        for view, answer in answers:
+        for view, answer in answers if is_separate else islice(answers, 1):
             if isinstance(answer, FailureError):
                 raise answer
             columns, view_rows = answer
             rows += view_rows
             viewers += [view.viewers[0]] * len(view_rows)
-        max_rows, is_separate = self.limits.rows, (self.memory, self.sensor) != ("all", "all")
+        max_rows, labels = self.limits.rows, question.labels
         return ResultTable(
             tuple(labels.get(column, column) for column in columns),
             tuple(rows[:max_rows]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
@@ -62,6 +63,14 @@ class CompiledQuery:
     truths: tuple[str, ...] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
     tuned: Tuned | None = None
+
+    @property
+    def reads_inputs(self) -> bool:
+        """Whether its rows may depend on sensors or memories, and so on who is asked."""
+        return _INPUTS.search(self.sql) is not None
+
+
+_INPUTS = re.compile(r"\b(?:Sensor|Memory)\b", re.IGNORECASE)  # their tables are named so
 
 
 @dataclass(frozen=True, slots=True)

@@ -90,6 +90,8 @@ def test_inputs_left_open_are_those_of_each_robot(query: str, columns: Any, rows
 def test_where_robots_reason_apart_each_answers_for_itself() -> None:
     table = ask("Named(robot_name:, far:)", memory="own", sensor="own")
     assert (table.rows, table.viewers) == ((("Ada", 200), ("Bo", 200)), ("Ada", "Bo"))
+    facts = ask("Item(name, number)", memory="own", sensor="own")  # which are the same for all
+    assert (facts.rows, facts.viewers) == ((("one", 1), ("two", 2)), ())
 
 
 @pytest.mark.parametrize(
