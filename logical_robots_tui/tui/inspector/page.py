@@ -159,6 +159,9 @@ class Page(Vertical):
         """Begin with what a command asks for: a predicate, a query, a pin, a value to trace."""
         raise NotImplementedError
 
+    def forget(self) -> None:
+        """Forget what is about a level that is left."""
+
     async def show(self, frame: Frame) -> None:
         """Show a tick; cancelled when another tick or page is wanted."""
         raise NotImplementedError

@@ -51,6 +51,7 @@ _NOT_TRACED = (
 MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 """The sign and colour of each kind of predicate."""
 
+_IN_EVERY_LEVEL = ("Sensor", "Memory", "Robot")
 _ALWAYS_LISTED = 8  # entries to make room for; a number, so that a new page rescales no map
 _LISTED = 14  # entries, at most, that the list makes room for
 _AROUND_ROBOTS = 4  # lines of their page that are about no robot or about one
@@ -83,6 +84,7 @@ class InspectorPane(Pane):
         self._is_roomy = self._is_unmeasured = False
         self._selected = first.id
         self._survey: Survey | None = None
+        self._levels = session.levels
         self._following: Frame | None = None
         self._stale = self._has_traced = False
         self._follower: Worker[None] | None = None
@@ -254,6 +256,12 @@ class InspectorPane(Pane):
 
     def follow(self) -> None:
         """Show the current tick: at once, or shortly after while the game runs."""
+        if self._levels is not self._session.levels:
+            self._levels = self._session.levels
+            for page in self._pages.values():
+                page.forget()
+            if not self.page.entry.is_listed and self._selected not in _IN_EVERY_LEVEL:
+                self._select(PAGES[0].id)
         if self._list.predicates != self._session.predicates:
             self._survey = None
             self._list.list(self._session.predicates, self._selected)
@@ -279,6 +287,9 @@ class InspectorPane(Pane):
                 await page.show(frame)
             if self._session.running:
                 self._is_unmeasured = True
+                if self._survey is not None:
+                    self._survey = None
+                    self._list.count(None)
                 await asyncio.sleep(_INTERVAL)
             else:
                 await self._count_rows(frame)
@@ -408,19 +419,19 @@ class PredicateList(Listing):
         )
         self.highlighted = self.names.index(inspected) if inspected in self.names else None
 
-    def count(self, survey: Survey) -> None:
-        if survey.program.predicates == self.predicates:
+    def count(self, survey: Survey | None) -> None:
+        """Show how many rows each predicate has; without a survey the numbers go."""
+        if survey is None or survey.program.predicates == self.predicates:
             self._survey = survey
             self.on_resize()
 
     def on_resize(self) -> None:
-        if self._survey is None:
-            return
-        width = max(self.scrollable_content_region.width, _NARROWEST)
+        survey, width = self._survey, max(self.scrollable_content_region.width, _NARROWEST)
         for predicate in self.predicates or ():
             name = predicate.name
-            rows, differs = self._survey.count(name), self._survey.differs(name)
-            if not predicate.has_rows or self._counted.get(name) == (rows, differs, width):
+            rows, differs = (survey.count(name), survey.differs(name)) if survey else ("", False)
+            old_count = self._counted.get(name, ("", False, width))
+            if not predicate.has_rows or old_count == (rows, differs, width):
                 continue
             self._counted[name] = rows, differs, width
             entry, count = _entry(predicate), f"{rows}{_CHANGED if differs else ' '}"

@@ -19,6 +19,7 @@ from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.world import list_levels
 from tests.tui.conftest import PAPER, STILL, Awaited, Opened, Size, at_both_sizes, opened
 
 MORE = (
@@ -113,7 +114,9 @@ async def test_the_inspector_follows_a_run(data_dir: Path, monkeypatch: pytest.M
         await inspect(game, "Ray")
         await game.press("space", until=lambda: game.tick > 4)
         await game.sees("Ray · 31 rows")  # the tick is at the top, which is newer
+        await game.until(lambda: not any(entry.endswith(" 1 ") for entry in listed(game)))
         await game.press("space", sees=f"Ray · tick {game.tick} · ")
+        await game.until(lambda: any(_is_counted(entry, "Names", "1 ") for entry in listed(game)))
 
         # A predicate that is gone shows again when it is back.
         await game.write(PAPER, sees="no predicate Ray")
@@ -323,3 +326,14 @@ async def test_a_run_is_scanned_and_a_finding_leads_to_its_tick(data_dir: Path, 
         game.session.apply(LATE)
         await game.sees("This is about an earlier run. Ticks 1 to 4, not won.")
         await game.press("home", "enter", sees_no="This is about")
+
+        # What is about this level stays behind when another one is opened.
+        await game.press("slash", *"Odd", "enter", sees="Odd is not defined")
+        await game.press("escape", "greater_than_sign")
+        first = list_levels()[0]
+        await game.until(lambda: game.session.level.name == first and game.main.briefing.is_open)
+        await game.press("b", until=lambda: not game.main.briefing.is_open)
+        await game.sees("sensor.forward_distance < 60")
+        assert not game.shows("Odd is not defined")
+        await game.command("diagnose", sees="Scan the run up to tick 0", sees_no="not won")
+        assert page(game).diagnosis is None

@@ -78,13 +78,18 @@ class AskPage(Page):
 
     def __init__(self, entry: PageEntry, questions: InspectorQuestions) -> None:
         self._query = self._refused = self._answered_query = ""
+        self._is_here = True  # the query was asked in this level
         self.line = QueryLine(self._leave)
         self.table = ValueTable(id="answer")
         super().__init__(entry, questions, self.line, above=(self.line,), below=(self.table,))
 
     def begin(self, subject: str) -> None:
-        self._query = self.line.value = subject
+        self._query, self._is_here = subject, True
+        self.line.value = subject
         self.line.remember(subject)
+
+    def forget(self) -> None:
+        self._is_here = False
 
     async def show(self, frame: Frame) -> None:
         names = (predicate.name for predicate in self._session.predicates)
@@ -106,7 +111,11 @@ class AskPage(Page):
         except ProgramError as error:
             self.head(frame.tick)
             self._caption_query("")
-            self._refuse(query, error)
+            if self._is_here:
+                self._refuse(query, error)
+            else:
+                self._query = self.line.value = ""
+                self._say_instead("")
             return
         if table is not None:
             self.head(frame.tick, row_count(table))
@@ -173,7 +182,7 @@ class AskPage(Page):
     @on(Input.Submitted)
     def _submitted(self, event: Input.Submitted) -> None:
         event.stop()
-        self._query = event.value.strip()
+        self._query, self._is_here = event.value.strip(), True
         self.line.remember(self._query)
         self.post_message(self.Changed())
 

@@ -47,6 +47,11 @@ class DiagnosisPage(Page):
     def is_diagnosing(self) -> bool:
         return self._worker is not None and not self._worker.is_finished
 
+    def forget(self) -> None:
+        if self._worker is not None:
+            self._worker.cancel()
+        self._worker = self._scanned = self.diagnosis = None
+
     async def show(self, frame: Frame) -> None:
         """Show the findings; offer a new scan if the run has gone on or is another."""
         self.head(frame.tick)

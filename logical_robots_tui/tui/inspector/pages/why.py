@@ -71,6 +71,9 @@ class WhyPage(RobotPage):
     def begin(self, subject: str) -> None:
         self._steps = [Ask(subject, {})]
 
+    def forget(self) -> None:
+        self.begin("Robot")
+
     def ask(self, call: Ask) -> None:
         """Go on with another question; backspace leads back."""
         self._steps.append(call)
