@@ -94,10 +94,10 @@ def why(options: argparse.Namespace) -> int:
       logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
         --predicate 'Turn(0.5)'
 
-    A row is explained by one derivation. For each rule without a row you see the
-    first condition that failed, and a single change that would have produced a row.
-    + holds, - does not. --tree follows every call, down to what was sensed and
-    remembered.
+    A row is explained by its first derivation, and others are named. For each rule
+    without a row you see the first condition that failed, and a single change that
+    would have produced a row. + holds, - does not. --tree follows every call of first
+    derivations, down to what was sensed and remembered.
 
     exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
     """
@@ -236,7 +236,8 @@ def _without_long_values(ask: explain.Ask, program: mind.Program) -> explain.Ask
 def _line(depth: int, node: explain.ProofNode, width: int) -> str:
     mark = {True: "+", False: "-", None: " "}[node.holds]
     prefix = f"{'  ' * depth}{mark} "
-    place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
+    is_rule = node.kind in ("rule", "derivation")
+    place = f"line {node.span.line}: " if is_rule and node.span is not None else ""
     remark = f"  ({node.remark})" if node.remark else ""
     first_values = node.values[:_MOST_VALUES]
     values = [*map(spell, first_values)]

@@ -272,7 +272,7 @@ def test_the_derivations_of_a_row_are_counted_and_shown(
 ) -> None:
     explanation = why(EDGES + rules, "Way", given={"x": 1, "y": end})
     (rule,) = (rule for rule in explanation.rules if rule.row is not None)
-    remark = "; 2 derivations, the first shown" if len(middles) > 1 else ""
+    remark = "; first of 2 derivations" if len(middles) > 1 else ""
     assert rule.node.remark == f"gives this row{remark}"
     assert [n.values[0] for _, n in rule.node.walk() if n.text == "z"] == middles
     proved = proof(EDGES + rules, "Way", x=1, y=end)
@@ -282,8 +282,10 @@ def test_the_derivations_of_a_row_are_counted_and_shown(
 
 def test_other_rules_that_give_the_row_can_be_opened_in_its_proof() -> None:
     text = "E(x) distinct :- x in [1, 2]; E(x) distinct :- x in [2, 3];"
-    (first, other) = proof(text, "E", col0=2).nodes
-    assert [first.kind, other.kind] == ["rule", "derivation"]
+    proved = proof(text, "E", col0=2)
+    (first, other) = proved.nodes
+    assert [first.kind, other.kind, *proved.alternatives] == ["rule", "derivation"]
+    assert [first.remark, other.remark] == ["gives this row", "also gives this row"]
     assert "x in [2, 3]" in [child.text for child in other.children]
 
 

@@ -116,7 +116,7 @@ class _Prover:
                 if len(derivations) > 1:
                     is_all = len(derivations) < _MOST_OTHERS
                     number = number_of(len(derivations), "derivation", is_all=is_all)
-                    remark += f"; {number}, the first shown"
+                    remark += f"; first of {number}"
                     nodes = (*nodes, *_other_derivations(derivations))
                 if self._probing.name == MAIN:
                     nodes = (*nodes, *self._alternative(rule, row, nodes), *self._null_notes(nodes))
@@ -311,8 +311,9 @@ def prove(derivations: Derivations, query: Ask, *, depth: int, nodes: int) -> Pr
     path = (explanation.query.key,)
     premises = _premises(explanation)
     roots = tuple(unfolder.node(node, depth, path) for node in premises)
+    spans = {premise.span for premise in premises}
     alternatives = tuple(
-        node for node in explanation.nodes if not any(node is premise for premise in premises)
+        node for node in explanation.nodes if node not in premises and node.span not in spans
     )
     return Proof(explanation, roots, alternatives, unfolder.complete, unfolder.is_cut)
 
@@ -377,4 +378,5 @@ def _premises(explanation: Explanation) -> tuple[ProofNode, ...]:
     # Several rules may contribute to an aggregate; otherwise one of them is enough.
     if any(child.kind == "aggregate" for child in giving[0].children):
         return giving
-    return (giving[0], *(replace(node, kind="derivation") for node in giving[1:]))
+    others = (replace(node, kind="derivation", remark=f"also {node.remark}") for node in giving[1:])
+    return (giving[0], *others)

@@ -25,7 +25,15 @@ _MARKS = {True: ("✓ ", INK.good), False: ("✗ ", INK.bad), None: ("", INK.dim
 _DEEPER = " →"
 _WIDEST_VALUE = 60
 _NARROWEST_TEXT = 8
-_INKS = {"rule": f"bold {INK.title}", "note": INK.dim, "value": INK.dim, "read": INK.dim}
+RULES = ("rule", "derivation")
+"""The kinds of nodes that are a rule, or a further derivation by it or by another one."""
+
+_INKS = {
+    **dict.fromkeys(RULES, f"bold {INK.title}"),
+    "note": INK.dim,
+    "value": INK.dim,
+    "read": INK.dim,
+}
 
 
 class ProofLine(NamedTuple):
@@ -84,6 +92,7 @@ class ProofTree:
         waiting = deque((line, number < len(self._roots)) for number, line in enumerate(lines))
         while waiting:
             line, is_wanted = waiting.popleft()
+            is_wanted = is_wanted and line.node.kind != "derivation"
             fits = is_wanted and bool(line.children) and line_count + len(line.children) <= room
             if line.folds and self._choices.get(line.key, fits):
                 self._open.add(line.key)
@@ -184,7 +193,7 @@ def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
     head = Content.assemble(
         (_guides(line.depth, width), INK.faint), (marker, INK.key), _MARKS[node.holds]
     )
-    if node.kind == "rule" and node.span is not None:
+    if node.kind in RULES and node.span is not None:
         head = head.append(Content.styled(f"{node.span.line}: ", INK.faint))
     remark = f"  {one_line(node.remark)}" if node.remark else ""
     tail = Content.assemble(

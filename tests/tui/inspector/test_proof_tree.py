@@ -38,6 +38,11 @@ def test_what_is_open_is_what_there_is_room_for() -> None:
     assert 20 < len(folds.lines) <= 30
     assert folds.is_open(folds.lines[0])
     assert not folds.is_open(folds.lines[-1]), "the rest is folded"
+    other = ProofNode("derivation", "Derivation 2", children=many(3).children)
+    folds.show([replace(many(10), children=(other,))], [], 30)
+    assert len(folds.lines) == 2, "further derivations are folded"
+    folds.open(1)
+    assert len(folds.lines) == 5
 
 
 def test_folds_are_exact_wherever_one_opens_and_closes() -> None:
