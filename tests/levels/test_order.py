@@ -1,6 +1,7 @@
 """The course: it tells what the game tells, in order, with questions and rules for steering."""
 
 import re
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -8,10 +9,13 @@ import pytest
 
 from docs.learn import FOLDER, PICTURES, files
 from logical_robots_tui.game.level_questions import Examiner, difference
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.tree import Rule
+from logical_robots_tui.schema import VALUE
+from tests.installed import CHECKOUT
 from tests.levels.playing import LEVELS, load_level, program_text, slow, solution_of
 
 NAMES = {entry.name for entry in REFERENCE if re.fullmatch("[A-Z][A-Za-z0-9]*", entry.name)}
@@ -66,6 +70,57 @@ def test_nothing_is_used_before_its_lesson() -> None:
         }
         early = {part: used_in(code) - told for part, code in parts.items()}
         assert not any(early.values()), (level.name, early)
+
+
+def misused_signs(scope: tree.Node, bound: set[str]) -> list[str]:
+    """The variables that `==` would give a value, and conditions with `=`."""
+    nodes = list(tree.walk(tree.children(scope), lambda node: isinstance(node, tree.Aggregate)))
+    calls = [node for node in nodes if isinstance(node, tree.Atom) and node.name[:1].isupper()]
+    sources = [*calls, *(node.element for node in nodes if isinstance(node, tree.Membership))]
+    if isinstance(scope, Rule) and scope.head.column(VALUE):
+        sources += [column for column in scope.head.columns if column.field != VALUE]
+    bound = bound | variables_in(sources)
+    misused = list[str]()
+    for node in nodes:
+        if isinstance(node, tree.Atom) and node.name == "=":
+            targets = {tree.variable_of(side) for side in tree.operands(node.arguments)} - {""}
+            misused += [] if targets - bound else ["="]
+            bound = bound | targets
+    for node in nodes:
+        if isinstance(node, tree.Equation):
+            misused += {tree.variable_of(node.left), tree.variable_of(node.right)} - {""} - bound
+        elif isinstance(node, tree.Aggregate):
+            misused += misused_signs(node, bound)
+    return misused
+
+
+def variables_in(nodes: Iterable[tree.Node]) -> set[str]:
+    inside = tree.walk(nodes, lambda node: isinstance(node, tree.Aggregate))
+    return {node.name for node in inside if isinstance(node, tree.Variable)}
+
+
+def pieces_of_the_course() -> list[str]:
+    """The rules and bodies with an equals sign that a learner reads."""
+    paths = [p for f in ("programs", "tests/levels/steps") for p in (CHECKOUT / f).rglob("*.l")]
+    pages = [path for path in FOLDER.glob("*.md") if path.name not in ("learn.md", "solutions.md")]
+    levels = [load_level(name) for name in LEVELS]
+    texts = [level.lesson for level in levels] + [path.read_text("utf-8") for path in pages]
+    block = re.compile(r"^```(?:prolog)?\n.*?^```", re.M | re.S)
+    codes = [code for text in texts for code in block.findall(text)]
+    codes += [code for level in levels for h in level.hints for code in re.findall("`(.+?)`", h)]
+    codes += [question.answer for level in levels for question in level.questions]
+    codes += [path.read_text("utf-8") for path in paths]
+    bare = (re.sub(r"^(#.*|```.*)\n?", "", code, flags=re.M) for code in codes)
+    pieces = {piece.strip() for code in bare for piece in re.split(r";\s*$", code, flags=re.M)}
+    return sorted(piece for piece in pieces if re.search(r"(:-.*|^\w+) ==? ", piece, re.S))
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("piece", pieces_of_the_course(), ids=lambda text: text.split("(")[0])
+def test_one_equals_sign_gives_a_value_and_two_compare(piece: str) -> None:
+    text = piece if re.match(r"[A-Z]\w*\(", piece) else f"Piece() :- {piece}"
+    rules = (rule for rule in parse(prepare(text)).statements if isinstance(rule, Rule))
+    assert [sign for rule in rules for sign in misused_signs(rule, set())] == []
 
 
 def test_the_course_is_up_to_date() -> None:
