@@ -90,8 +90,21 @@ def draw_ground(
     return Ground(image, (1 - rock + 1.1 * rim) * inside, kinds)
 
 
+_LIGHTS = {
+    "red": (255, 92, 92),
+    "green": (80, 214, 130),
+    "blue": (92, 150, 255),
+    "white": (236, 240, 248),
+    "gold": (255, 200, 60),
+}
+"""Colours of beacons that have one in their name, such as "Blue" or "Bell of red"."""
+
+
 def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:
-    return palette.charger if beacon.charging_station else palette.beacon
+    if beacon.charging_station:
+        return palette.charger
+    words = beacon.name.lower().split()
+    return next((palette.legible(_LIGHTS[w]) for w in words if w in _LIGHTS), palette.beacon)
 
 
 def blend(image: Floats, window: Window, colour: RGB, weights: Floats) -> None:

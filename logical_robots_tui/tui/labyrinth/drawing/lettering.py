@@ -24,7 +24,7 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import (
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Canvas, Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, mark_ends
-from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Viewport
 from logical_robots_tui.world.dynamics import RobotState
 from logical_robots_tui.world.level import Level
 
@@ -150,9 +150,9 @@ class StaticLabels:
     ) -> None:
         palette, glyphs = look.palette, look.glyphs
         self.room = _FreeCells([0] * viewport.rows, viewport.columns)
-        """The cells that the symbols of beacons leave free."""
+        """The cells that the symbols of beacons, and small gates, leave free."""
         shining: list[tuple[tuple[int, int], str, RGB]] = []
-        named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
+        named: list[tuple[int, str, RGB, tuple[int, int], int, bool]] = []
         for beacon in level.beacons:
             cell = viewport.cell(beacon.x, beacon.y)
             if cell is None:
@@ -161,7 +161,7 @@ class StaticLabels:
             glyph = glyphs.charger if beacon.charging_station else glyphs.beacon
             shining.append((cell, glyph, colour))
             self.room.take(cell[0], cell[1], cell[1] + 1)
-            named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, False))
+            named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, 0, False))
         for area, is_active in zip(level.areas, active, strict=False):
             cell = viewport.cell(area.x, area.y)
             if cell is None:
@@ -171,7 +171,11 @@ class StaticLabels:
             colour = palette.strong(parse(area.color))
             if not is_active:
                 colour = mix(colour, palette.floor, 0.45)
-            named.append((0 if goal else 2, name, colour, cell, True))
+            is_hidden = area.impenetrable and 2 * area.radius < (len(name) + 2) * viewport.units
+            reach = round(area.radius / (CELL_ASPECT * viewport.units)) if is_hidden else 0
+            for row in range(cell[0] - reach, cell[0] + reach + 1) if is_hidden else ():
+                self.room.take(row, cell[1] - 2 * reach, cell[1] + 2 * reach + 1)
+            named.append((0 if goal else 2, name, colour, cell, reach, not is_hidden))
 
         rows, columns = np.array([cell for cell, _, _ in shining], np.int64).reshape(-1, 2).T
         self._places = rows, columns
@@ -187,8 +191,8 @@ class StaticLabels:
         self.plates: list[tuple[Label, int, tuple[int, int]]] = []
         """The names that found a place, their style and the place (row, first column)."""
         room = self.room.copy()
-        for _, name, colour, (row, column), inside in sorted(named, key=lambda item: item[0]):
-            plate = Label(_name_cells(name, viewport, look), row, column, inside=inside)
+        for _, name, colour, cell, reach, inside in sorted(named, key=lambda item: item[0]):
+            plate = Label(_name_cells(name, viewport, look), *cell, reach, inside)
             place = room.place(plate) if plate.cells else None
             if place:
                 paper = self._paper(plate, place, ground, look)

@@ -64,6 +64,8 @@ _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 _CROWD = 12  # robots per hurried picture that reuses the light of the one before
 _UNSEEN = 12  # the error of a colour channel, of 255, that is tolerated in hurried pictures
 
+_MOST_TRAILS = 30  # trails that are told apart; in a larger crowd only the selected robot has one
+
 _THICK = 12.0  # map units between the ends of two rays that belong to one wall, at least
 _LEAST = (24, 10)  # columns and rows that a picture of one robot needs
 
@@ -142,8 +144,12 @@ class Picture:
             cells = self._fit_cells(image, raster, _UNSEEN if hurried else 0)
         canvas = Canvas(cells, viewport, look)
         if look.trails:
-            inks = [colours[robot.name] for robot in level.robots]
-            draw_trails(canvas, *traces.trails(frame.tick), inks)
+            names = [robot.name for robot in level.robots]
+            is_crowd = len(names) > _MOST_TRAILS
+            shown = [i for i, name in enumerate(names) if not is_crowd or name == look.selected]
+            places, ages = traces.trails(frame.tick)
+            if shown and places.size:
+                draw_trails(canvas, places[:, shown], ages, [colours[names[i]] for i in shown])
         if look.lines:
             for fan in light.fans:
                 if fan.name == look.selected:

@@ -236,8 +236,6 @@ def _clear_body(cell_kinds: NDArray[np.int64], robot: RobotState, view: Viewport
 
 def draw_trails(canvas: Canvas, places: Floats, ages: Floats, colours: Sequence[RGB]) -> None:
     """Draw trails of shape (moments, robots, 2), map units, oldest first; ages from 1 to 0."""
-    if not places.size:
-        return
     floor = canvas.look.palette.floor
     shares = [_FAINTEST + step * _FADE for step in range(_FADES)]
     inks = np.array(

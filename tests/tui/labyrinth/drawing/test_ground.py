@@ -111,6 +111,15 @@ def test_beacons_glow_and_chargers_look_different() -> None:
     assert apart(drawn.tone(104, 100), drawn.tone(200, 100)) > 40
 
 
+def test_a_beacon_named_after_a_colour_has_it() -> None:
+    names = ("Red", "Bell of green", "blue lamp")
+    drawn = Drawn(
+        room(beacons=tuple(Beacon(name, 100 * i, 100) for i, name in enumerate(names, 1)))
+    )
+    inks = [drawn.ink(100 * i, 100) for i in (1, 2, 3)]
+    assert [ink.index(max(ink)) for ink in inks] == [0, 1, 2]
+
+
 def test_a_square_room_is_drawn_twice_as_many_columns_wide_as_rows_high() -> None:
     tone = Drawn(room(200, 200, 20), columns=100, rows=30).picture.cells.tone
     on_map = tone != tone[15, 0]

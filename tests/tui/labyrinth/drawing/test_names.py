@@ -67,6 +67,16 @@ def test_names_avoid_each_other_and_the_robots() -> None:
         assert drawn.text(thing.x, thing.y) == ("→" if isinstance(thing, Robot) else "◆")
 
 
+def test_names_leave_a_small_gate_in_sight() -> None:
+    gates = tuple(
+        Area(f"gate {i}", 300 + 25 * i, 300, 31, color="red", impenetrable=True) for i in range(4)
+    )
+    for areas in (gates, gates[:1]):
+        drawn = Drawn(room(1000, 600, areas=areas), look=NAMES, columns=60, rows=24)
+        assert not any(drawn.text(area.x, area.y).isalnum() for area in areas)
+        assert all(area.name in text(drawn) for area in areas)
+
+
 def test_a_name_makes_way_for_a_robot_and_a_blocked_one_has_a_mark_behind_it() -> None:
     level = room(1000, 500, robots=(Robot("Ann", 100, 100),), beacons=(Beacon("lamp", 500, 250),))
     before = Drawn(level, look=NAMES, columns=100, rows=25)

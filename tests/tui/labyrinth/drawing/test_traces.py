@@ -40,6 +40,12 @@ def test_a_trail_shows_where_a_robot_came_from() -> None:
     assert with_trail > 10
     assert 0 < braille(lines(frames[50], BARE, traces)) < with_trail
     assert braille(lines(frames[-1], replace(BARE, trails=False), traces)) == 0
+    # In a crowd only the selected robot has a trail.
+    crowd = room(robots=[Robot(f"{i}", 20 + 10 * i, 20 + 5 * (i % 8)) for i in range(31)])
+    traces = after(frames := run(crowd, 60, {"9": Desire(1, 1)}))
+    looks = [BARE, replace(BARE, selected="9")]
+    drawn = [Picture().draw(crowd, frames[-1], VIEW, look, traces).plain() for look in looks]
+    assert braille(drawn[0]) == 0 < braille(drawn[1])
 
 
 @pytest.mark.parametrize(("drawing", "sign"), [(Drawing.HALVES, "·"), (Drawing.ASCII, "'")])
