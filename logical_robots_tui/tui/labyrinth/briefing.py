@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Sequence
 from itertools import zip_longest
 from textwrap import wrap
@@ -56,12 +57,15 @@ class BriefingTask(NamedTuple):
         return Content("\n").join(Content.styled(text, ink) for text, ink in rows)
 
     def side_by_side(self, width: int, rows: int) -> Content:
-        """Return the text with the goals and the keys beside it, in so much room."""
-        right = self._goals_and_keys(is_apart=True)
-        if len(right) > rows:
-            right = self._goals_and_keys()
-        needed = max((len(text) for text, _ in right), default=0)
-        left = self._text(max(width - _GAP - needed, 1))
+        """Return the text beside goals and keys; the goals are folded where the room is small."""
+        widest = max((len(text) for text in (*self.goals, *self.keys)), default=0)
+        for goals_width in (widest, min(widest, _NARROWEST)):
+            right = self._goals_and_keys(goals_width, is_apart=True)
+            if len(right) > rows:
+                right = self._goals_and_keys(goals_width)
+            left = self._text(max(width - _GAP - goals_width, 1))
+            if len(left) <= rows:
+                break
         across = max(len(text) for text, _ in left) + _GAP
         pairs = zip_longest(left, right, fillvalue=("", ""))
         return Content("\n").join(
@@ -76,8 +80,11 @@ class BriefingTask(NamedTuple):
             lines = [piece for line in folded for piece in wrap(line, width) or [""]]
         return [(self.title, f"bold {INK.title}"), *((line, INK.text) for line in lines)]
 
-    def _goals_and_keys(self, *, is_apart: bool = False) -> list[tuple[str, str]]:
-        goals = [(goal, INK.record) for goal in self.goals]
+    def _goals_and_keys(
+        self, width: int = sys.maxsize, *, is_apart: bool = False
+    ) -> list[tuple[str, str]]:
+        pieces = (piece for goal in self.goals for piece in wrap(goal, width))
+        goals = [(piece, INK.record) for piece in pieces]
         return [*goals, *[("", "")] * is_apart, *((key, INK.dim) for key in self.keys)]
 
 

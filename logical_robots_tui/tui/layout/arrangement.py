@@ -99,13 +99,13 @@ class Pane(Container):
 
 
 LEAST_WIDTH, LEAST_HEIGHT = 40, 12
-_WIDE_FROM = (110, 24)
+_WIDE_FROM = (100, 24)
 _TALL_FROM = 46
 _NARROWEST, _LOWEST = 30, 6  # the smallest columns and rows of a pane, with its border
 
 _LEAST_TEXT, _WIDEST_TEXT = 70, 96
 """Columns of the program below which it leaves none to the labyrinth, and above which all."""
-_LEAST_TABLE, HIGHEST_TABLE = 8, 26
+_LEAST_TABLE, HIGHEST_TABLE = 9, 26
 """Rows of the inspector below which it leaves none to the labyrinth, and above which all."""
 _BESIDE_TEXT, _BELOW_TEXT = 9, 3  # line numbers, cursor, bar and border; help and border
 

@@ -15,7 +15,7 @@ from tests.player.test_session import table
 from tests.tui.conftest import STILL, Opened, Size, opened
 
 TASK = "Bring Pip to the door."
-SIZES = [(80, 24), (120, 40), (90, 50), (200, 60)]
+SIZES = [(80, 24), (100, 24), (120, 40), (90, 50), (200, 60)]
 
 
 async def test_the_briefing_is_there_at_first_and_when_wanted(data_dir: Path, short: Path) -> None:
@@ -79,7 +79,7 @@ def test_each_shipped_briefing_fits_in_its_smallest_place() -> None:
     KEY_MAP.set(KeyMap(COMMANDS))
     for name in list_levels():
         task = BriefingTask.of(load_level(name))
-        assert len(task.side_by_side(105, 9).split("\n", allow_blank=True)) <= 9, name
+        assert len(task.side_by_side(95, 7).split("\n", allow_blank=True)) <= 7, name
         assert len(task.stacked(36).split("\n", allow_blank=True)) <= 20, name
     terms = [tuple(BriefingTask.of(load_level(name)).lines[-2:]) for name in list_arenas()]
     sight = "A robot sees its own rows, and Memory of its team."

@@ -50,7 +50,7 @@ def test_every_size_has_an_arrangement(width: int, height: int) -> None:
     )
 
 
-@given(st.integers(110, 400), st.integers(24, 200), st.builds(Shares, WISHES, WISHES), NEEDS)
+@given(st.integers(100, 400), st.integers(24, 200), st.builds(Shares, WISHES, WISHES), NEEDS)
 def test_no_wish_makes_a_pane_vanish(width: int, height: int, wish: Shares, needs: Needs) -> None:
     layout = arrangement.layout_for(width, height)
     grid = grid_for(layout, width, height, wish, needs)
@@ -60,7 +60,7 @@ def test_no_wish_makes_a_pane_vanish(width: int, height: int, wish: Shares, need
     assert grid_for(layout, width, height, Shares(), needs).shares == Shares()
 
 
-@given(st.integers(40, 109), st.integers(46, 200), WISHES, ASPECTS.map(Needs))
+@given(st.integers(40, 99), st.integers(46, 200), WISHES, ASPECTS.map(Needs))
 def test_panes_in_a_column_keep_some_rows(width: int, height: int, rows: int, needs: Needs) -> None:
     grid = grid_for(ScreenLayout.TALL, width, height, Shares(0, rows), needs)
     assert min(grid.program, grid.inspector, height - 3 - grid.program - grid.inspector) >= 3
@@ -201,7 +201,7 @@ async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) ->
         for size, panes in [
             ((80, 24), ["editor"]),
             ((20, 5), []),
-            ((120, 40), ALL),
+            ((100, 30), ALL),
             ((40, 12), ["editor"]),
             ((300, 80), ALL),
         ]:
