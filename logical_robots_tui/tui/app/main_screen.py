@@ -251,6 +251,7 @@ class MainScreen(Screen[None], SessionListener):
         self.scheduler.soon()
 
     def program_used(self, program: Program) -> None:
+        self.ui.stop_blaming()
         if self.session.source.draft != self._suited:
             self._suit(self.session.level, self.program.text)
 
@@ -319,6 +320,8 @@ class MainScreen(Screen[None], SessionListener):
 
     def point_at(self, pane: Pane) -> None:
         """Bring a pane into view without focusing it."""
+        if pane is self.program:
+            self.ui.stop_blaming()
         self.arrangement.active = pane
         self.arrangement.show()
         self.scheduler.soon()
@@ -339,6 +342,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
+        self.ui.stop_blaming()
         self.player.autosave.edited()
         self.program_controller.edited()
         self.scheduler.soon()

@@ -128,6 +128,8 @@ async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
             assert all(f" {key} " in title.plain for key in "123")
             assert title.cell_length <= width
             assert len(tabs.places) == 3
+        await game.press("f5", until=partial(shows_just, game, ["map"]))
+        assert game.session.busy
 
 
 async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_dir: Path) -> None:

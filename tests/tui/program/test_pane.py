@@ -36,6 +36,22 @@ NAMED = f"""\
 """
 
 
+@at_both_sizes
+async def test_a_message_of_an_error_never_covers_it_and_goes_with_it(
+    data_dir: Path, size: Size
+) -> None:
+    async with opened(data_dir, text=WRONG, size=size) as game:
+        await game.until(lambda: game.session.state.phase == "mistake")
+        message = "The program has an error in line 3."
+        await game.press("space", "space", sees=message)
+        assert game.screen().count(message) == 1
+        await game.press("2", "f5", sees="never closed")
+        rows = [line for line in game.screen().splitlines() if "right_engine: ;" in line]
+        assert rows, "it covers the line"
+        assert game.shows(message) == (size[0] > 80)
+        await game.press("x", sees_no=message)
+
+
 async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked(data_dir: Path) -> None:
     async with opened(data_dir, text=STILL, ready=True) as game:
         await game.press("2", "f7")
