@@ -31,10 +31,10 @@ def run(screen: MainScreen) -> None:
     screen.briefing.close()
     state, panes = screen.session.state, screen.arrangement
     is_map_covered = panes.covers(screen.labyrinth)
-    if screen.session.game is None and state.phase == "mistake":
-        # Alone on the screen, the program says so itself, and a message would cover it.
-        if not is_map_covered or panes.covers(screen.program):
-            screen.ui.blame_program(f"The program has an error in line {state.error_line}.")
+    is_broken = screen.session.game is None and state.phase == "mistake"
+    # Alone on the screen, the program says so itself, and a message would cover it.
+    if is_broken and (not is_map_covered or panes.covers(screen.program)):
+        screen.ui.blame_program(f"The program has an error in line {state.error_line}.")
     screen.session.toggle_run()
     if screen.session.busy and is_map_covered and screen.program.has_focus_within:
         screen.go_to(screen.labyrinth)
