@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING
 
 from logical_robots_tui import game, mind
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.frame import ends
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.player.session_state import (
+    Going,
     Movement,
     OpenLevel,
     ProgramState,
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
 _NOTICEABLE = 0.5  # seconds of thinking after which the screen shows it
 _MOST_OWED = 5  # times as many steps as are requested at once may be pending
-
-Going: TypeAlias = "Callable[[game.Game], Coroutine[Any, Any, object]]"
 
 
 class Session:
@@ -77,11 +76,16 @@ class Session:
     @property
     def running(self) -> bool:
         """Whether the robots run, or will run as soon as the program is compiled."""
-        return self.movement.kind in ("awaiting", "run", "until")
+        return self.movement.kind in ("run", "until")
 
     @property
     def busy(self) -> bool:
         return self.movement.kind != "rest"
+
+    @property
+    def awaits_program(self) -> bool:
+        """Whether something waits for a program that is being compiled."""
+        return self.movement.pending is not None
 
     @property
     def source(self) -> game.ProgramSource:
@@ -183,11 +187,17 @@ class Session:
             )
             game_.listen(lambda frame: self._show(game_, frame))
             self.frame = game_.frame
-            if self.movement.kind == "awaiting":
-                self.run()
         else:
             self.game.use(program)
+        if self.movement.pending is not None:
+            self._begin(self.movement, self.movement.pending)
         self._on_change()
+
+    def keep_program(self) -> None:
+        """Go on with the robots' program rather than wait for another one, if there are both."""
+        if self.awaits_program and self.game is not None and self.program is not None:
+            self._spawn(nothing, "compile", exclusive=True)
+            self.use(self.program)
 
     def toggle_run(self) -> None:
         if self.busy:
@@ -196,10 +206,8 @@ class Session:
             self.run()
 
     def run(self) -> None:
-        if self.game is not None and self.movement.kind != "run":
+        if self.movement.kind != "run":
             self._begin(Movement("run"), lambda game_: game_.run())
-        elif self.game is None and self.state.phase in ("fresh", "compiling"):
-            self.movement = Movement("awaiting")
         self._on_change()
 
     def pause(self) -> None:
@@ -216,8 +224,9 @@ class Session:
         movement = self.movement
         if movement.kind == "steps":
             movement.owed = min(movement.owed + ticks, max(movement.owed, _MOST_OWED * ticks))
-        elif self.game is not None:
-            self.game.pause()
+        else:
+            if self.game is not None:
+                self.game.pause()
             self._begin(Movement("steps", ticks), self._step)
 
     def run_until(self, tick: int) -> None:
@@ -292,10 +301,11 @@ class Session:
         try:
             program = await game.compile_program(texts, show_progress)
         except mind.ProgramError as error:
-            if self.movement.kind == "awaiting":
-                self.movement = Movement()
             mistakes = self.sources.mistakes(error)
             self.state = self.state._replace(phase="mistake", mistakes=mistakes)
+            if self.awaits_program:
+                self.movement = Movement()
+                self._tell(lambda listener: listener.program_rejected())
             self._on_change()
             return
         self.use(program)
@@ -349,8 +359,11 @@ class Session:
             notify(listener)
 
     def _begin(self, movement: Movement, work: Going) -> None:
-        if self.game is not None:
-            self.movement = movement
+        """Begin work, if need be when the program has been compiled."""
+        if self.state.phase in ("fresh", "compiling"):
+            self.movement, movement.pending = movement, work
+        elif self.game is not None:
+            self.movement, movement.pending = movement, None
             movement.waiting_since = self.clock.now()
             move = partial(self._move, self.game, work, movement)
             self._spawn(move, "move", exclusive=True)

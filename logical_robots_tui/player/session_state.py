@@ -13,7 +13,7 @@ from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame, Hit, ProgramSource
+    from logical_robots_tui.game import Frame, Game, Hit, ProgramSource
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.mind.program import Texts
@@ -86,24 +86,26 @@ class TeamSources:
         return (replace(first, line=1, column=1, message=words, excerpt=""),)
 
 
-Kind: TypeAlias = Literal["rest", "awaiting", "run", "steps", "until"]
+Kind: TypeAlias = Literal["rest", "run", "steps", "until"]
+Going: TypeAlias = "Callable[[Game], Coroutine[Any, Any, object]]"
 
 
 @dataclass(slots=True, eq=False)
 class Movement:
     """What is in progress. Each is a new object, so that work can recognise its own.
 
-    ``awaiting`` is for a program to run with, ``until`` at full speed; `waiting_since` is by
-    the game's clock.
+    ``until`` is at full speed; `waiting_since` is by the game's clock. `pending` is work that
+    begins when the program has been compiled.
     """
 
     kind: Kind = "rest"
     owed: int = 0
     waiting_since: float = 0.0
+    pending: Going | None = None
 
     @property
     def thinks(self) -> bool:
-        return self.kind in ("run", "steps", "until")
+        return self.kind != "rest" and self.pending is None
 
 
 async def nothing() -> None:
@@ -114,8 +116,9 @@ class SessionListener:
     """Receives a session's events; each method does nothing unless overridden.
 
     A level is saved as edited, and changed when the frame on the screen has another version of it
-    than the one before. The robots have won while moving forward; that is told once for each
-    program and tick. They have stopped at breakpoints.
+    than the one before. A program is rejected if the robots waited for it and it has errors. They
+    have won while moving forward; that is told once for each program and tick. They have stopped
+    at breakpoints.
     """
 
     def level_opened(self, level: Level) -> None: ...
@@ -123,6 +126,7 @@ class SessionListener:
     def level_changed(self) -> None: ...
     def restarted(self) -> None: ...
     def program_used(self, program: Program) -> None: ...
+    def program_rejected(self) -> None: ...
     def tick_shown(self, frame: Frame) -> None: ...
     def won(self, victory: Victory) -> None: ...
     def stopped(self, hits: tuple[Hit, ...]) -> None: ...

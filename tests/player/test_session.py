@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, closing
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,9 @@ class Chronicle(SessionListener):
 
     def restarted(self) -> None:
         self.events.append("restarted")
+
+    def program_rejected(self) -> None:
+        self.events.append("rejected")
 
     def tick_shown(self, frame: Frame) -> None:
         self.ticks.append(frame.tick)
@@ -249,6 +253,37 @@ async def test_a_program_whose_first_line_looks_like_teams_is_one_program(tmp_pa
         await t.win()
         await t.until(lambda: t.recorder.record.state == "won")
         assert [version.text for version in await t.recorder.versions()] == [text]
+
+
+async def test_what_begins_while_a_program_is_compiled_waits_for_it(tmp_path: Path) -> None:
+    async with table(tmp_path) as t:
+        session = t.session
+        until_3 = partial(session.run_until, 3)
+        begins: list[Callable[[], None]] = [session.run, session.step, until_3]
+        for number, begin in enumerate(begins):
+            text = f"{FAST}# {number}\n"
+            session.restart()
+            session.apply(text)
+            begin()
+            assert session.awaits_program
+            assert session.busy
+            await t.until(lambda: not session.busy)
+            assert session.history is not None
+            tick = session.frame.tick
+            assert tick
+            assert {program.text for _, program in session.history.programs(tick)} == {text}
+        session.apply(FAST)
+        session.run()
+        session.keep_program()
+        assert session.running
+        assert not session.awaits_program
+        await t.until(lambda: not session.busy)
+        assert session.state.applied == text
+        session.restart()
+        session.apply("Robot")
+        session.run()
+        await t.until(lambda: not session.busy)
+        assert (session.frame.tick, t.chronicle.events[-1]) == (0, "rejected")
 
 
 async def test_steps_owed_are_taken_under_any_program_until_a_pause(tmp_path: Path) -> None:

@@ -251,9 +251,12 @@ class MainScreen(Screen[None], SessionListener):
         self.scheduler.soon()
 
     def program_used(self, program: Program) -> None:
-        self.ui.stop_blaming()
+        self.arrangement.note("")
         if self.session.source.draft != self._suited:
             self._suit(self.session.level, self.program.text)
+
+    def program_rejected(self) -> None:
+        self.arrangement.note(self.program_controller.complaint())
 
     def quit(self) -> None:
         player = self.player
@@ -283,9 +286,9 @@ class MainScreen(Screen[None], SessionListener):
 
     def redraw_lines(self) -> None:
         self._lines_drawn_at = self.session.clock.now()
-        self._status.show(status_of(self.session))
-        self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = self.is_typing
+        self._status.show(status_of(self.session, typing=typing))
+        self.timeline.show(self.session, self.labyrinth.view.selected)
         focus_keys = [(key_of(key), does) for key, does in getattr(self.focused, "bar_keys", ())]
         busy = self.session.busy
         edits = self.editing.is_on and self.labyrinth.has_focus
@@ -320,8 +323,6 @@ class MainScreen(Screen[None], SessionListener):
 
     def point_at(self, pane: Pane) -> None:
         """Bring a pane into view without focusing it."""
-        if pane is self.program:
-            self.ui.stop_blaming()
         self.arrangement.active = pane
         self.arrangement.show()
         self.scheduler.soon()
@@ -342,9 +343,9 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
-        self.ui.stop_blaming()
         self.player.autosave.edited()
         self.program_controller.edited()
+        self.arrangement.note("")
         self.scheduler.soon()
 
     @on(BriefingCard.Closed)

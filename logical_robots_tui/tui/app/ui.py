@@ -68,24 +68,12 @@ class Dialogs(Ui, Protocol):
 class ScreenUi(Dialogs):
     def __init__(self, screen: Screen[Any]) -> None:
         self.screen = screen
-        self._blames_program = False
 
     def tell(self, message: str) -> None:
         self.screen.notify(message, markup=False, timeout=4)
 
     def warn(self, message: str) -> None:
         self.screen.notify(one_line(message), markup=False, severity="warning", timeout=8)
-
-    def blame_program(self, message: str) -> None:
-        """Warn until the program changes or the player goes to it."""
-        self.stop_blaming()
-        self._blames_program = True
-        self.warn(message)
-
-    def stop_blaming(self) -> None:
-        if self._blames_program:
-            self._blames_program = False
-            self.screen.app.clear_notifications()
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
         in_background(self.screen, work, group, exclusive=exclusive)

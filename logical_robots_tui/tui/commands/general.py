@@ -28,25 +28,30 @@ def editor(screen: MainScreen) -> Editor:
 
 
 def run(screen: MainScreen) -> None:
+    was_busy = screen.session.busy
     screen.briefing.close()
-    state, panes = screen.session.state, screen.arrangement
-    is_map_covered = panes.covers(screen.labyrinth)
-    is_broken = screen.session.game is None and state.phase == "mistake"
-    # Alone on the screen, the program says so itself, and a message would cover it.
-    if is_broken and (not is_map_covered or panes.covers(screen.program)):
-        screen.ui.blame_program(f"The program has an error in line {state.error_line}.")
     screen.session.toggle_run()
-    if screen.session.busy and is_map_covered and screen.program.has_focus_within:
+    is_hidden = screen.arrangement.covers(screen.labyrinth)
+    if screen.session.busy and is_hidden and screen.program.has_focus_within:
         screen.go_to(screen.labyrinth)
+    screen.arrangement.note("" if was_busy else _note_on_program(screen))
 
 
 def step(screen: MainScreen, ticks: int = 1) -> None:
     screen.briefing.close()
+    screen.arrangement.note(_note_on_program(screen))
     screen.session.step(ticks)
+
+
+def _note_on_program(screen: MainScreen) -> str:
+    session, controller = screen.session, screen.program_controller
+    is_broken = session.game is None and session.state.phase == "mistake"
+    return controller.complaint() if is_broken else controller.note_on_text()
 
 
 async def run_until(screen: MainScreen) -> None:
     screen.briefing.close()
+    screen.arrangement.note(_note_on_program(screen))
     await screen.timeline_controller.ask_how_far()
 
 
@@ -106,6 +111,8 @@ def next_team(screen: MainScreen) -> None:
 
 
 def leave(screen: MainScreen) -> None:
+    if not screen.is_typing:
+        screen.session.keep_program()
     if screen.arrangement.active is screen.labyrinth:
         screen.labyrinth.select(None)
         screen.briefing.close()

@@ -72,7 +72,7 @@ time.add("timeline", "Timeline", "T", lambda s: s.set_focus(s.timeline),
 
 programs: CommandGroup[MainScreen] = CommandGroup("Program and level")
 programs.add("apply", "Apply the program", "ctrl+r f4", lambda s: s.session.apply(s.program.text),
-    "Compile the text in the editor; the robots use it from the next tick on.",
+    "Compile the text in the editor. Running robots use it from the next tick on, others wait.",
     bar="Apply", place="anywhere", also="compile use")
 programs.add("error", "Go to the error", "ctrl+g", lambda s: general.program(s).go_to_mistake(),
     "Go to the place where the program can't be compiled.")

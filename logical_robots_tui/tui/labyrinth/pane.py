@@ -30,6 +30,7 @@ class LabyrinthPane(Pane, can_focus=True):
     DEFAULT_CSS = """
     LabyrinthPane { layers: picture over; }
     LabyrinthPane LabyrinthView { layer: picture; }
+    LabyrinthPane > .note { layer: over; }
     """
 
     BINDINGS = [

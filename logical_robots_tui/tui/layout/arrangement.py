@@ -13,6 +13,7 @@ from textual.content import Content
 from textual.geometry import Offset, Size
 from textual.message import Message
 from textual.widget import Widget
+from textual.widgets import Static
 
 from logical_robots_tui.tui.app.ui import widget_at
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
@@ -26,6 +27,9 @@ class Pane(Container):
     Pane {
         border: round $frame; border-title-color: $ink-dim; border-subtitle-color: $ink-dim;
         border-title-style: none; background: $surface; width: 1fr; height: 1fr;
+    }
+    Pane > .note {
+        dock: bottom; height: auto; padding: 0 1; background: $odd-strip; color: $foreground;
     }
     Pane:focus-within, Pane:focus { border: round $frame-here; border-title-color: $ink-title; }
     """
@@ -54,6 +58,7 @@ class Pane(Container):
         self._held: tuple[str, Offset] | None = None
         self._heading = title
         self._note = ""
+        self._bottom_line: Static | None = None
         self._set_border_title()
 
     @property
@@ -65,6 +70,15 @@ class Pane(Container):
             self._note = visible(text)
             self._set_border_title()
             self.post_message(self.Retitled())
+
+    def note_below(self, text: str) -> None:
+        """Show a line at the bottom of the pane, or none."""
+        if self._bottom_line is None and text:
+            self._bottom_line = Static(classes="note", markup=False)
+            self.mount(self._bottom_line)
+        if self._bottom_line is not None:
+            self._bottom_line.update(text)
+            self._bottom_line.display = bool(text)
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         sides = {
@@ -281,6 +295,11 @@ class Arrangement:
                 self.active = pane
                 return True
         return False
+
+    def note(self, text: str) -> None:
+        """Show a line in the active pane, until the next one or "" takes its place."""
+        for pane in self.panes:
+            pane.note_below(text if pane is self.active else "")
 
     def toggle_large(self) -> None:
         self.is_one_large = not self.is_one_large

@@ -17,7 +17,7 @@ from logical_robots_tui.wording import clip, one_line
 if TYPE_CHECKING:
     from logical_robots_tui.player.session import Session
 
-Activity: TypeAlias = Literal["running", "paused", "won", "over", "compiling"]
+Activity: TypeAlias = Literal["running", "waiting", "paused", "won", "over", "compiling"]
 
 _LONG = 2.0  # seconds of thinking
 _NAMED_FROM = 60  # columns with room for the level's name beside the goals
@@ -27,6 +27,7 @@ _SIGNS: dict[Activity, tuple[str, str]] = {
     "paused": ("‖ PAUSED", f"bold {INK.warn}"),
     "won": ("★ WON", f"bold {INK.key}"),
     "over": ("■ MATCH OVER", f"bold {INK.key}"),
+    "waiting": ("◌ waiting for the program", f"bold {INK.warn}"),
     "compiling": ("◌ COMPILING", f"bold {INK.title}"),
 }
 
@@ -35,7 +36,8 @@ class Status(NamedTuple):
     """The content of the status line.
 
     Speeds are in ticks per second: chosen, None for full speed; achieved over the last second,
-    None at rest. `thinking_for` is seconds of a long think, otherwise 0.0.
+    None at rest. `thinking_for` is seconds of a long think, otherwise 0.0. `keep_key` is a key that
+    goes on with the old program rather than wait, or "".
     """
 
     title: str
@@ -47,11 +49,14 @@ class Status(NamedTuple):
     goals: tuple[Goal, ...]
     standing: tuple[tuple[str, float], ...]
     thinking_for: float
+    keep_key: str = ""
 
 
-def status_of(session: Session) -> Status:
+def status_of(session: Session, *, typing: bool = False) -> Status:
     activity: Activity = "paused"
-    if session.running:
+    if session.awaits_program:
+        activity = "waiting"
+    elif session.running:
         activity = "running"
     elif session.won_at is not None:
         activity = "won"
@@ -60,6 +65,7 @@ def status_of(session: Session) -> Status:
     elif session.game is None and session.state.phase in ("fresh", "compiling"):
         activity = "compiling"
     achieved = session.pace.achieved if session.running else None
+    can_keep = session.awaits_program and session.game is not None and not typing
     frame = session.frame
     return Status(
         title=session.level.title,
@@ -71,6 +77,7 @@ def status_of(session: Session) -> Status:
         goals=goals(session.level, frame.after),
         standing=tuple(standing(session.level, frame.after).items()),
         thinking_for=round(session.thinking_for, 1),
+        keep_key=command("leave").key_name if can_keep else "",
     )
 
 
@@ -98,6 +105,8 @@ def fit(status: Status, width: int) -> Content:
     """Return the most important parts of a status line that fit, in reading order."""
     tick = f"tick {status.tick}"
     sign, sign_style = _SIGNS[status.activity]
+    if status.keep_key:
+        sign = f"◌ waiting for the new program, {status.keep_key} runs the old one"
     if status.thinking_for:
         key = command("run").bar_key(typing=True) if status.thinking_for >= _LONG else ""
         stop = f", {key} stops it" if key else ""

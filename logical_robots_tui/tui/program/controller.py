@@ -21,6 +21,7 @@ from logical_robots_tui.language.services.completion import definitions
 from logical_robots_tui.language.services.editing import find_after, rename
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.paths import write_atomically
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.wording import clip, count_of, one_line
 
@@ -49,6 +50,7 @@ class ProgramController:
         self._pattern = ""
         self._has_told_copy = False
         self._check: asyncio.TimerHandle | None = None
+        self._noted_text: str | None = None
 
     def edited(self) -> None:
         """Check the text soon after the last key."""
@@ -60,6 +62,23 @@ class ProgramController:
                 self._session.check(self._pane.text)
 
         self._check = asyncio.get_running_loop().call_later(_RESTING, check)
+
+    def note_on_text(self) -> str:
+        """Return what to say, once for each text, when the robots move under another one."""
+        text, state = self._pane.text, self._session.state
+        if text in (state.applied, self._noted_text) or state.applied is None:
+            return ""
+        if state.phase == "compiling" and text == state.tried:
+            return ""
+        self._noted_text = text
+        if state.phase == "mistake" and text == state.tried:
+            return f"Runs the applied version; yours has an error in line {state.error_line}."
+        return with_keys("Runs the applied version; {apply} applies yours.")
+
+    def complaint(self) -> str:
+        state = self._session.state
+        adjective = "" if state.applied is None else "new "
+        return f"The {adjective}program has an error in line {state.error_line}."
 
     def keep_copy(self, text: str) -> None:
         """Also write copied text to a file, because terminals don't confirm a copy."""
