@@ -66,7 +66,8 @@ def progress(options: argparse.Namespace) -> int:
 
 
 def _list(progress: Progress, options: argparse.Namespace) -> None:
-    levels = dict.fromkeys([*world.list_levels(), *progress.levels()])
+    files = (level for level in progress.levels() if _is_file_name(level))
+    levels = dict.fromkeys([*world.list_levels(), *files])
     records = {level: progress.record(level) for level in levels}
     if options.json:
         documents = [_as_data(progress, level, record) for level, record in records.items()]
@@ -90,6 +91,11 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
             counts = str(record.hints or ""), str(len(bests.goals) or "")
             rows.append((level, record.state, counts[0], *texts, distance, robust, counts[1]))
         print(*columns(rows), sep="\n")
+
+
+def _is_file_name(level: str) -> bool:
+    """Return whether a level is shipped, or a file; one that was never saved has no suffix."""
+    return not Path(level).is_absolute() or bool(Path(level).suffix)
 
 
 def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, Any]:

@@ -30,6 +30,7 @@ def folder(tmp_path: Path) -> Path:
     progress.win(LEVEL, "Worse() = 1;", Measures(9000, 99, 9e9, 1, 20))
     progress.reveal("02-open-space", 2)
     progress.begin("/maps/cellar.toml")
+    progress.begin("/maps/room")  # which was never saved, and so is not listed
     progress.close()
     return tmp_path
 
