@@ -73,7 +73,8 @@ class Examiner:
                 break
         earlier_ticks = [t for t in question.ticks if t < tick]
         if verdict.is_right:
-            words = f"Right at {ticks_in_words(question.ticks)}."
+            rows = f"; these rows are from tick {tick}" * bool(earlier_ticks)
+            words = f"Right at {ticks_in_words(question.ticks)}{rows}."
         elif earlier_ticks:
             words = f"Right at {ticks_in_words(earlier_ticks)}, but at tick {tick} {verdict.words}"
         else:
@@ -131,9 +132,8 @@ def difference(answer: ResultTable, expected: ResultTable) -> str:
     if answer.truncated:
         return f"it gives more than {count_of(len(answer.rows), 'row')}."
     if answer.rows and len(answer.columns) != len(expected.columns):
-        narrower = _without_robot(answer, expected)
-        if narrower is not None and not difference(narrower, expected):
-            return ""
+        if (narrower := _without_robot(answer, expected)) is not None:
+            return difference(narrower, expected)
         columns = count_of(len(answer.columns), "column")
         hint = " The head of a rule chooses them." * (len(answer.columns) > len(expected.columns))
         return f"its rows have {columns} instead of {len(expected.columns)}.{hint}"
@@ -170,12 +170,12 @@ def difference(answer: ResultTable, expected: ResultTable) -> str:
 
 def _without_robot(answer: ResultTable, expected: ResultTable) -> ResultTable | None:
     """Return a table without the column that a query about a sensor gets by itself."""
-    if _ROBOT not in answer.columns or _ROBOT in expected.columns:
+    is_wider = len(answer.columns) > len(expected.columns)
+    if not is_wider or _ROBOT not in answer.columns or _ROBOT in expected.columns:
         return None
     indices = [index for index, name in enumerate(answer.columns) if name != _ROBOT]
     rows = tuple(tuple(row[index] for index in indices) for row in answer.rows)
-    narrower = ResultTable(tuple(answer.columns[index] for index in indices), rows)
-    return narrower if len(indices) == len(expected.columns) else None
+    return ResultTable(tuple(answer.columns[index] for index in indices), rows)
 
 
 def _are(rows: int) -> str:

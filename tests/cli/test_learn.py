@@ -29,7 +29,7 @@ def test_the_lesson_is_printed_and_its_questions_are_asked(typed: Ask) -> None:
     assert told.startswith("A short way\n\nA rule with one case.\n")
     assert "Question 1 of 2: Who is there?\nAt ticks 0 and 2 of obstacle-avoider, " in told
     assert "A query may use Sensor, Memory, FreedomMotion, Robot." in told
-    assert 'robot_name\n"Pip"\nRight at ticks 0 and 2.\n' in told
+    assert 'robot_name\n"Pip"\nRight at ticks 0 and 2; these rows are from tick 2.\n' in told
     assert "1 of 2 answered." in told
 
 
@@ -38,7 +38,7 @@ def test_answers_are_kept_and_questions_marked(typed: Ask, lesson: Path, tmp_pat
     told = typed("", WRONG, "Way(200);", RIGHT, options=mine).out
     assert f"> {WRONG}\n      ^\n" in told
     assert "col0\n200\nAt tick 0 your only row is wrong; 1 row is expected.\n" in told
-    assert "Right at ticks 0 and 5.\n\n1 of 2 answered.\n" in told
+    assert "Right at ticks 0 and 5; these rows are from tick 5.\n\n1 of 2 answered.\n" in told
     again = typed("", options=(*mine, "--question", "2"))
     assert "Question 2 of 2, answered: How far?" in again.out
     progress = Progress(tmp_path / FILE_NAME)
@@ -49,10 +49,10 @@ def test_answers_are_kept_and_questions_marked(typed: Ask, lesson: Path, tmp_pat
 @pytest.mark.parametrize(
     ("query", "status", "said"),
     [
-        (RIGHT, 0, "Right at ticks 0 and 5."),
-        ("sensor.forward_distance", 0, "Right at ticks 0 and 5."),
+        (RIGHT, 0, "Right at ticks 0 and 5; these rows are from tick 5."),
+        ("sensor.forward_distance", 0, "Right at ticks 0 and 5; these rows are from tick 5."),
         ("Way(43);", 1, "Right at tick 0, but at tick 5 your only row is wrong; 1 row is expected"),
-        ("Robot", 1, "At tick 0 its rows have 3 columns instead of 1."),
+        ("Robot", 1, "At tick 0 its rows have 2 columns instead of 1."),
         (RIGHT + ", 1 > 2", 1, "At tick 0 it gives no rows; 1 row is expected."),
     ],
 )

@@ -186,7 +186,7 @@ def test_a_player_answers_questions_of_a_lesson_in_lines(typed: TypedCommand, le
     assert "\nsenso\n^^^^^\n" in first
     assert rest.startswith("At ticks 0 and 5 of first-steps-starter, in the rows of all robots.\n")
     assert "0 of 1 answered.\n" in rest
-    assert "Right at ticks 0 and 5.\n" in rest
+    assert "Right at ticks 0 and 5; these rows are from tick 5.\n" in rest
     assert "Question 1 of 1, answered: How far?\n" in typed("answer 3 Robot").out
     lesson.write_text(lesson.read_text("utf-8").replace(asked, ""), "utf-8")
     assert "This level has no questions." in typed("answer").out

@@ -43,7 +43,12 @@ async def test_a_lesson_leads_to_questions(data_dir: Path, asking: Path, size: S
         await answer(game, 'Here(n: "A");', "At tick 0 your only row is wrong; 1 row is expected")
         assert game.app.screen.query_one(ValueTable).all.rows == (("A",),)
         await answer(game, "Sensor(robot_name:", "      ^", "is never closed")
-        await answer(game, "Sensor(robot_name:)", "Right at ticks 0 and 2.", "1 of 2 answered")
+        await answer(
+            game,
+            "Sensor(robot_name:)",
+            "Right at ticks 0 and 2; these rows are from tick 2.",
+            "1 of 2 answered",
+        )
         await game.sees("1 of 2 ✓  Who is there?")
         await game.press("enter", sees="2 of 2  How far?")
         await answer(game, "Way(43);", "Right at tick 0, but at tick 5 your only row is wrong")
