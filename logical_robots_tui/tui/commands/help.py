@@ -75,7 +75,7 @@ class Help(Dialog[None]):
     """The help: the current pane first, then everything else, or the matches of a search."""
 
     DEFAULT_CSS = """
-    Help > #box { height: 90%; max-width: 100; }
+    Help > #box { width: 100%; max-width: 100; height: 100%; max-height: 100%; }
     Help LinesView { height: 1fr; scrollbar-gutter: stable; margin: 0; }
     """
 
@@ -114,9 +114,10 @@ class Help(Dialog[None]):
         sections: dict[str, list[Content]] = {}
         for entry in commands():
             sections.setdefault(entry.group, []).append(_entry(entry, width))
-        sections["On the map"] = _signs(signs)
-        sections["In the timeline"] = _signs([*SIGNS.values(), DIVERGENCE, *TRACKS])
-        sections["In the inspector"] = _signs([(s, INK.key, text) for s, text in _INSPECTOR_SIGNS])
+        sections["On the map"] = _signs(signs, width)
+        sections["In the timeline"] = _signs([*SIGNS.values(), DIVERGENCE, *TRACKS], width)
+        inspector_signs = [(sign, INK.key, meaning) for sign, meaning in _INSPECTOR_SIGNS]
+        sections["In the inspector"] = _signs(inspector_signs, width)
         sentence, headings = _ABOUT[self._subject]
         words = self.query_one(Input).value.casefold().split()
         content = [Content.styled(line, INK.text) for line in wrap(sentence, max(width, 1))]
@@ -135,11 +136,13 @@ class Help(Dialog[None]):
         return [line for part in content for line in part.split("\n", allow_blank=True)]
 
 
-def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
-    return [
-        Content.assemble("  ", (sign, style), "  ", (meaning, INK.text))
-        for sign, style, meaning in signs
-    ]
+def _signs(signs: Iterable[tuple[str, str, str]], width: int) -> list[Content]:
+    """Return a sign with its meaning in lines of a width."""
+    contents = []
+    for sign, style, meaning in signs:
+        folded = ("\n" + " " * (4 + len(sign))).join(wrap(meaning, max(width, 40) - 4 - len(sign)))
+        contents.append(Content.assemble("  ", (sign, style), "  ", (folded, INK.text)))
+    return contents
 
 
 @lru_cache(256)

@@ -213,6 +213,10 @@ async def test_the_help_lists_every_command_and_begins_with_what_is_in_use(data_
             await game.settled()
             assert begins_with(await help_about(about), heading)
             await leave_dialog()
+        await game.resize(80, 24, until=lambda: game.app.size == (80, 24))
+        shown = await help_about("editing")
+        assert shown.size.width >= 75, "it takes the whole screen"
+        assert max(map(len, shown.plain.splitlines())) <= shown.size.width
 
 
 async def test_a_click_chooses_a_robot_and_q_or_two_ctrl_c_leave_the_game(data_dir: Path) -> None:
