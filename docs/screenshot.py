@@ -1,7 +1,8 @@
 """Draw the README's pictures: the game plays in a terminal, and its cells become SVG.
 
 ``python -m docs.screenshot playing`` draws the first program of the README winning the first level,
-as a moving picture; ``levels`` draws the level screen after some victories.
+as a moving picture; ``levels`` draws the level screen after some victories; ``convoy`` draws a
+whole run of level 8, as `replay export` does.
 
 Block and line characters become rectangles, so that the picture has no seams in any font.
 """
@@ -22,6 +23,8 @@ from logical_robots_tui.game import reference_for
 from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.simulation import Simulation
+from logical_robots_tui.tui.labyrinth.svg import moving_svg
 from logical_robots_tui.world import list_levels, load_level
 from tests.terminal import Terminal
 
@@ -120,7 +123,16 @@ def draw_levels() -> str:
             return svg(terminal.screen)
 
 
-PICTURES = {"playing": draw_playing, "levels": draw_levels}
+def draw_convoy() -> str:
+    """Let the solution win the level of robots that follow each other, and draw all of it."""
+    with Simulation("08-formation", "formation") as simulation:
+        states = [simulation.frame.after]
+        while not simulation.over:
+            states.append(simulation.step().after)
+    return moving_svg(simulation.level, states, simulation.tick)[0]
+
+
+PICTURES = {"playing": draw_playing, "levels": draw_levels, "convoy": draw_convoy}
 
 
 def svg(screen: pyte.Screen) -> str:

@@ -1,4 +1,4 @@
-"""``logical-robots replay``: record a run, play it again, verify it and show it."""
+"""``logical-robots replay``: record a run, play it again, verify, show and export it."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ SAME, DIFFERENT = 0, 3
 
 command.group(
     "replay",
-    "record a run in a file, play it again, verify it and show it",
+    "record a run in a file, play it again, verify, show and export it",
     """\
   logical-robots replay record 01-first-steps first-steps -o first.replay
   logical-robots replay play first.replay
   logical-robots replay verify first.replay
   logical-robots replay show first.replay --svg first.svg
+  logical-robots replay export first.replay moving.svg
 """,
 )
 
@@ -207,6 +208,44 @@ def _show(options: argparse.Namespace) -> int:
         print_json(_as_json(replay))
     else:
         print(*(harmless(line) for line in _lines(replay)), sep="\n")
+    return SAME
+
+
+@command.declare(
+    "replay export",
+    _REPLAY,
+    command.option("file", "OUT", "the file to write, .svg", type=Path),
+    command.FORCE,
+)
+def _export(options: argparse.Namespace) -> int:
+    """write a replay as a moving picture
+
+    Write a replay as a moving picture, an SVG file that every browser plays.
+
+    It plays 40 ticks a second, or a longer run in a minute.
+
+    examples:
+      logical-robots replay export first.replay moving.svg
+
+    exit status: 0 written, 2 the replay can't be read or the file can't be written
+    """
+    from logical_robots_tui.game.replay import load_replay
+    from logical_robots_tui.tui.labyrinth.svg import moving_svg
+
+    if options.file.suffix.lower() != ".svg":
+        raise InputError(
+            "A moving picture is an SVG file.",
+            place=str(options.file),
+            hint="Choose a name that ends in .svg.",
+        )
+    refuse_existing(options.file, force=options.force)
+    replay = load_replay(options.replay)
+    picture, step = moving_svg(replay.levels[-1], replay.states(), replay.last - replay.first)
+    write(options.file, picture)
+    size = f"{_ticks(replay)}, drawn every {step} ticks ({len(picture):,} bytes)"
+    print(harmless(f"Wrote {options.file}: {size}."))
+    if len(set(replay.levels)) > 1:
+        print("The level was changed on the way; it is drawn as it was at the end.")
     return SAME
 
 

@@ -1,6 +1,9 @@
 """``logical-robots replay``: record, verify and show."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -8,7 +11,12 @@ import msgspec
 import pytest
 
 from logical_robots_tui.game.replay import load_replay
+from logical_robots_tui.tui.labyrinth.svg import moving_svg
+from logical_robots_tui.world import Level, WorldState, load_level
+from logical_robots_tui.world.dynamics import AreaState, RobotState
 from tests.cli.running import Command, Told
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture
@@ -80,9 +88,57 @@ def test_it_is_shown(command: Command, recorded: Path, ahead: Path, tmp_path: Pa
     assert data["desires"] == [{"Pip": [0.5, 0.5]}] * last
     drawing = tmp_path / "a.svg"
     assert command("replay", "show", recorded, "--svg", drawing).status == 0
-    (line,) = ET.fromstring(drawing.read_text()).iter("{http://www.w3.org/2000/svg}polyline")
+    (line,) = ET.fromstring(drawing.read_text()).iter(f"{SVG}polyline")
     points = line.attrib["points"].split()
     assert (len(points), points[0]) == (last + 1, "12.0,12.5")
+
+
+def test_it_is_exported_as_a_moving_picture_that_ends_where_the_run_did(
+    command: Command, recorded: Path, tmp_path: Path
+) -> None:
+    picture, replay = tmp_path / "a.svg", load_replay(recorded)
+    words = command("replay", "export", recorded, picture).success
+    size = f"{replay.last} ticks, drawn every 2 ticks ({picture.stat().st_size:,} bytes)"
+    assert words == f"Wrote {picture}: {size}.\n"
+    (motion,) = ET.fromstring(picture.read_text()).iter(f"{SVG}animateTransform")
+    places, (*_, state) = motion.attrib["values"].split(";"), replay.states()
+    end = f"{state.robots[0].x:.1f} {state.robots[0].y:.1f}"
+    assert (places[0], places[-1], places.index(end)) == ("12.0 12.5", end, -(-replay.last // 2))
+    assert "already exists" in command("replay", "export", recorded, picture).refusal
+    assert command("replay", "export", recorded, picture, "--force").status == 0
+    for name, reason in (("no/a.svg", "can't be written"), ("a.gif", "a name that ends in .svg")):
+        assert reason in command("replay", "export", recorded, tmp_path / name).refusal
+
+
+@pytest.mark.parametrize(
+    ("robots", "ticks", "step", "seconds"),
+    [(1, 1, 2, 0.15), (3, 1_000, 2, 27), (100, 1_000, 2, 27), (20, 9_000, 8, 62)],
+)
+def test_a_moving_picture_is_small_and_shows_turns_and_switches(
+    robots: int, ticks: int, step: int, seconds: float
+) -> None:
+    swarm = load_level("13-swarm").robots[:robots]
+    level = replace(load_level("09-doors"), robots=swarm)
+    text, every = moving_svg(level, turning(level, ticks), ticks)
+    assert (every, len(text) < 2_000_000) == (step, True)
+    root = ET.fromstring(text)
+    motions = [motion.attrib for motion in root.iter(f"{SVG}animateTransform")]
+    assert float(motions[0]["dur"][:-1]) == pytest.approx(seconds, 0.01)
+    turns = [[*map(int, m["values"].split(";"))] for m in motions if m["type"] == "rotate"]
+    largest = math.degrees(0.1 * step) + 1
+    assert len(turns) == robots
+    assert all(0 <= b - a <= largest for turn in turns for a, b in pairwise(turn))
+    switches = {switch.attrib["values"] for switch in root.iter(f"{SVG}animate")}
+    assert switches == {"visible;hidden", "hidden;visible"}
+
+
+def turning(level: Level, ticks: int) -> Iterator[WorldState]:
+    """Robots turn on the spot; the areas go on in the last tick."""
+    for tick in range(ticks + 1):
+        angle = 0.1 * tick % math.tau
+        robots = tuple(RobotState(robot.name, robot.x, robot.y, angle, 1) for robot in level.robots)
+        areas = tuple(AreaState(area.name, active=tick == ticks) for area in level.areas)
+        yield WorldState(tick, robots, areas)
 
 
 def test_what_is_no_replay_is_refused(
@@ -90,7 +146,5 @@ def test_what_is_no_replay_is_refused(
 ) -> None:
     told, _ = record("a", "--ticks", 100_001)
     assert "--ticks 100001: a replay has at most 100,000 ticks" in told.refusal
-    for what in ("play", "verify", "show"):
-        refusal = command("replay", what, ahead).refusal
-        assert "Traceback" not in refusal
-    assert "is not a replay file" in refusal
+    for what, *out in (["play"], ["verify"], ["show"], ["export", ahead.with_name("a.svg")]):
+        assert "is not a replay file" in command("replay", what, ahead, *out).refusal

@@ -111,6 +111,7 @@ BEFORE: dict[str, Callable[[Path], None]] = {
     **{f"{PROGRAM} lab{each}": _sweep for each in ("", " status", " resume", " export", " report")},
     f"{PROGRAM} lab play": _grade,
     f"{PROGRAM} replay show": _record,
+    f"{PROGRAM} replay export": _record,
     f"{PROGRAM} completion": _make_folders,
 }
 """What makes the files and folders that a text speaks of and that its own examples do not make."""

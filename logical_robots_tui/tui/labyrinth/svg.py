@@ -1,4 +1,4 @@
-"""A level as an SVG drawing."""
+"""A level as an SVG drawing, still or moving."""
 
 from __future__ import annotations
 
@@ -16,21 +16,105 @@ from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from logical_robots_tui.world import Area, Beacon, Level, Robot
+    from logical_robots_tui.world import Area, Beacon, Level, Robot, WorldState
 
     Point = tuple[float, float]
+    Pose = tuple[float, float, float]
 
 _FONT = "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace"
 _FONT_SIZE = 12  # map units
+
+_TICKS_PER_SECOND = 40
+_FRAMES_PER_SECOND = 20  # between which robots drive straight on
+_LONGEST = 60  # seconds of motion; a longer run is played faster
+_REST = 2  # seconds for which the end is shown
+_MOST_BYTES = 1_800_000  # of poses, by an upper bound
+_POSE_BYTES, _SWITCH_BYTES = 20, 8
+_STILL = "<style>@media (prefers-reduced-motion){.run{display:none}.end{display:inline}}</style>"
 
 
 def svg(level: Level, paths: Mapping[str, Sequence[Point]] | None = None) -> str:
     """Return a level at its start as SVG in dark colours; one SVG unit is one map unit."""
     paths = paths or {}
+    activity = tuple(not area.on_beacon for area in level.areas)
+    trails = (_path(robot, paths.get(robot.name, ())) for robot in level.robots)
+    return _document(level, *_objects(level, [_poses_of(level)], [activity], "", *trails))
+
+
+def moving_svg(level: Level, states: Iterable[WorldState], ticks: int) -> tuple[str, int]:
+    """Return a run of so many ticks as SVG, and how many ticks one drawn pose stands for.
+
+    Where a reader wants no motion, it shows the end.
+    """
+    speed = max(_TICKS_PER_SECOND, ticks / _LONGEST)
+    switches = sum(bool(area.on_beacon or area.off_beacon) for area in level.areas)
+    size = ticks * (len(level.robots) * _POSE_BYTES + switches * _SWITCH_BYTES)
+    step = math.ceil(max(size / _MOST_BYTES, speed / _FRAMES_PER_SECOND))
+    poses, activities = _frames(level, states, ticks, step)
+    rest = min(len(poses), round(_REST * speed / step))
+    poses += poses[-1:] * rest
+    activities += activities[-1:] * rest
+    timing = f'dur="{(len(poses) - 1) * step / speed:.5g}s" repeatCount="indefinite"'
+    text = _document(
+        level,
+        f'{_STILL}<g class="run">',
+        *_objects(level, poses, activities, timing),
+        '</g><g class="end" display="none">',
+        *_objects(level, poses[-1:], activities[-1:], ""),
+        "</g>",
+    )
+    return text, step
+
+
+def _poses_of(level: Level) -> tuple[Pose, ...]:
+    return tuple((robot.x, robot.y, robot.angle) for robot in level.robots)
+
+
+def _frames(
+    level: Level, states: Iterable[WorldState], ticks: int, step: int
+) -> tuple[list[tuple[Pose, ...]], list[tuple[bool, ...]]]:
+    """Return the poses of the level's robots in every so many ticks, and which areas are on.
+
+    A robot that a state lacks stays where it is in the level. Angles go on beyond a whole turn.
+    """
+    poses = dict(zip((robot.name for robot in level.robots), _poses_of(level), strict=True))
+    activity = tuple(not area.on_beacon for area in level.areas)
+    all_poses, activities = [], []
+    for number, state in enumerate(states):
+        for robot in state.robots:
+            if robot.name in poses:
+                angle = poses[robot.name][2]
+                angle += math.remainder(robot.angle - angle, math.tau)
+                poses[robot.name] = robot.x, robot.y, angle
+        if number % step == 0 or number == ticks:
+            if len(state.areas) == len(activity):
+                activity = tuple(area.active for area in state.areas)
+            all_poses.append(tuple(poses.values()))
+            activities.append(activity)
+    return all_poses, activities
+
+
+def _objects(
+    level: Level,
+    poses: Sequence[tuple[Pose, ...]],
+    activities: Sequence[tuple[bool, ...]],
+    timing: str,
+    *trails: str,
+) -> Iterator[str]:
+    """Yield areas, beacons, trails and robots through frames, or in the only one."""
+    for area, activity in zip(level.areas, zip(*activities, strict=True), strict=True):
+        yield _switched(area, activity, timing)
+    yield from map(_beacon, level.beacons)
+    yield from trails
+    for robot, motion in zip(level.robots, zip(*poses, strict=True), strict=True):
+        yield _robot(robot, motion, timing)
+
+
+def _document(level: Level, *parts: str) -> str:
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {level.width} {level.height}"'
@@ -40,10 +124,7 @@ def svg(level: Level, paths: Mapping[str, Sequence[Point]] | None = None) -> str
             f' stroke="{_hex(DARK.rock)}" stroke-width="0.2"/>',
             f'<path d="{"".join(_edges(level.walls))}" stroke="{_hex(DARK.rim)}"'
             ' stroke-width="1.5" fill="none"/>',
-            *(_area(area) for area in level.areas),
-            *(_beacon(beacon) for beacon in level.beacons),
-            *(_path(robot, paths.get(robot.name, ())) for robot in level.robots),
-            *(_robot(robot) for robot in level.robots),
+            *parts,
             "</svg>",
             "",
         ]
@@ -72,10 +153,10 @@ def _runs(row: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(edges[::2], edges[1::2], strict=True))
 
 
-def _area(area: Area) -> str:
+def _area(area: Area, *, is_active: bool) -> str:
     colour = DARK.legible(parse(area.color))
     look = f'fill="{_hex(colour)}" fill-opacity="{0.5 if area.impenetrable else 0.22}"'
-    if area.on_beacon:  # off at the start
+    if not is_active:
         look = 'fill="none" stroke-dasharray="6 6"'
     rings = [(area.radius, look)]
     if area.victory_robots and area.radius > 6:
@@ -85,6 +166,23 @@ def _area(area: Area) -> str:
         f' stroke="{_hex(colour)}" stroke-width="2"/>'
         for radius, attributes in rings
     ) + _name(area.name, area.x, area.y + 4, DARK.strong(parse(area.color)))
+
+
+def _switched(area: Area, activity: Sequence[bool], timing: str) -> str:
+    """Return an area that is drawn as on and as off by turns."""
+    changes = [n for n, active in enumerate(activity) if n == 0 or active != activity[n - 1]]
+    if len(changes) == 1:
+        return _area(area, is_active=activity[0])
+    times = ";".join(f"{n / (len(activity) - 1):.4g}" for n in changes)
+    pieces = []
+    for is_active in (True, False):
+        values = ["visible" if activity[n] == is_active else "hidden" for n in changes]
+        pieces.append(
+            f'<g visibility="{values[-1]}"><animate attributeName="visibility" calcMode="discrete"'
+            f' values="{";".join(values)}" keyTimes="{times}" {timing}/>'
+            f"{_area(area, is_active=is_active)}</g>"
+        )
+    return "".join(pieces)
 
 
 def _beacon(beacon: Beacon) -> str:
@@ -97,17 +195,26 @@ def _beacon(beacon: Beacon) -> str:
     )
 
 
-def _robot(robot: Robot) -> str:
+def _robot(robot: Robot, poses: Sequence[Pose], timing: str) -> str:
     colour = robot_colour(robot.color, DARK)
-    nose = mix(colour, DARK.bright, 0.72)
-    place = f"{_number(robot.x)} {_number(robot.y)}"
-    turn = _number(math.degrees(robot.angle))
+    places = _transformed("translate", [f"{x:.1f} {y:.1f}" for x, y, _ in poses], timing)
+    turns = _transformed("rotate", [f"{math.degrees(angle):.0f}" for *_, angle in poses], timing)
     return (
-        f'<g transform="translate({place}) rotate({turn})">'
-        f'<circle r="{_number(ROBOT_RADIUS)}" fill="{_hex(colour)}"'
+        f'{places}{turns}<circle r="{_number(ROBOT_RADIUS)}" fill="{_hex(colour)}"'
         f' stroke="{_hex(mix(colour, (0, 0, 0), 0.45))}"/>'
-        f'<path d="M8 0L-2 4V-4z" fill="{_hex(nose)}"/></g>'
-        + _name(robot.name, robot.x, robot.y - ROBOT_RADIUS - 4, DARK.strong(colour))
+        f'<path d="M8 0L-2 4V-4z" fill="{_hex(mix(colour, DARK.bright, 0.72))}"/></g>'
+        f"{_name(robot.name, 0, -ROBOT_RADIUS - 4, DARK.strong(colour))}</g>"
+    )
+
+
+def _transformed(kind: str, values: Sequence[str], timing: str) -> str:
+    """Return the beginning of a group that moves through values, or has the only one."""
+    group = f'<g transform="{kind}({values[0]})">'
+    if len(set(values)) == 1:
+        return group
+    return (
+        f'{group}<animateTransform attributeName="transform" type="{kind}"'
+        f' values="{";".join(values)}" {timing}/>'
     )
 
 
