@@ -90,21 +90,14 @@ def draw_ground(
     return Ground(image, (1 - rock + 1.1 * rim) * inside, kinds)
 
 
-_LIGHTS = {
-    "red": (255, 92, 92),
-    "green": (80, 214, 130),
-    "blue": (92, 150, 255),
-    "white": (236, 240, 248),
-    "gold": (255, 200, 60),
-}
-"""Colours of beacons that have one in their name, such as "Blue" or "Bell of red"."""
+_LIGHTS = {"red", "green", "blue", "white", "gold"}  # in names such as "Blue" or "Bell of red"
 
 
 def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:
     if beacon.charging_station:
         return palette.charger
-    words = beacon.name.lower().split()
-    return next((palette.legible(_LIGHTS[w]) for w in words if w in _LIGHTS), palette.beacon)
+    lights = (word for word in beacon.name.lower().split() if word in _LIGHTS)
+    return next((palette.legible(parse(light)) for light in lights), palette.beacon)
 
 
 def blend(image: Floats, window: Window, colour: RGB, weights: Floats) -> None:
