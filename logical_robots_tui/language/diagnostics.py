@@ -63,9 +63,9 @@ def most_important(diagnostics: Iterable[Diagnostic], excess: int = 0) -> tuple[
 
 def count_words(diagnostics: Sequence[Diagnostic]) -> str:
     """Return how many there are by severity, such as ``1 error, 24 warnings``, or ""."""
-    others = [d.message for d in diagnostics if d.hint == _OTHERS_HINT]
+    messages = [d.message for d in diagnostics if d.hint == _OTHERS_HINT]
     counts = Counter(d.severity for d in diagnostics if d.hint != _OTHERS_HINT)
-    return ", ".join([*(count_of(counts[noun], noun) for noun in sorted(counts)), *others])
+    return ", ".join([*(count_of(counts[noun], noun) for noun in sorted(counts)), *messages])
 
 
 class ProgramError(LogicalRobotsError):

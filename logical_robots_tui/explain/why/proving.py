@@ -378,5 +378,7 @@ def _premises(explanation: Explanation) -> tuple[ProofNode, ...]:
     # Several rules may contribute to an aggregate; otherwise one of them is enough.
     if any(child.kind == "aggregate" for child in giving[0].children):
         return giving
-    others = (replace(node, kind="derivation", remark=f"also {node.remark}") for node in giving[1:])
-    return (giving[0], *others)
+    derivations = (
+        replace(node, kind="derivation", remark=f"also {node.remark}") for node in giving[1:]
+    )
+    return (giving[0], *derivations)

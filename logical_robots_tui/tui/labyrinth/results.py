@@ -252,8 +252,10 @@ class ResultsDialog(QuestionDialog):
         solution, *_ = (*self._recorder.references.values(), None)
         if solution is None:
             return None
-        reached = {*self._recorder.record.bests.goals, *solution.goals}
-        return next((goal for goal in self._recorder.goals if goal.words not in reached), None)
+        reached_goals = {*self._recorder.record.bests.goals, *solution.goals}
+        return next(
+            (goal for goal in self._recorder.goals if goal.words not in reached_goals), None
+        )
 
     def _tell(self) -> None:
         number = len(self._recorder.goals)

@@ -55,9 +55,9 @@ def moving_svg(level: Level, states: Iterable[WorldState], ticks: int) -> tuple[
     size = ticks * (len(level.robots) * _POSE_BYTES + switches * _SWITCH_BYTES)
     step = math.ceil(max(size / _MOST_BYTES, speed / _FRAMES_PER_SECOND))
     poses, activities = _frames(level, states, ticks, step)
-    rest = min(len(poses), round(_REST * speed / step))
-    poses += poses[-1:] * rest
-    activities += activities[-1:] * rest
+    pause = min(len(poses), round(_REST * speed / step))
+    poses += poses[-1:] * pause
+    activities += activities[-1:] * pause
     timing = f'dur="{(len(poses) - 1) * step / speed:.5g}s" repeatCount="indefinite"'
     text = _document(
         level,

@@ -146,10 +146,10 @@ class Picture:
         if look.trails:
             names = [robot.name for robot in level.robots]
             is_crowd = len(names) > _MOST_TRAILS
-            shown = [i for i, name in enumerate(names) if not is_crowd or name == look.selected]
+            trailing = [i for i, name in enumerate(names) if not is_crowd or name == look.selected]
             places, ages = traces.trails(frame.tick)
-            if shown and places.size:
-                draw_trails(canvas, places[:, shown], ages, [colours[names[i]] for i in shown])
+            if trailing and places.size:
+                draw_trails(canvas, places[:, trailing], ages, [colours[names[i]] for i in shown])
         if look.lines:
             for fan in light.fans:
                 if fan.name == look.selected:
