@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from textual import events
 from textual.binding import Binding
 from textual.geometry import Region
+from textual.widgets import Input, TextArea
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
@@ -64,6 +65,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     BINDINGS = [
         Binding("ctrl+c", "interrupt", "Leave", show=False, system=True),
         Binding("ctrl+z", "suspend_process", "Suspend", show=False, system=True),
+        # Lines go to their beginning otherwise.
+        Binding("ctrl+a", "select_all", "Select all", show=False, system=True, priority=True),
     ]
 
     def __init__(
@@ -271,6 +274,10 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         from logical_robots_tui.tui.app.settings_screen import ThemeList
 
         self.main.ui.show(ThemeList(sorted(self.available_themes), self.theme), self.choose_theme)
+
+    def action_select_all(self) -> None:
+        if isinstance(text := self.focused, Input | TextArea):
+            text.select_all()
 
     def action_interrupt(self) -> None:
         time = self.clock.now()

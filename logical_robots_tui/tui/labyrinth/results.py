@@ -274,11 +274,11 @@ class ResultsDialog(QuestionDialog):
             part.display = bool(rows)
 
     def on_key(self, event: events.Key) -> None:
-        """Answer by the key of a command, which the player may have changed.
+        """Answer by the key of a command, which the player may have changed, or open the palette.
 
         Textual calls the method of `QuestionDialog` as well, which moves between the answers.
         """
-        for name, _ in self._answers:
+        for name in (*dict(self._answers), "palette"):
             if event.key in command(name).keys:
                 event.stop()
                 self.dismiss(name)

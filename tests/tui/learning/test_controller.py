@@ -12,6 +12,7 @@ from logical_robots_tui.game.pace import FLAT_OUT
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
 from logical_robots_tui.tui.commands.general import copy_result
+from logical_robots_tui.tui.commands.help import PaletteScreen
 from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.learning.reader import Hints, TextReader
@@ -138,6 +139,8 @@ async def test_a_victory_is_measured_compared_kept_and_clicked(data_dir: Path, s
         await game.click(offset=(lines[row].index("Again") + 1, row))
         await game.until(lambda: game.tick == 0 and game.app.screen is game.main)
         await game.press("m", sees="Results")
+        await game.press("ctrl+p", on=PaletteScreen)
+        await game.press("escape", "m", sees="Results")
         await game.press("m", sees_no="Results")
     assert record_of(data_dir).measures(str(short), AHEAD) == game.main.recorder.latest
 

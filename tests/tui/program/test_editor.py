@@ -187,7 +187,7 @@ async def test_a_text_is_found_replaced_and_renamed_as_one_edit(data_dir: Path) 
         await game.press("f3", until=lambda: editor.cursor_location > (row, 2))
         assert editor.selected_text == "speed"
         await game.press("ctrl+o", sees="Find in the program")
-        await game.press("tab", *"pace", "enter")
+        await game.press("tab", *"other", "ctrl+a", *"pace", "enter")
         await game.until(lambda: editor.text == PAPER.replace("speed", "pace"))
         await game.sees("Replaced in 3 places")
         await game.press("ctrl+z", until=lambda: editor.text == PAPER)
