@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.learning import Learning
     from logical_robots_tui.world import Level
 
+_PAUSE = 1.0  # seconds without a key before a hint is revealed
+
 
 class TextReader(Dialog[Literal["questions"]]):
     """Shows a text; after it there may be questions, of which `answered` says how many are."""
@@ -41,20 +43,39 @@ class TextReader(Dialog[Literal["questions"]]):
     keys = "↑↓ scroll   space next page   esc close"
 
     def __init__(self, title: str, text: Widget, answered: str = "") -> None:
-        super().__init__(title, VerticalScroll(text))
-        self._has_questions = bool(answered)
-        if answered:
-            self.keys = f"↑↓ scroll   space page   enter questions ({answered})   esc close"
+        self._scroll = VerticalScroll(text)
+        super().__init__(title, self._scroll)
+        self._answered = answered
+
+    def on_mount(self) -> None:
+        for name in ("scroll_y", "virtual_size"):
+            self.watch(self._scroll, name, self.on_resize)
+
+    def on_resize(self) -> None:
+        self.call_after_refresh(self._show_keys)
+
+    @property
+    def _is_at_end(self) -> bool:
+        return self._scroll.scroll_y >= self._scroll.max_scroll_y
+
+    def _show_keys(self) -> None:
+        questions = f"enter questions ({self._answered})" if self._answered else ""
+        keys = ["↑↓ scroll", "space next page", questions, "esc close"]
+        if self._is_at_end:
+            ending = questions or keys.pop()
+            keys[1:3] = [f"space or {ending}"]
+        line = keys_in_style("   ".join(filter(None, keys)))
+        for footer in self.query("#keys").results(Static):  # none once it is closed
+            footer.update(line, layout=False)
 
     def action_page(self) -> None:
-        scroll = self.query_one(VerticalScroll)
-        if scroll.scroll_y >= scroll.max_scroll_y:
-            self.dismiss("questions" if self._has_questions else None)
+        if self._is_at_end:
+            self.dismiss("questions" if self._answered else None)
         else:
-            scroll.scroll_page_down(animate=False)
+            self._scroll.scroll_page_down(animate=False)
 
     def action_questions(self) -> None:
-        if self._has_questions:
+        if self._answered:
             self.dismiss("questions")
 
 
@@ -84,13 +105,14 @@ class Hints(Dialog[Literal["lesson"]]):
     Hints #more { margin-top: 1; color: $ink-dim; }
     """
 
-    BINDINGS = [("h,enter,space", "more"), ("t", "lesson"), ("q", "leave")]
+    BINDINGS = [("t", "lesson"), ("q", "leave")]
 
     def __init__(self, level: Level, learning: Learning) -> None:
         hints = VerticalScroll(Static(id="hints"))
         super().__init__(f"Hints · {level.title}", hints, Static(id="more"))
         self._of_all, self._learning = len(level.hints), learning
         self._has_lesson = bool(level.lesson)
+        self._last_key_at = events.Event().time  # by the clock of events
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._write)
@@ -98,6 +120,16 @@ class Hints(Dialog[Literal["lesson"]]):
     def on_click(self, event: events.Click) -> None:
         if event.widget is not None and event.widget.id == "more":
             self.action_more()
+
+    def on_key(self, event: events.Key) -> None:
+        """Reveal a hint after a pause: keys in a row are of a text that is typed by mistake."""
+        pause, self._last_key_at = event.time - self._last_key_at, event.time
+        if event.key in ("h", "enter", "space"):
+            event.stop()
+            if pause >= _PAUSE:
+                self.action_more()
+            else:
+                self._write("wait a second, then press h.")
 
     def action_lesson(self) -> None:
         if self._has_lesson:
@@ -108,7 +140,7 @@ class Hints(Dialog[Literal["lesson"]]):
             self._write()
             self.query_one(VerticalScroll).scroll_end(animate=False)
 
-    def _write(self) -> None:
+    def _write(self, advice: str = "press h for the next one.") -> None:
         width = max(self.query_one(VerticalScroll).scrollable_content_region.width, 20)
         lines: list[Content] = []
         revealed = self._learning.revealed
@@ -123,5 +155,5 @@ class Hints(Dialog[Literal["lesson"]]):
         keys = ["h next hint"] * bool(left) + ["t lesson"] * self._has_lesson + ["esc close"]
         self.query_one("#keys", Static).update(keys_in_style("   ".join(keys)))
         self.query_one("#more", Static).update(
-            Content(f"{left} more: press h for the next one." if left else "There are no more.")
+            Content(f"{left} more: {advice}" if left else "There are no more.")
         )

@@ -55,6 +55,11 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         assert game.app.screen is game.main
         assert game.main.recorder.record.hints == 1
         await game.press("h", sees_no="straight ahead", sees=("It is not far.", "2 more"))
+        # As when a line for a shell is typed into the map.
+        await game.press(
+            "h", "space", "s", "h", "enter", sees="2 more: wait a second, then press h."
+        )
+        await game.later(1)
         await game.press("h", sees="It is straight ahead.")
         await stay(game)
         await game.main.library.open_level(load_level(short))
@@ -90,7 +95,9 @@ async def test_challenge_and_reference_are_for_those_who_won(data_dir: Path, sho
         copy_result(game.main)
         await game.sees("win this level first")
         await game.command("questions", sees="This level has no questions.")
-        await game.press("t", sees="A rule with one case", sees_no="Further")
+        await game.press(
+            "t", sees=("A rule with one case", "space or esc close"), sees_no="Further"
+        )
         await game.press("enter")
         await game.settled()
         assert isinstance(game.app.screen, TextReader)
