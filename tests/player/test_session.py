@@ -266,17 +266,14 @@ async def test_what_begins_while_a_program_is_compiled_waits_for_it(tmp_path: Pa
             session.apply(text)
             begin()
             assert session.awaits_program
-            assert session.busy
             await t.until(lambda: not session.busy)
             assert session.history is not None
-            tick = session.frame.tick
-            assert tick
-            assert {program.text for _, program in session.history.programs(tick)} == {text}
+            programs = session.history.programs(session.frame.tick)
+            assert {program.text for _, program in programs} == {text}
         session.apply(FAST)
         session.run()
         session.keep_program()
-        assert session.running
-        assert not session.awaits_program
+        assert (session.running, session.awaits_program) == (True, False)
         await t.until(lambda: not session.busy)
         assert session.state.applied == text
         session.restart()

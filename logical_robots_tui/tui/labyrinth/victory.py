@@ -171,7 +171,7 @@ class VictoryAnnouncer(SessionListener):
             self.recorder,
             headline,
             answers,
-            note=with_keys(f"{victory.refusal} {_NOTES[victory.verdict]}"),
+            note=with_keys(f"{victory.refusal} {_NOTES[victory.verdict]}".lstrip()),
             seed=victory.tick,
             noticing=noticing,
             story=story,

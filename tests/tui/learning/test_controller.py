@@ -183,7 +183,7 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
         await game.apply(AHEAD)
         await game.press("1")
         await win(game)
-        await game.sees("Several programs drove on the way", "press r, then", "tried: ")
+        await game.sees("│  Several programs drove on the way", "press r, then", "tried: ")
         await game.command("stop_measuring", until=lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"
         assert game.main.recorder.record.bests.wins is None

@@ -177,11 +177,15 @@ async def test_what_is_applied_last_wins(data_dir: Path, monkeypatch: pytest.Mon
         await game.press("f8", until=lambda: game.session.frame.memories == {"Solo": 1})
         monkeypatch.setattr("logical_robots_tui.game.compile_program", compile_slowly)
         await game.write(PAPER, until=begun.is_set)
+        await game.press("n", sees="waiting for the new program, esc runs the old one")
+        await game.press("escape", tick=2, sees="not applied")
+        begun.clear()
+        await game.press("ctrl+r", until=begun.is_set)
         await game.press("2", "ctrl+z", "ctrl+r")  # back to what the robots think with
         await game.until(lambda: game.session.state.phase == "applied")
         go_on.set()
         await game.until(lambda: over.is_set() and title(game).startswith("Program · applied · "))
-        await game.press("f8", tick=2)
+        await game.press("f8", tick=3)
         assert game.session.frame.memories == {"Solo": 1}
 
 
