@@ -62,7 +62,7 @@ def _written(folder: Path, players: int, starts: int, ticks: int) -> Path:
     folder = folder / f"{players}-{starts}"
     (folder / "players").mkdir(parents=True)
     lines = f'[tournament]\nlevel = "{ARENA}"\nstarts = {starts}\nformat = "all"\n'
-    (folder / "arena.toml").write_text(lines + f"ticks = {ticks}\n" * bool(ticks))
+    (folder / "tournament.toml").write_text(lines + f"ticks = {ticks}\n" * bool(ticks))
     names = [level.solution, *dict.fromkeys(team.program for team in level.teams)]
     for number in range(players):
         text = load_program(names[number % len(names)]).text
@@ -73,7 +73,7 @@ def _written(folder: Path, players: int, starts: int, ticks: int) -> Path:
 
 
 def _command(folder: Path, out: str) -> list[str]:
-    files = [str(folder / name) for name in ("arena.toml", "players", out)]
+    files = [str(folder / name) for name in ("tournament.toml", "players", out)]
     command = [sys.executable, "-m", "logical_robots_tui", "tournament", *files[:2]]
     return [*command, "-o", files[2], "--workers", "1"]
 

@@ -98,7 +98,7 @@ def _grade(options: argparse.Namespace) -> int:
 
 @command.declare(
     "tournament",
-    _path("arena", "a TOML file"),
+    _path("specification", "a TOML file"),
     _path("players", "a folder with one entry per player"),
     _OUTPUT,
     *_ENGINE,
@@ -109,7 +109,7 @@ def _tournament(options: argparse.Namespace) -> int:
     Let all players play each other in a level with teams, and rank them.
 
     examples:
-      logical-robots tournament arena.toml players -o cup
+      logical-robots tournament tournament.toml players -o cup
 
     A player is a program such as ada.l, or a folder with one that is named like the level.
     With another player, only that player's matches are played.
@@ -118,7 +118,7 @@ def _tournament(options: argparse.Namespace) -> int:
     """
     from logical_robots_tui.lab.competing import plan_tournament
 
-    return _plan(options, lambda: plan_tournament(options.arena, options.players))
+    return _plan(options, lambda: plan_tournament(options.specification, options.players))
 
 
 def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[str, str]]]) -> int:

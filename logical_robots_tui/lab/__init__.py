@@ -154,12 +154,12 @@ def grade(
 
 
 def tournament(
-    arena: Given, players: str | Path, folder: str | Path, **options: Unpack[WorkOptions]
+    specification: Given, players: str | Path, folder: str | Path, **options: Unpack[WorkOptions]
 ) -> Results:
     """Let the programs of a folder play against each other; else as `sweep`."""
     from logical_robots_tui.lab.competing import plan_tournament
 
-    return _carry_out(plan_tournament(arena, Path(players)), folder, **options)
+    return _carry_out(plan_tournament(specification, Path(players)), folder, **options)
 
 
 def _carry_out(

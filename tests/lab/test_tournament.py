@@ -50,10 +50,10 @@ def write_arena(
         for x, y, heading in [ROBOTS[team]]
     )
     hill, arena = HILL.format(ticks=ticks, teams=listed), ARENA.format(starts=starts, more=more)
-    write_files(folder, {"hill.toml": hill, "arena.toml": arena})
+    write_files(folder, {"hill.toml": hill, "tournament.toml": arena})
     programs = players or {name: drives(speed) for name, speed in PLAYERS.items()}
     write_files(folder / "players", {f"{name}.l": text for name, text in programs.items()})
-    return folder / "arena.toml", folder / "players"
+    return folder / "tournament.toml", folder / "players"
 
 
 @pytest.fixture(scope="module")
