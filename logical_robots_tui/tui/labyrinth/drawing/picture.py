@@ -149,9 +149,8 @@ class Picture:
             trailing = [i for i, name in enumerate(names) if not is_crowd or name == look.selected]
             places, ages = traces.trails(frame.tick)
             if trailing and places.size:
-                draw_trails(
-                    canvas, places[:, trailing], ages, [colours[names[i]] for i in trailing]
-                )
+                trail_colours = [colours[names[i]] for i in trailing]
+                draw_trails(canvas, places[:, trailing], ages, trail_colours)
         if look.lines:
             for fan in light.fans:
                 if fan.name == look.selected:
