@@ -119,7 +119,7 @@ _NARROWEST, _LOWEST = 30, 6  # the smallest columns and rows of a pane, with its
 
 _LEAST_TEXT, _WIDEST_TEXT = 70, 96
 """Columns of the program below which it leaves none to the labyrinth, and above which all."""
-_LEAST_TABLE, HIGHEST_TABLE = 9, 26
+_LEAST_TABLE, HIGHEST_TABLE = 10, 26
 """Rows of the inspector below which it leaves none to the labyrinth, and above which all."""
 _BESIDE_TEXT, _BELOW_TEXT = 9, 3  # line numbers, cursor, bar and border; help and border
 
