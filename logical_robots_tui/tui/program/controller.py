@@ -50,7 +50,7 @@ class ProgramController:
         self._pattern = ""
         self._has_told_copy = False
         self._check: asyncio.TimerHandle | None = None
-        self._noted_text: str | None = None
+        self._noted = ("", "")
 
     def edited(self) -> None:
         """Check the text soon after the last key."""
@@ -64,16 +64,16 @@ class ProgramController:
         self._check = asyncio.get_running_loop().call_later(_RESTING, check)
 
     def note_on_text(self) -> str:
-        """Return what to say, once for each text, when the robots move under another one."""
+        """Return what to say, once for a text and once for its errors, if another one runs."""
         text, state = self._pane.text, self._session.state
-        if text in (state.applied, self._noted_text) or state.applied is None:
+        is_tried = text == state.tried
+        if state.applied in (None, text) or (is_tried and state.phase == "compiling"):
             return ""
-        if state.phase == "compiling" and text == state.tried:
-            return ""
-        self._noted_text = text
-        if state.phase == "mistake" and text == state.tried:
-            return f"Runs the applied version; yours has an error in line {state.error_line}."
-        return with_keys("Runs the applied version; {apply} applies yours.")
+        note = with_keys("Runs the applied version; {apply} applies yours.")
+        if is_tried and state.phase == "mistake":
+            note = f"Runs the applied version; yours has an error in line {state.error_line}."
+        previous, self._noted = self._noted, (text, note)
+        return "" if previous == self._noted else note
 
     def complaint(self) -> str:
         state = self._session.state
