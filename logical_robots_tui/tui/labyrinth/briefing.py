@@ -53,16 +53,16 @@ class BriefingTask(NamedTuple):
         """Return the text in lines of a width, with the goals and the keys below it."""
         key_lines = ["   ".join(self.keys[n : n + 2]) for n in range(0, len(self.keys), 2)]
         shorter = self._replace(keys=key_lines)
-        rows = [*self._text(width), ("", ""), *shorter._goals_and_keys()]
+        rows = [*self._text(width), ("", ""), *shorter.goals_and_keys()]
         return Content("\n").join(Content.styled(text, ink) for text, ink in rows)
 
     def side_by_side(self, width: int, rows: int) -> Content:
         """Return the text beside goals and keys; the goals are folded where the room is small."""
         widest = max((len(text) for text in (*self.goals, *self.keys)), default=0)
         for goals_width in (widest, min(widest, _NARROWEST)):
-            right = self._goals_and_keys(goals_width, is_apart=True)
+            right = self.goals_and_keys(goals_width, is_apart=True)
             if len(right) > rows:
-                right = self._goals_and_keys(goals_width)
+                right = self.goals_and_keys(goals_width)
             left = self._text(max(width - _GAP - goals_width, 1))
             if len(left) <= rows:
                 break
@@ -80,7 +80,7 @@ class BriefingTask(NamedTuple):
             lines = [piece for line in folded for piece in wrap(line, width) or [""]]
         return [(self.title, f"bold {INK.title}"), *((line, INK.text) for line in lines)]
 
-    def _goals_and_keys(
+    def goals_and_keys(
         self, width: int = sys.maxsize, *, is_apart: bool = False
     ) -> list[tuple[str, str]]:
         pieces = (piece for goal in self.goals for piece in wrap(goal, width))

@@ -76,7 +76,7 @@ async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: P
     async with opened(data_dir, level=short, text=STILL, welcome=True, settings=wanted) as game:
         await game.sees("1 of 4")
         await game.press("enter", sees="tick. ~ goes there; edit it, F9 applies")
-        await game.press("enter", "enter", sees="^P gives a")
+        await game.press("enter", "enter", sees="gives a hint")
         await game.press("enter")
         await game.ready()
         await game.press("at", sees="% shows what is pinned")

@@ -221,7 +221,7 @@ def test_a_signal_or_a_closed_terminal_ends_the_game_and_all_it_started_with_the
     program.parent.mkdir(parents=True)
     program.write_text(PAPER)
     game = [sys.executable, "-c", PLAY, LEVELS / "open_room.json", program, data_dir]
-    with Terminal(game, size=(100, 30)) as terminal:
+    with Terminal(game, size=(90, 30)) as terminal:
         for keys, shown in [("", "1 Map"), ("2", "Leave"), ("hello", "helloFreedomMotion")]:
             terminal.send(keys)
             terminal.wait_for(shown)
