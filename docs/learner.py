@@ -37,7 +37,7 @@ def episode(env: gymnasium.Env, weights: NDArray[np.float64]) -> tuple[float, bo
 def learn(seed: int = 1, most: int = 300) -> tuple[NDArray[np.float64], int] | None:
     """Return weights that win and the number of episodes that it took, or None."""
     chance = np.random.default_rng(seed)
-    env = gymnasium.make("LogicalRobots/01-first-steps", reward="shaped", ticks=TICKS)
+    env = gymnasium.make("LogicalRobots/FirstSteps-v0", reward="shaped", max_episode_steps=TICKS)
     best, score = chance.normal(size=(2, 4)), -np.inf
     for number in range(1, most + 1):
         tried = best + chance.normal(size=best.shape) * chance.choice([0.1, 0.5, 2.0])

@@ -125,28 +125,38 @@ class Simulation:
         """The points of each team; {} where nothing is scored."""
         return standing(self.level, self.frame.after)
 
-    def step(self, desires: Mapping[str, DesireLike] | None = None) -> Frame:
+    def step(
+        self,
+        desires: Mapping[str, DesireLike] | None = None,
+        memories: Mapping[str, Value] | None = None,
+    ) -> Frame:
         """Let all robots sense, think and act once.
 
         Args:
             desires: What robots want instead of what the program decides, by name: a pair of
                 numbers or a `Desire`.
+            memories: What robots remember instead, by name.
 
         Raises:
             ValueError: There is no such robot, or it is not a desire.
         """
         overrides = {name: desire_of(name, desire) for name, desire in (desires or {}).items()}
-        check_robots(sorted(overrides), self.robots)
+        memories = memories or {}
+        check_robots(sorted({*overrides, *memories}), self.robots)
 
         def decide(_tick: int, decisions: tuple[Decision, ...]) -> tuple[Decision, ...]:
             return tuple(
-                replace(decision, desire=overrides.get(decision.robot_name, decision.desire))
+                replace(
+                    decision,
+                    desire=overrides.get(decision.robot_name, decision.desire),
+                    memory=memories.get(decision.robot_name, decision.memory),
+                )
                 for decision in decisions
             )
 
         self._world.restore(self.frame.after)
         self.frame = play_tick(
-            self._world, self._mind(), self.frame, decide=decide if overrides else None
+            self._world, self._mind(), self.frame, decide=decide if overrides or memories else None
         )
         self._history.add(self.frame, self.program)
         return self.frame

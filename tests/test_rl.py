@@ -1,21 +1,28 @@
 """Environments in which robots learn."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Discrete
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 from docs.learner import learn
 from logical_robots_tui import Simulation, list_levels, load_level
 from logical_robots_tui.rl import OBJECTS, PER_UNIT, RobotEnv, RobotsEnv
+from logical_robots_tui.values import Desire
 
-HOME = "04-everybody-home"
+FIRST, HOME, MEETING = "LogicalRobots/FirstSteps-v0", "04-everybody-home", "14-right-of-way"
+ECHO = "Robot(robot_name:, desire: {left_engine: power, right_engine: power}, memory: 0) :- "
+ECHO += 'Sensor(robot_name:), Memory(robot_name: "Moss", memory: power);'
 
 
 @pytest.fixture
@@ -28,8 +35,13 @@ def mixed() -> Iterator[RobotsEnv]:
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("reward", ["sparse", "shaped"])
 def test_the_checker_of_gymnasium_is_content(reward: str) -> None:
-    env = gymnasium.make("LogicalRobots/01-first-steps", reward=reward, ticks=50)
-    check_env(env.unwrapped, skip_render_check=True)
+    env = gymnasium.make(FIRST, reward=reward, render_mode="ansi", max_episode_steps=5)
+    check_env(env.unwrapped)
+    assert env.spec is not None
+    assert env.spec.max_episode_steps == 5
+    env.reset()
+    lates = [env.step(np.zeros(2, np.float32))[3] for _ in range(5)]
+    assert lates == [False] * 4 + [True]
 
 
 @pytest.mark.slow
@@ -41,8 +53,9 @@ def test_the_tests_of_pettingzoo_pass(mixed: RobotsEnv) -> None:
 
 
 def test_each_level_has_an_environment() -> None:
-    names = {key.partition("/")[2] for key in gymnasium.registry if "LogicalRobots/" in key}
-    assert names == set(list_levels())
+    specs = [spec for key, spec in gymnasium.registry.items() if "LogicalRobots/" in key]
+    assert sorted(spec.kwargs["level"] for spec in specs) == sorted(list_levels())
+    assert {(spec.version, spec.max_episode_steps) for spec in specs} == {(0, 2_000)}
 
 
 def test_an_observation_is_what_a_program_senses() -> None:
@@ -94,7 +107,8 @@ def won(env: RobotEnv) -> tuple[list[float], dict[str, Any]]:
 
 def test_a_victory_is_worth_1_and_the_way_to_it_what_it_shortens() -> None:
     rewards, info = won(RobotEnv("01-first-steps"))
-    assert info == {"won": True}
+    assert info.pop("goal_distance") <= 1
+    assert info == {"start": 0, "tick": len(rewards), "won": True}
     assert (rewards[-1], sum(rewards)) == (1, 1)
     rewards, _ = won(RobotEnv("01-first-steps", reward="shaped"))
     way = sum(rewards) - 1
@@ -121,9 +135,67 @@ def test_the_points_of_a_team_are_rewards() -> None:
     run.close()
 
 
-def test_a_wrong_robot_is_told() -> None:
-    with pytest.raises(ValueError, match=r"There is no robot 'Adda'\. Did you mean \"Ada\"\?"):
-        RobotsEnv("01-first-steps", ["Adda"])
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"learners": ["Adda"]}, "There is no robot 'Adda'. Did you mean \"Ada\"?"),
+        ({"learners": ["Ada", "Ada"]}, "'Ada' is in learners 2 times: name each robot once."),
+        ({"reward": "dense"}, "reward is 'sparse' or 'shaped', not 'dense'."),
+        ({"render_mode": "human"}, "render_mode is None or 'ansi' or 'rgb_array', not 'human'."),
+        ({"starts": []}, "starts is empty: name at least one, 0 for the given start."),
+        ({"starts": [-1]}, "A start is 0, the given one, or the number of a varied one: -1."),
+        ({"ticks": 0}, "ticks is 1 or more, or None for no end, not 0."),
+        ({"memory": Discrete(2)}, "memory is for a program that reads it, and here all robots"),
+    ],
+)
+def test_wrong_words_are_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        RobotsEnv("01-first-steps", **options)
+
+
+def test_a_step_needs_an_episode_and_an_action_of_each_learner() -> None:
+    env, idle = RobotsEnv("01-first-steps", ticks=1), {"Ada": np.zeros(2, np.float32)}
+    for _ in range(2):  # before the first episode, and after it
+        with pytest.raises(ResetNeeded, match="call reset"):
+            env.step(idle)
+        env.reset(options={"start": 3})
+        for actions in ({}, idle | {"Bob": idle["Ada"]}):
+            with pytest.raises(ValueError, match="Give an action to each"):
+                env.step(actions)
+        *_, infos = env.step(idle)
+        assert (infos["Ada"]["start"], infos["Ada"]["tick"]) == (3, 1)
+    with pytest.raises(ValueError, match="A start is 0"):
+        env.reset(options={"start": "3"})
+
+
+def test_an_episode_is_drawn_and_becomes_a_simulation(tmp_path: Path) -> None:
+    env = RobotsEnv(HOME, render_mode="rgb_array")
+    env.reset(seed=1, options={"start": 2})
+    pictures: list[Any] = [env.render()]
+    for _ in range(20):
+        env.step(dict.fromkeys(env.agents, np.array([1, 0.9], np.float32)))
+        pictures.append(env.render())
+    assert {picture.shape for picture in pictures} == {(358, 640, 3)}
+    assert len({picture.tobytes() for picture in pictures}) == len(pictures)
+    assert env.state() in env.state_space
+    simulation = env.simulation()
+    assert simulation.frame.after == env._state
+    assert "Robot" in str(simulation.why("Ruby"))
+    simulation.record(tmp_path / "episode.replay")
+    assert (tmp_path / "episode.replay").stat().st_size
+
+
+def test_a_program_reads_what_a_learner_remembers() -> None:
+    env = RobotsEnv(MEETING, ["Moss"], ECHO, memory=Discrete(2))
+    env.reset()
+    assert env.action_space("Moss").sample().keys() == {"engines", "memory"}
+    for number in (1, 0, 1):
+        env.step({"Moss": {"engines": np.zeros(2, np.float32), "memory": np.int64(number)}})
+    simulation = env.simulation()
+    powers = [simulation.at(tick).decisions[0].desire for tick in (2, 3)]
+    assert powers == [Desire(1, 1), Desire(0, 0)]
+    assert simulation.frame.after == env._state
+    env.close()
 
 
 @pytest.mark.slow

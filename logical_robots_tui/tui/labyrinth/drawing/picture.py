@@ -89,7 +89,12 @@ class Picture:
 
     The static layer is repainted only when view, look or an area changes; otherwise only cells
     whose dots have changed are fitted again.
+
+    Attributes:
+        image: The dots of the last picture that is not ASCII, (down, across, 3) from 0 to 255.
     """
+
+    image: Floats
 
     def __init__(self) -> None:
         self.cells = Cells.blank(0, 0)
@@ -142,6 +147,7 @@ class Picture:
             for robot, colour in robots:
                 _paint_robot(image, raster, robot, colour, look.palette)
             cells = self._fit_cells(image, raster, _UNSEEN if hurried else 0)
+            self.image = image
         canvas = Canvas(cells, viewport, look)
         if look.trails:
             names = [robot.name for robot in level.robots]
