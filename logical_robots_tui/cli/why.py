@@ -96,8 +96,8 @@ def why(options: argparse.Namespace) -> int:
 
     A row is explained by its first derivation, and others are named. For each rule
     without a row you see the first condition that failed, and a single change that
-    would have produced a row. + holds, - does not. --tree follows every call of first
-    derivations, down to what was sensed and remembered.
+    would have produced a row. + holds, - does not. --tree follows every call of
+    first derivations, down to what was sensed and remembered.
 
     exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
     """
