@@ -31,7 +31,6 @@ CONFORMANCE = Path(__file__).parent.parent / "conformance" / "levels"
 TICKS_FOR_LOSING = 5000
 ROBOT_RADIUS = 9.0
 FREE_PROGRAMS = ["clock-in-memory", "herd", "obstacle-avoider", "steering", "wall-crawler"]
-OBSTACLE_AVOIDER = "obstacle-avoider"
 GUIDED = "04"  # the levels before it print rules that win
 LONGEST_LINE = 64
 LONGEST_IDEA = 60
@@ -177,7 +176,7 @@ def test_stopping_at_any_beacon_does_not_bring_everybody_home() -> None:
 @pytest.mark.slow
 def test_the_printed_program_finds_its_way_through_the_corridor() -> None:
     level = load_level("02-open-space")
-    assert ticks_to_win(level, program_text(OBSTACLE_AVOIDER), TICKS_FOR_LOSING) == 3325
+    assert ticks_to_win(level, program_text("obstacle-avoider"), TICKS_FOR_LOSING) == 3325
 
 
 @pytest.mark.sampled
@@ -187,7 +186,7 @@ def test_the_printed_program_finds_its_way_through_the_corridor() -> None:
     ids=lambda level: Path(level).stem,
 )
 def test_the_printed_program_thinks_without_failing(level: str) -> None:
-    played = verdict(load_level(level), shipped_program(OBSTACLE_AVOIDER), 50)
+    played = verdict(load_level(level), shipped_program("obstacle-avoider"), 50)
     assert "failed" not in played.noticed(50)
 
 

@@ -1,7 +1,7 @@
 """The course: it tells what the game tells, in order, with questions and rules for steering."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Set
 from functools import cache
 from pathlib import Path
 
@@ -14,7 +14,6 @@ from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.tree import Rule
-from logical_robots_tui.schema import VALUE
 from tests.installed import CHECKOUT
 from tests.levels.playing import LEVELS, load_level, program_text, slow, solution_of
 
@@ -72,45 +71,29 @@ def test_nothing_is_used_before_its_lesson() -> None:
         assert not any(early.values()), (level.name, early)
 
 
-def misused_signs(scope: tree.Node, bound: set[str]) -> list[str]:
-    """The variables that `==` would give a value, and conditions with `=`."""
+def misused_signs(scope: tree.Node, outer: Set[str] = frozenset({""})) -> list[str]:
+    """The variables that `==` would give a value, and "=" for each condition with `=`."""
     nodes = list(tree.walk(tree.children(scope), lambda node: isinstance(node, tree.Aggregate)))
-    calls = [node for node in nodes if isinstance(node, tree.Atom) and node.name[:1].isupper()]
-    sources = [*calls, *(node.element for node in nodes if isinstance(node, tree.Membership))]
-    if isinstance(scope, Rule) and scope.head.column(VALUE):
-        sources += [column for column in scope.head.columns if column.field != VALUE]
-    bound = bound | variables_in(sources)
-    misused = list[str]()
-    for node in nodes:
-        if isinstance(node, tree.Atom) and node.name == "=":
-            targets = {tree.variable_of(side) for side in tree.operands(node.arguments)} - {""}
-            misused += [] if targets - bound else ["="]
-            bound = bound | targets
-    for node in nodes:
-        if isinstance(node, tree.Equation):
-            misused += {tree.variable_of(node.left), tree.variable_of(node.right)} - {""} - bound
-        elif isinstance(node, tree.Aggregate):
-            misused += misused_signs(node, bound)
-    return misused
-
-
-def variables_in(nodes: Iterable[tree.Node]) -> set[str]:
-    inside = tree.walk(nodes, lambda node: isinstance(node, tree.Aggregate))
-    return {node.name for node in inside if isinstance(node, tree.Variable)}
+    atoms = [node for node in nodes if isinstance(node, tree.Atom)]
+    calls = [atom for atom in atoms if atom.name[:1].isupper()]
+    members = [node.element for node in nodes if isinstance(node, tree.Membership)]
+    bound = {*outer, *map(tree.variable_of, tree.walk([*calls, *members]))}
+    sides = [set(map(tree.variable_of, tree.operands(a.arguments))) for a in atoms if a.name == "="]
+    misused = ["=" for pair in sides if pair <= bound]
+    bound |= set().union(*sides)
+    compared = {tree.variable_of(node.left) for node in nodes if isinstance(node, tree.Equation)}
+    inner = [node for node in nodes if isinstance(node, tree.Aggregate)]
+    return [*misused, *compared - bound, *(s for node in inner for s in misused_signs(node, bound))]
 
 
 def pieces_of_the_course() -> list[str]:
     """The rules and bodies with an equals sign that a learner reads."""
-    paths = [p for f in ("programs", "tests/levels/steps") for p in (CHECKOUT / f).rglob("*.l")]
-    pages = [path for path in FOLDER.glob("*.md") if path.name not in ("learn.md", "solutions.md")]
-    levels = [load_level(name) for name in LEVELS]
-    texts = [level.lesson for level in levels] + [path.read_text("utf-8") for path in pages]
-    block = re.compile(r"^```(?:prolog)?\n.*?^```", re.M | re.S)
-    codes = [code for text in texts for code in block.findall(text)]
-    codes += [code for level in levels for h in level.hints for code in re.findall("`(.+?)`", h)]
-    codes += [question.answer for level in levels for question in level.questions]
-    codes += [path.read_text("utf-8") for path in paths]
-    bare = (re.sub(r"^(#.*|```.*)\n?", "", code, flags=re.M) for code in codes)
+    codes = re.findall(r"`([^`\n]+)`", (FOLDER / "learn.md").read_text("utf-8"))
+    for page in FOLDER.glob("*.md"):
+        blocks = re.findall(r"^```(\w*)\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S)
+        codes += [code for language, code in blocks if language in ("", "prolog")]
+    codes += [path.read_text("utf-8") for path in (CHECKOUT / "programs").rglob("*.l")]
+    bare = (re.sub(r"^#.*\n?", "", code, flags=re.M) for code in codes)
     pieces = {piece.strip() for code in bare for piece in re.split(r";\s*$", code, flags=re.M)}
     return sorted(piece for piece in pieces if re.search(r"(:-.*|^\w+) ==? ", piece, re.S))
 
@@ -120,29 +103,21 @@ def pieces_of_the_course() -> list[str]:
 def test_one_equals_sign_gives_a_value_and_two_compare(piece: str) -> None:
     text = piece if re.match(r"[A-Z]\w*\(", piece) else f"Piece() :- {piece}"
     rules = (rule for rule in parse(prepare(text)).statements if isinstance(rule, Rule))
-    assert [sign for rule in rules for sign in misused_signs(rule, set())] == []
+    assert [sign for rule in rules for sign in misused_signs(rule)] == []
 
 
-def test_the_course_is_up_to_date() -> None:
+def test_the_course_is_up_to_date_and_has_no_picture_of_a_level_that_is_gone() -> None:
     for path, text in files().items():
         assert path.read_text("utf-8") == text, "`make learn` writes it anew"
-
-
-def test_the_course_comes_without_solutions() -> None:
-    page = (FOLDER / "learn.md").read_text("utf-8")
-    solutions = (FOLDER / "solutions.md").read_text("utf-8")
-    for name in LEVELS:
-        text = program_text(solution_of(name)).strip()
-        assert text in solutions
-        assert text not in page
-
-
-def test_there_is_no_picture_of_a_level_that_is_gone() -> None:
     assert {p for p in files() if p.suffix == ".svg"} == set((FOLDER / PICTURES).iterdir())
 
 
-def test_code_in_hints_is_shown_as_it_is_typed() -> None:
-    code = re.findall(r"`[^`\n]+`", files()[FOLDER / "learn.md"])
+def test_the_course_has_code_as_it_is_typed_and_no_solutions() -> None:
+    page, solutions = (files()[FOLDER / name] for name in ("learn.md", "solutions.md"))
+    for text in (program_text(solution_of(name)).strip() for name in LEVELS):
+        assert text in solutions
+        assert text not in page
+    code = re.findall(r"`[^`\n]+`", page)
     assert code
     assert not [piece for piece in code if re.search("&(lt|gt|amp);", piece)]
 
