@@ -286,7 +286,7 @@ def test_a_player_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None
             second.wait_for(answer)
             second.send("y")
         assert hung.finish() == 0
-        second.wait_for("open-space-starter*")
+        second.wait_for("helloFreedom")
         second.send("q")
         assert second.finish() == 0
 
