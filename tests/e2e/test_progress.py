@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+from time import monotonic
 
 import pytest
 
@@ -95,8 +96,10 @@ def test_hints_what_was_applied_and_the_last_level_are_there_after_a_kill(player
     tmux = player.tmux
     player.play()
     skip_the_tour(player)
-    for number in (1, 2):
-        tmux.press("h", sees=f"{number}. ")
+    tmux.press("h", sees="1. ")
+    pause_until = monotonic() + 1.1
+    until(lambda: monotonic() > pause_until)
+    tmux.press("h", sees="2. ")
     until(lambda: record_of(player).record(FIRST.name).hints == 2)
     tmux.press("Escape", sees_no="2. ")
     enter_editor(player)

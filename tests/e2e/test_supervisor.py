@@ -83,7 +83,7 @@ SMALL = """
 """A game of a few keys, which is there in no time, and whose supervisor looks more often."""
 
 NEVER = 1e9
-SIZE = (100, 30)
+SIZE = (90, 30)
 
 slow = pytest.mark.slow
 either_game = pytest.mark.parametrize(
