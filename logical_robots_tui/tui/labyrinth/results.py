@@ -15,7 +15,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Button, Static
 
-from logical_robots_tui.tui.commands.keymap import command
+from logical_robots_tui.tui.commands.keymap import command, with_keys
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
@@ -176,7 +176,7 @@ class ResultsDialog(QuestionDialog):
         recorder: Has the results.
         said: What is celebrated, or "" to look results up.
         answers: Ids of commands, with the labels of their buttons.
-        note: Why a victory has no measures, as long as it has none.
+        note: Why a victory has no measures, with `{command}` for keys, as long as it has none.
         seed: For the confetti.
         story: What is told after a victory.
         picture: The start of what comes next.
@@ -211,7 +211,8 @@ class ResultsDialog(QuestionDialog):
         ]
         super().__init__("Victory" if headline else "Results", "", keyed, noticing=noticing)
         self._recorder, self._headline, self._seed = recorder, headline, seed
-        self._note, self._story, self._picture, self._explains = note, story, picture, explains
+        self._note, self._story = with_keys(note), story
+        self._picture, self._explains = picture, explains
         self._rows = self._table()
         self._parts = [Static(id=name) for name in ("said", "goals", "table")]
 

@@ -14,7 +14,6 @@ from logical_robots_tui.game.frame import is_match_over, standing_words
 from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import robustness_line
 from logical_robots_tui.player.session_state import SessionListener
-from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level, LevelError, list_arenas
 
@@ -171,7 +170,7 @@ class VictoryAnnouncer(SessionListener):
             self.recorder,
             headline,
             answers,
-            note=with_keys(f"{victory.refusal} {_NOTES[victory.verdict]}".lstrip()),
+            note=f"{victory.refusal} {_NOTES[victory.verdict]}".lstrip(),
             seed=victory.tick,
             noticing=noticing,
             story=story,
