@@ -74,6 +74,8 @@ def test_victories_are_given_up_by_name(command: Command, tmp_path: Path) -> Non
     assert endless != load_program("first-steps").text
     file = exported(tmp_path, endless, endless + "\n# Forged.")
     told = command("progress", "--check", file, "--seconds", 1, status=1)
+    while "try again" in told.out:  # a busy machine cut off a thought
+        told = command("progress", "--check", file, "--seconds", 1, status=1)
     for line in told.out.splitlines()[1:]:
         assert line.startswith(LEVEL)
         assert line.endswith("given up after 1 processor second. --seconds N allows more.")
