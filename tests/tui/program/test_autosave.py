@@ -227,7 +227,8 @@ def test_a_signal_or_a_closed_terminal_ends_the_game_and_all_it_started_with_the
             terminal.wait_for(shown)
         group = os.getpgid(terminal.process.pid)
         if number == signal.SIGKILL:
-            until(lambda: list((data_dir / "drafts").glob("*.json")))
+            drafts = data_dir / "drafts"
+            until(lambda: any("hello" in file.read_text() for file in drafts.glob("*.json")))
         if is_closed:
             os.close(terminal._ours)
             terminal._ours = os.open(os.devnull, os.O_RDWR)
