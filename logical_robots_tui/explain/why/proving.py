@@ -103,21 +103,21 @@ class _Prover:
     def rule(self, rule: RuleParts) -> RuleOutcome:
         row = self._row
         try:
-            derivations: list[tuple[ProofNode, ...]] = []
+            derivation_count = 0
+            nodes: tuple[ProofNode, ...] = ()
             if row is not None:
                 self._derivations.prepare(self._probing, row)
-                derivations = self._derivations_by(rule, row)
+                derivation_count, nodes = self._derivation_nodes(rule, row)
                 self._derivations.prepare(self._probing)
-            count = 1 if derivations and len(self._rows) == 1 else self._row_count(rule)
-            if row is not None and derivations:
-                remark, nodes = "gives this row", derivations[0]
+            count = 1 if derivation_count and len(self._rows) == 1 else self._row_count(rule)
+            if row is not None and derivation_count:
+                remark = "gives this row"
                 if len(self._rows) > 1:
                     remark = f"gives {_number_of_rows(count)}; this is the {self._position}"
-                if len(derivations) > 1:
-                    is_all = len(derivations) < _MOST_OTHERS
-                    number = number_of(len(derivations), "derivation", is_all=is_all)
+                if derivation_count > 1:
+                    is_all = derivation_count < _MOST_OTHERS
+                    number = number_of(derivation_count, "derivation", is_all=is_all)
                     remark += f"; first of {number}"
-                    nodes = (*nodes, *_other_derivations(derivations))
                 if self._probing.name == MAIN:
                     nodes = (*nodes, *self._alternative(rule, row, nodes), *self._null_notes(nodes))
                 return RuleOutcome(rule.span, count, row, None, _heading(rule, remark, True, nodes))
@@ -182,14 +182,21 @@ class _Prover:
     def _matches(self, rule: RuleParts, row: Row, limit: int = 1) -> Iterator[tuple[Clause, Way]]:
         return self._derivations.matches(rule, self._probing, row, self._arguments, limit)
 
-    def _derivations_by(self, rule: RuleParts, row: Row) -> list[tuple[ProofNode, ...]]:
+    def _derivation_nodes(self, rule: RuleParts, row: Row) -> tuple[int, tuple[ProofNode, ...]]:
+        """Return how many derivations a row has, and the first, with some others below it."""
         if rule.is_aggregated:
             matches = list(self._matches(rule, row, MOST_ELEMENTS + 1))
-            return [tuple(self._aggregate_nodes(matches, row))] if matches else []
-        return [
+            return (1, tuple(self._aggregate_nodes(matches, row))) if matches else (0, ())
+        matches = self._matches_of(rule, row)
+        derivations = [
             (*self._builder.row(*match, row), *self._builder.derivation(*match))
-            for match in self._matches_of(rule, row)
+            for match in matches[:_MOST_DERIVATIONS]
         ]
+        others = (
+            ProofNode("derivation", f"Derivation {number}", children=nodes)
+            for number, nodes in enumerate(derivations[1:], 2)
+        )
+        return len(matches), (*(derivations[0] if derivations else ()), *others)
 
     def _matches_of(self, rule: RuleParts, row: Row) -> list[tuple[Clause, Way]]:
         """Return derivations of a row: of `Robot` one, of others several if they take few steps."""
@@ -203,8 +210,8 @@ class _Prover:
         """Return the derivation of a row that this rule gives and that does not count."""
         if self._probing.recursive:
             return ()
-        candidates = (self._derivations_by(rule, row) for row in self._rows[:_MOST_OTHERS])
-        return next((derivations[0] for derivations in candidates if derivations), ())
+        candidates = (self._derivation_nodes(rule, row)[1] for row in self._rows[:_MOST_OTHERS])
+        return next(filter(None, candidates), ())
 
     def _alternative(
         self, rule: RuleParts, row: Row, nodes: tuple[ProofNode, ...]
@@ -275,11 +282,6 @@ def _heading(
     return ProofNode("rule", rule.span.text, remark, holds, span=rule.span, children=children)
 
 
-def _other_derivations(derivations: Sequence[tuple[ProofNode, ...]]) -> Iterator[ProofNode]:
-    for number, nodes in enumerate(derivations[1:_MOST_DERIVATIONS], 2):
-        yield ProofNode("derivation", f"Derivation {number}", children=nodes)
-
-
 def _number_of_rows(number: int) -> str:
     return number_of(number, "row", is_all=number < MOST_ROWS)
 
@@ -312,9 +314,7 @@ def prove(derivations: Derivations, query: Ask, *, depth: int, nodes: int) -> Pr
     premises = _premises(explanation)
     roots = tuple(unfolder.node(node, depth, path) for node in premises)
     spans = {premise.span for premise in premises}
-    alternatives = tuple(
-        node for node in explanation.nodes if node not in premises and node.span not in spans
-    )
+    alternatives = tuple(node for node in explanation.nodes if node.span not in spans)
     return Proof(explanation, roots, alternatives, unfolder.complete, unfolder.is_cut)
 
 
@@ -328,7 +328,7 @@ class _Unfolder:
     def node(
         self, node: ProofNode, depth: int, path: tuple[str, ...], *, is_expanded: bool = True
     ) -> ProofNode:
-        """Return a node with proofs below; of calls in `instance`, of the first."""
+        """Return a node with proofs below, of instances and derivations only in the first."""
         self._budget -= 1
         if node.kind == "derivation":
             return node
