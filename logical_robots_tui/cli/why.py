@@ -236,8 +236,7 @@ def _without_long_values(ask: explain.Ask, program: mind.Program) -> explain.Ask
 def _line(depth: int, node: explain.ProofNode, width: int) -> str:
     mark = {True: "+", False: "-", None: " "}[node.holds]
     prefix = f"{'  ' * depth}{mark} "
-    is_rule = node.kind in ("rule", "derivation")
-    place = f"line {node.span.line}: " if is_rule and node.span is not None else ""
+    place = f"line {node.span.line}: " if node.is_rule and node.span is not None else ""
     remark = f"  ({node.remark})" if node.remark else ""
     first_values = node.values[:_MOST_VALUES]
     values = [*map(spell, first_values)]

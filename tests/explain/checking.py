@@ -25,9 +25,6 @@ _EQUATION = re.compile(r"[^=<>!]==?[^=]")
 _AT_ONCE = 32  # claims that are compiled together
 
 
-RULES = ("rule", "derivation")
-
-
 class Claim(NamedTuple):
     """That some conditions hold together in some way, or in none."""
 
@@ -106,7 +103,7 @@ def claims_of(node: ProofNode, *, itself: bool = False) -> list[str]:
 
 def _claims(node: ProofNode) -> Iterator[str | None]:
     for child in node.children:
-        if child.kind in (*RULES, "aggregate", "denial", "contributor", "note", "column"):
+        if child.is_rule or child.kind in ("aggregate", "denial", "contributor", "note", "column"):
             if child.kind == "column":
                 yield from _claims(child)
             continue

@@ -13,7 +13,7 @@ from hypothesis import settings
 
 from logical_robots_tui.explain import Ask, ProofNode
 from logical_robots_tui.values import Value
-from tests.explain.checking import RULES, Checker, Claim, claims_of, wrong_aggregates
+from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
 from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
 
 _VALUED = re.compile(r"^(\w+)\([^()]*\) = ", re.MULTILINE)
@@ -67,7 +67,7 @@ class _Judge:
         made = self._copies.get(asked.within or asked.predicate, "")
         self._is_open = asked.predicate in self._open
         for node in nodes:
-            if node.kind in RULES:
+            if node.is_rule:
                 for derivation in _derivations(node):
                     yield from self._rule(derivation, asked.given, made)
         for node in nodes:
@@ -75,10 +75,10 @@ class _Judge:
 
     def _called(self, node: ProofNode) -> Iterator[Claim]:
         if node.query is not None:
-            rules = [n for n in node.children if n.kind in RULES]
+            rules = [n for n in node.children if n.is_rule]
             yield from self.answer(rules, node.query)
         for child in node.children:
-            if node.query is None or child.kind not in RULES:
+            if node.query is None or not child.is_rule:
                 yield from self._called(child)
 
     def _rule(self, node: ProofNode, given: Mapping[str, Value], made: str) -> Iterator[Claim]:
@@ -240,7 +240,7 @@ def _branch(nodes: Sequence[ProofNode], alternative: ProofNode | None = None) ->
 def _inside(rule: ProofNode) -> Iterator[ProofNode]:
     """All nodes of a derivation, without those of the rules that it calls."""
     for child in rule.children:
-        if child.kind not in RULES:
+        if not child.is_rule:
             yield child
             yield from _inside(child)
 

@@ -80,6 +80,11 @@ class ProofNode:
     children: tuple[ProofNode, ...] = ()
 
     @property
+    def is_rule(self) -> bool:
+        """Whether it is a rule, or a further derivation by it or by another one."""
+        return self.kind in ("rule", "derivation")
+
+    @property
     def ray(self) -> float | None:
         """The angle of the ray that is its first value, or None."""
         return ray_angle(self.values[0]) if self.values else None

@@ -25,15 +25,7 @@ _MARKS = {True: ("✓ ", INK.good), False: ("✗ ", INK.bad), None: ("", INK.dim
 _DEEPER = " →"
 _WIDEST_VALUE = 60
 _NARROWEST_TEXT = 8
-RULES = ("rule", "derivation")
-"""The kinds of nodes that are a rule, or a further derivation by it or by another one."""
-
-_INKS = {
-    **dict.fromkeys(RULES, f"bold {INK.title}"),
-    "note": INK.dim,
-    "value": INK.dim,
-    "read": INK.dim,
-}
+_INKS = {"rule": f"bold {INK.title}", "note": INK.dim, "value": INK.dim, "read": INK.dim}
 
 
 class ProofLine(NamedTuple):
@@ -193,7 +185,7 @@ def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
     head = Content.assemble(
         (_guides(line.depth, width), INK.faint), (marker, INK.key), _MARKS[node.holds]
     )
-    if node.kind in RULES and node.span is not None:
+    if node.is_rule and node.span is not None:
         head = head.append(Content.styled(f"{node.span.line}: ", INK.faint))
     remark = f"  {one_line(node.remark)}" if node.remark else ""
     tail = Content.assemble(
@@ -204,7 +196,7 @@ def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
     room = max(_NARROWEST_TEXT, width - head.cell_length - tail.cell_length)
     values = _values(node, max(room - len(text), room // 2))
     text = clip(text, max(_NARROWEST_TEXT, room - values.cell_length))
-    named = Content.styled(text, _INKS.get(node.kind, INK.text))
+    named = Content.styled(text, _INKS.get("rule" if node.is_rule else node.kind, INK.text))
     return head.append(named).append(values).append(tail).truncate(width)
 
 

@@ -19,7 +19,7 @@ from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import PageEntry, Placed, RobotPage, Sighted, Traced
 from logical_robots_tui.tui.inspector.plots import format_value
-from logical_robots_tui.tui.inspector.proof import RULES, WhyView
+from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.inspector.value_tree import ValueBranch
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
@@ -110,7 +110,7 @@ class WhyPage(RobotPage):
         """The value of a column, a call, an expression or a variable."""
         robot, tick = self.robot, self._session.frame.tick
         node, *above = self.view.path or (None,)
-        rule = next((n for n, step in enumerate(above) if step.kind in RULES), None)
+        rule = next((n for n, step in enumerate(above) if step.is_rule), None)
         if node is None or rule is None:
             return None
         calls = (step.query for step in above[rule:] if step.query is not None)
@@ -154,7 +154,7 @@ class WhyPage(RobotPage):
         nodes: tuple[ProofNode, ...] = ()
         if line.kind == "column" and line.query is None:
             nodes = (line,)
-        elif line.kind in RULES and line.holds:
+        elif line.is_rule and line.holds:
             limit = _LONGEST_VALUE
             columns_below = (node for node in line.children if node.kind == "column")
             nodes = tuple(
