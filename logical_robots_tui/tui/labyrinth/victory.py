@@ -146,6 +146,7 @@ class VictoryAnnouncer(SessionListener):
         from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
         following = await self.following()
+        is_first_arena = following in await asyncio.to_thread(list_arenas)
         picture = await self._picture_of(following)
         await self.offers.free()
         while (pause := self.pause()) < _PAUSE:  # noqa: ASYNC110 - each key begins it anew
@@ -156,10 +157,9 @@ class VictoryAnnouncer(SessionListener):
         who = "You made it" if len(victory.level.robots) == 1 else "Everyone made it"
         headline = f"★ {clip(who, 50)} — {count_of(victory.tick, 'tick')} ★"
         answers, story = [("restart", "Again"), ("leave", "Stay")], victory.level.story
-        arenas = await asyncio.to_thread(list_arenas)
         if self.is_test():
             answers[:0] = [("test", "Edit")]
-        elif following in arenas and not victory.level.teams:
+        elif is_first_arena and not victory.level.teams:
             answers = [*_FURTHER, ("restart", "Again"), ("lesson", "Lesson")]
             story = story.strip() + _AFTER_THE_LAST
         else:
