@@ -72,8 +72,8 @@ class Picker(Dialog[T], Generic[T, E]):
 
     def matching(self, text: str) -> list[E]:
         words = text.casefold().split()
-        texts = [(entry, self.words_of(entry).casefold()) for entry in self.entries]
-        return [entry for entry, text in texts if all(word in text for word in words)]
+        contents = [(entry, self.words_of(entry).casefold()) for entry in self.entries]
+        return [entry for entry, content in contents if all(word in content for word in words)]
 
     def fill(self, highlighted: E | None) -> None:
         """List what matches the filter, and highlight one entry, or else the first."""

@@ -252,6 +252,7 @@ def rich_style(text: str) -> RichStyle:
 
     For widgets that paint segments; Content resolves such names itself.
     """
+    # In an app, Textual takes the colours of its theme rather than these.
     return Style.parse(text, _night_colours()).rich_style
 
 
