@@ -109,7 +109,9 @@ async def test_a_mistake_is_marked_there_and_the_last_good_program_runs_on(data_
         await game.press("space", "f8", tick=4, sees="^R applies yours.")
         await game.press("f4", until=lambda: game.session.state.phase == "mistake")
         await game.press("f8", tick=5, sees="yours has an error in")
-        await game.press("f4", "f5", sees="The new program has an error in line 3.")
+        game.session.apply(game.editor.text)
+        game.session.toggle_run()  # before it is compiled
+        await game.sees("The new program has an error in line 3.")
         assert not game.session.busy
         assert game.session.frame.memories == {"Solo": "I am a robot"}
         game.editor.text = PAPER  # as undoing all of it does
