@@ -75,6 +75,8 @@ def _sweep(options: argparse.Namespace) -> int:
     _path("submissions", "a folder or an archive with one entry per student"),
     _OUTPUT,
     command.option("--student", "ID", "run only this student, and print their feedback"),
+    command.flag("--file-times", "late by the times of files, where a platform says nothing"),
+    command.flag("--late-anyway", "grade even if more than half are late"),
     *_ENGINE,
 )
 def _grade(options: argparse.Namespace) -> int:
@@ -86,14 +88,16 @@ def _grade(options: argparse.Namespace) -> int:
       logical-robots grade assignment.toml submissions -o grades
 
     A submission is a folder or an archive with a program for each level, such as
-    ada/01-first-steps.l, or one file for all levels, such as ada.l. Exports from Moodle, Canvas
-    and Gradescope work unchanged.
+    ada/01-first-steps.l, or one file for all levels, such as ada.l. Exports from Moodle, Canvas,
+    Gradescope, Blackboard and others work unchanged.
 
-    exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
+    exit status: 0 complete, 1 some runs are left or could not be done, or fewer than half of the
+    class can be graded, 2 wrong input
     """
     from logical_robots_tui.lab.submissions import plan_grading
 
-    return _plan(options, lambda: plan_grading(options.assignment, options.submissions))
+    times = {"file_times": options.file_times, "late_anyway": options.late_anyway}
+    return _plan(options, lambda: plan_grading(options.assignment, options.submissions, **times))
 
 
 @command.declare(
@@ -342,6 +346,7 @@ def _work(options: argparse.Namespace, folder: Folder, first_manifest: Manifest)
 def _tell(folder: Folder, records: RunRecords, coordinator: Coordinator) -> int:
     from logical_robots_tui.lab import next_round
     from logical_robots_tui.lab.classroom import ungraded_lines
+    from logical_robots_tui.lab.submissions import warning_of
 
     manifest, ledger = records.manifest, records.ledger
     tally, is_grading = coordinator.tally(), manifest.kind == "grade"
@@ -367,7 +372,7 @@ def _tell(folder: Folder, records: RunRecords, coordinator: Coordinator) -> int:
         remark += f"Round {len(manifest.rounds) + 1} is next. " * is_next
         print(f"{remark}Go on with: logical-robots lab resume {harmless(str(folder.path))}")
         return INCOMPLETE
-    return COMPLETE
+    return INCOMPLETE if is_grading and warning_of(manifest) else COMPLETE
 
 
 def _export(folder: Folder, records: RunRecords) -> None:

@@ -236,12 +236,17 @@ def _text_of(path: Path, *, pipes: bool = False) -> str:
         place += f", line {line}"
         hint = "Check that it is a program, and save it as UTF-8."
         raise InputError("is not UTF-8 text", place=place, hint=hint) from error
+    check_program(text, place)
+    return text
+
+
+def check_program(text: str, place: str) -> None:
+    """Raise InputError for a text that is too long for a program, or no text."""
     if len(text) > (most := Limits().program_characters):
         message = f"has {len(text):,} characters, more than the {most:,} that a program may have"
         raise InputError(message, place=place, hint="A program is a short text.")
     if "\0" in text:
         raise InputError("is a binary file, not a program", place=place)
-    return text
 
 
 def target(

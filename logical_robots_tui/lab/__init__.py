@@ -145,12 +145,23 @@ def sweep(experiment: Given, folder: str | Path, **options: Unpack[WorkOptions])
 
 
 def grade(
-    assignment: Given, submissions: str | Path, folder: str | Path, **options: Unpack[WorkOptions]
+    assignment: Given,
+    submissions: str | Path,
+    folder: str | Path,
+    *,
+    file_times: bool = False,
+    late_anyway: bool = False,
+    **options: Unpack[WorkOptions],
 ) -> Results:
-    """Grade the programs of a class, in a folder or an archive; else as `sweep`."""
+    """Grade the programs of a class, in a folder or an archive; else as `sweep`.
+
+    `file_times` takes the times of files where a platform says nothing, `late_anyway` believes
+    times of submission that are suspicious.
+    """
     from logical_robots_tui.lab.submissions import plan_grading
 
-    return _carry_out(plan_grading(assignment, Path(submissions)), folder, **options)
+    times = {"file_times": file_times, "late_anyway": late_anyway}
+    return _carry_out(plan_grading(assignment, Path(submissions), **times), folder, **options)
 
 
 def tournament(

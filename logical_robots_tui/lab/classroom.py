@@ -42,12 +42,13 @@ _MOST_TEXTS = 20  # pairs whose texts are in the report
 
 
 def student_of(manifest: Manifest, query: str) -> Student:
-    """Return a student by id, name, submission or a part of the name, or raise InputError."""
+    """Return a student by id, name, submission or a part of the id or name, or raise InputError."""
     folded, students = query.casefold(), manifest.students
     matches = [s for s in students if s.id == query] or [
         s for s in students if folded in (s.name.casefold(), s.submission.casefold())
     ]
-    matches = matches or [s for s in students if folded in s.name.casefold()]
+    for parts in ("id", "name"):
+        matches = matches or [s for s in students if folded in getattr(s, parts).casefold()]
     if len(matches) == 1:
         return matches[0]
     if matches:

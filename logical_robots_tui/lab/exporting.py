@@ -97,10 +97,14 @@ def export_runs(folder: Folder, records: RunRecords) -> list[str]:
     return file_names
 
 
-def write_tables(folder: Folder, tables: Mapping[str, ResultTable]) -> list[str]:
-    """Write tables as CSV; return the names of the files, or raise InputError."""
+SPREADSHEET_MARK = "\ufeff"
+"""What tells a spreadsheet that a table is UTF-8."""
+
+
+def write_tables(folder: Folder, tables: Mapping[str, ResultTable], mark: str = "") -> list[str]:
+    """Write tables as CSV, after a mark; return the names of the files, or raise InputError."""
     for name, table in tables.items():
-        folder.put(folder.path / f"{name}.csv", csv_of(table))
+        folder.put(folder.path / f"{name}.csv", mark + csv_of(table))
     return [f"{name}.csv" for name in tables]
 
 

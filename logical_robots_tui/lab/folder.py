@@ -75,7 +75,9 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
 class Student(msgspec.Struct, frozen=True, omit_defaults=True):
     """A student, or anybody who submitted something; the id is then the submission's name.
 
-    `late_by` are seconds, 0 if that is not known; `added` are points given by hand, with reasons.
+    `late_by` are seconds, 0 if that is not known; `grace_days` after the deadline cost nothing.
+    `added` are points given by hand, with reasons. `is_unclear` says that something was handed in
+    which may be the program of a level without one.
     """
 
     id: str
@@ -85,6 +87,9 @@ class Student(msgspec.Struct, frozen=True, omit_defaults=True):
     remarks: tuple[str, ...] = ()
     late_by: float = 0.0
     added: tuple[tuple[float, str], ...] = ()
+    grace_days: int = 0
+    group: str = ""
+    is_unclear: bool = False
 
     @property
     def lateness(self) -> str:
@@ -92,7 +97,7 @@ class Student(msgspec.Struct, frozen=True, omit_defaults=True):
         minutes, seconds = divmod(lag.seconds, 60)
         units = {"day": lag.days, "hour": minutes // 60, "minute": minutes % 60, "second": seconds}
         largest = [count_of(number, unit) for unit, number in units.items() if number][:2]
-        return " ".join([*largest, "late"]) if self.late else ""
+        return " ".join([*largest, "late"]) if self.late or largest else ""
 
     @property
     def label(self) -> str:

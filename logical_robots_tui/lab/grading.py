@@ -14,6 +14,7 @@ import msgspec
 
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import (
+    SPREADSHEET_MARK,
     ResultTable,
     Row,
     RunRecord,
@@ -24,7 +25,7 @@ from logical_robots_tui.lab.exporting import (
     write_tables,
 )
 from logical_robots_tui.lab.folder import Folder, Manifest, Student, digest
-from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
+from logical_robots_tui.lab.submissions import NOTHING, UNCLEAR, UNMATCHED, Assignment
 from logical_robots_tui.lab.tasks import Result
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
@@ -33,7 +34,7 @@ from logical_robots_tui.world.levels.load import read_level
 _LONGEST_FILE = 60
 _MOST_ENDS = 8  # robots of a level of which feedback tells the end
 _NO_PROGRAM = "no program for this level was found"
-_MISSING = (NOTHING, UNMATCHED, _NO_PROGRAM)
+_MISSING = (NOTHING, UNMATCHED, UNCLEAR, _NO_PROGRAM)
 
 QUESTIONS = {
     "several rows": "Which of the rows should count?",
@@ -156,12 +157,17 @@ def grades_of(records: RunRecords) -> list[Grade]:
             missing = "" if key in cells else _NO_PROGRAM
             if not student.submission:  # earlier versions had other words for UNMATCHED
                 missing = NOTHING if student.remarks[0] == NOTHING else UNMATCHED
+            elif missing and student.is_unclear:
+                missing = UNCLEAR
             level = _level(manifest, assignment, name, level_table.points, missing, results)
             failure = failed.get(key, "")
             levels.append(msgspec.structs.replace(level, file=file, failure=failure))
-        kept_share = assignment.late.keep if student.late else 1
+        kept_share, _ = assignment.late.rule(student)
+        maximum = sum(level_table.points for level_table in assignment.level)
         so_far = sum(level.points or 0 for level in levels) * kept_share
         so_far = _round(so_far + sum(points for points, _ in student.added))
+        if student.added and not assignment.assignment.over:
+            so_far = min(so_far, maximum)
         ungraded = sum(level.points is None for level in levels)
         grades.append(
             Grade(
@@ -169,7 +175,7 @@ def grades_of(records: RunRecords) -> list[Grade]:
                 tuple(levels),
                 None if ungraded else so_far,
                 so_far,
-                sum(level_table.points for level_table in assignment.level),
+                maximum,
                 ungraded,
             )
         )
@@ -205,7 +211,7 @@ def _level(
     )
     points: float | None = 0.0
     parts: tuple[PointsPart, ...] = ()
-    if missing == UNMATCHED or not (missing or is_over):
+    if missing in (UNMATCHED, UNCLEAR) or not (missing or is_over):
         points = None
     elif is_run:
         parts = tuple(_parts(assignment, name, maximum, first, wins, manifest.starts, bool(varied)))
@@ -276,11 +282,12 @@ def _round(points: float) -> float:
 
 
 def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Return programs shared by students: the level, the program's digest, the students."""
+    """Return programs of several groups: the level, the program's digest, the students."""
+    teams = {s.id: s.group or s.submission for s in manifest.students}
     owners: dict[tuple[str, str], list[str]] = defaultdict(list)
     for cell in manifest.cells:
         owners[cell.level_name, cell.program].append(cell.student)
-    return [(level, text, tuple(ids)) for (level, text), ids in owners.items() if len(ids) > 1]
+    return [(*key, tuple(ids)) for key, ids in owners.items() if len({teams[s] for s in ids}) > 1]
 
 
 def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None) -> list[str]:
@@ -288,7 +295,6 @@ def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None)
     manifest, grades = records.manifest, grades_of(records)
     assignment = _assignment_of(manifest)
     show: list[str] = [*assignment.assignment.show]
-    kept_share = assignment.late.keep
     names = _file_names([grade.student.id for grade in grades])
     given_runs = [run for run in records.finished if not run.start]
     runs_by_level = {(run.cell.student, run.cell.level_name): run for run in given_runs}
@@ -303,7 +309,7 @@ def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None)
             if "starts" not in show:
                 del level["wins"], level["starts"], level["lost"]
             level["parts"] = [part for part in level["parts"] if part["name"] in show]
-        parts = _feedback(grade, show, kept_share)
+        parts = _feedback(grade, assignment)
         runs = [runs_by_level.get((grade.student.id, level.level)) for level in grade.levels]
         pictures = ["", *(_picture(folder, run, draw if "won" in show else None) for run in runs)]
         files: dict[str, str | bytes] = {
@@ -325,7 +331,8 @@ def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None)
         for level, text, ids in duplicates(manifest)
     ]
     table = ResultTable(("level", "students", "ids", "names", "program"), duplicate_rows)
-    file_names = write_tables(folder, {"gradebook": gradebook(grades), "duplicates": table})
+    tables = {"gradebook": gradebook(grades), "duplicates": table}
+    file_names = write_tables(folder, tables, SPREADSHEET_MARK)
     folder.put(folder.path / "junit.xml", _junit(manifest.title, grades))
     file_names += ["junit.xml", "feedback/", "gradescope/"]
     return file_names + ["results.json"] * (len(grades) == 1)
@@ -367,17 +374,16 @@ def gradebook(grades: list[Grade]) -> ResultTable:
 def feedback_of(records: RunRecords, student: str) -> str:
     """Return what a student gets to read, as Markdown."""
     (grade,) = (grade for grade in grades_of(records) if grade.student.id == student)
-    table = records.manifest.assignment
-    parts = _feedback(grade, table["assignment"]["show"], table["late"]["keep"])
+    parts = _feedback(grade, _assignment_of(records.manifest))
     return parts_as_markdown(records.manifest.title, parts)
 
 
-def _feedback(grade: Grade, show: list[str], kept_share: float) -> list[tuple[str, list[str]]]:
+def _feedback(grade: Grade, assignment: Assignment) -> list[tuple[str, list[str]]]:
     """Return headings and the sentences below each; the first one is about the student."""
-    student = grade.student
+    student, show = grade.student, assignment.assignment.show
     head = f"{student.name or student.id}: {grade.points_text}"
-    if student.late:
-        head += f" ({student.lateness}; {kept_share:.0%} counts)"
+    if student.lateness:
+        head += f" ({student.lateness}; {assignment.late.rule(student)[1]})"
     parts = [(head, grade.remarks)]
     for level in grade.levels:
         points = "not graded yet"
@@ -408,7 +414,7 @@ def _ending(level: LevelGrade) -> str:
     return f"From the given start: {level.outcome}."
 
 
-def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
+def _level_feedback(level: LevelGrade, show: Sequence[str]) -> list[str]:
     parts = {part.name: part for part in level.parts if part.name in show and len(level.parts) > 1}
     sentences = [str(part) for part in parts.values() if level.outcome != "does not compile"]
     if level.failure:

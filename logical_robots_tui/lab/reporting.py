@@ -19,6 +19,7 @@ from logical_robots_tui.lab.classroom import (
     similar_table,
 )
 from logical_robots_tui.lab.exporting import (
+    SPREADSHEET_MARK,
     ResultTable,
     RunRecord,
     RunRecords,
@@ -194,7 +195,9 @@ def export(folder: Folder, records: RunRecords, draw: Draw | None = None) -> lis
     manifest, file_names = records.manifest, export_runs(folder, records)
     if manifest.kind == "grade":
         file_names += export_grades(folder, records, draw)
-        file_names += write_tables(folder, {"similar": similar_table(folder, manifest)})
+        file_names += write_tables(
+            folder, {"similar": similar_table(folder, manifest)}, SPREADSHEET_MARK
+        )
     elif manifest.kind == "tournament":
         file_names += write_tables(folder, tournament_tables(records))
     return file_names

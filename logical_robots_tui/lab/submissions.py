@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, TypeAlias, TypeVar
@@ -13,48 +13,46 @@ from typing import Annotated, Literal, NamedTuple, TypeAlias, TypeVar
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.game.source import SUFFIX, shipped_texts
 from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, Student, digest
 from logical_robots_tui.lab.handins import (
     MOST_BYTES,
     Submission,
-    entries_of,
-    match_roster,
-    pattern_problem,
+    entries_of_class,
+    normalise,
     readable,
     stems_of,
 )
+from logical_robots_tui.lab.platforms.dates import parse_date
+from logical_robots_tui.lab.platforms.exports import pattern_problem
+from logical_robots_tui.lab.platforms.matching import RosterMatches
+from logical_robots_tui.lab.platforms.tables import (
+    NO_TIME,
+    StudentRow,
+    StudentTable,
+    TableError,
+    read_table,
+)
 from logical_robots_tui.lab.sweeping import Name, Positive, RunLimit, Starts, level_to_run
 from logical_robots_tui.language.diagnostics import printable
-from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.paths import did_you_mean, read_text
+from logical_robots_tui.paths import did_you_mean, read_ordinary
 from logical_robots_tui.toml_files import Bounds, Given, TomlFile
 from logical_robots_tui.wording import count_of
 
 T = TypeVar("T")
 
 _MOST_REMARKS = 20
-_MOST_COLUMNS = 100  # of a table of students
-_BY_HAND = ("assignment", "by_hand")
+_DAY = 86_400.0
+_ROSTER, _BY_HAND = ("assignment", "roster"), ("assignment", "by_hand")
+_DATE_FORM = "like 2026-01-31T23:59:00+01:00"
 _TABLES: dict[tuple[str, str], tuple[tuple[str, ...], tuple[str, ...]]] = {
-    ("assignment", "roster"): (("id",), ("name", "submission")),
+    _ROSTER: (("id",), ("name", "submission", "group")),
     ("late", "students"): (("id",), ()),
-    ("late", "extensions"): (("id", "until"), ()),
+    ("late", "extensions"): (("id",), ("until", "days")),
     _BY_HAND: (("id", "points"), ("reason",)),
 }
 """By the keys that name tables, the columns that they need and those that they may have."""
-
-_COLUMNS = {"identifier": "id", "full name": "name", "student": "name"}  # of Moodle and Canvas
-
-
-class _StudentTable(NamedTuple):
-    """A table of students: its rows by line, and notes on its columns."""
-
-    file: str
-    rows: dict[int, dict[str, str]]
-    notes: list[str]
-
 
 Share: TypeAlias = Annotated[float, Bounds(0)]
 
@@ -74,23 +72,60 @@ class Split(msgspec.Struct, frozen=True):
 
 
 class Late(msgspec.Struct, frozen=True):
-    """``[late]``: deadlines or a file of late students, and the share of points they keep."""
+    """``[late]``: deadlines or a file of late students, and the share of points they keep.
+
+    `grace` are minutes, `days` grace days of every student. `keep` is kept at least, of which
+    `per_day`, if any, is lost for each day that has begun.
+    """
 
     after: datetime | None = None
     students: str = ""
     extensions: str = ""
-    keep: Annotated[float, Bounds(0, 1)] = 1.0
+    keep: Annotated[float, Bounds(0, 1)] | None = None
+    per_day: Annotated[float, Bounds(0, 1)] = 0.0
+    grace: Share = 0.0
+    days: Annotated[int, Bounds(0)] = 0
+
+    def rule(self, student: Student) -> tuple[float, str]:
+        """Return the share of the points that a student keeps, and why."""
+        days, grace_days = math.ceil(student.late_by / _DAY), student.grace_days
+        if not student.late:
+            used = f"{days} of {count_of(grace_days, 'grace day')} used"
+            is_short = student.late_by <= 60 * self.grace
+            return 1.0, f"within {self.grace:g} minutes of grace" if is_short else used
+        share = 1.0 if self.keep is None else self.keep
+        if not self.per_day:
+            return share, f"{share:.0%} counts"
+        share = max(self.keep or 0.0, 1 - self.per_day * max(1, days - grace_days))
+        delay = f" after {count_of(grace_days, 'grace day')}" if grace_days else ""
+        return share, f"{self.per_day:.0%} less for each day{delay}: {share:.0%} counts"
 
 
 NOTHING = "nothing was submitted"
 UNMATCHED = "no submission could be matched to this student"
+UNCLEAR = "it is not clear which file is the program for this level"
 NOT_IN_ROSTER = "not in the roster"
+_UNTIMED = "when it was handed in is not known"
+
+
+class Columns(msgspec.Struct, frozen=True):
+    """``columns``: the heads of a roster's columns, where they are not known."""
+
+    id: str = ""
+    name: str = ""
+    first: str = ""
+    last: str = ""
+    group: str = ""
+    time: str = ""
+    submission: str = ""
 
 
 class AssignmentTable(msgspec.Struct, frozen=True):
     title: str = ""
     pattern: str = ""
+    columns: Columns = Columns()
     by_hand: str = ""
+    over: bool = False
     starts: Starts = 20
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = True
@@ -132,11 +167,14 @@ def read_assignment(spec: TomlFile) -> Assignment:
     return assignment
 
 
-def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, str]]:
+def plan_grading(
+    file: Given, submissions: Path, *, file_times: bool = False, late_anyway: bool = False
+) -> tuple[Manifest, dict[str, str]]:
     """Return what to run for an assignment, and the texts of levels and programs by digest.
 
-    `submissions` is a folder or an archive with one folder, file or archive per student. Raises
-    TomlFileError, InputError.
+    `submissions` is a folder or an archive with one folder, file or archive per student. Where
+    the platform does not say when they were handed in, `file_times` takes the times of files;
+    `late_anyway` believes times that are suspicious. Raises TomlFileError, InputError.
     """
     if submissions.suffix == ".toml":
         hint = "The assignment comes first: logical-robots grade assignment.toml submissions -o out"
@@ -145,37 +183,51 @@ def plan_grading(file: Given, submissions: Path) -> tuple[Manifest, dict[str, st
         )
     spec = TomlFile(file)
     assignment = read_assignment(spec)
-    levels = _levels(spec, assignment)
-    tables = {path: _table(spec, assignment, path) for path in _TABLES}
-    roster, late, extensions, by_hand = tables.values()
-    example = "like 2026-01-31T23:59:00+01:00"
-    extended_rows = _parse_column(spec, extensions, "until", _parse_deadline, example)
-    deadlines = {row["id"]: deadline for row, deadline in extended_rows}
+    levels, starters = _levels(spec, assignment)
+    roster, late, extensions, by_hand = tables = [_table(spec, assignment, p) for p in _TABLES]
+    later = [row for row in extensions.rows if row.cells.get("until") or not row.cells.get("days")]
+    longer = [row for row in extensions.rows if row.cells.get("days")]
+    terms = _LateTerms(
+        assignment.late,
+        {row.id for row in late.rows},
+        dict(_values(spec, extensions.file, later, "until", _parse_deadline, _DATE_FORM)),
+        dict(_values(spec, extensions.file, longer, "days", int, "a whole number")),
+        file_times,
+    )
     adjustments: dict[str, list[tuple[float, str]]] = defaultdict(list)
-    for row, points in _parse_column(spec, by_hand, "points", _parse_points, "a number"):
-        adjustments[row["id"]].append((points, readable(row.get("reason", ""))))
+    for row in by_hand.rows:
+        for student, points in _values(spec, by_hand.file, [row], "points", _points, "a number"):
+            adjustments[student].append((points, readable(row.cells.get("reason", ""))))
     spec.refuse()
-    entries = entries_of(submissions, stems_of(levels), assignment.assignment.pattern)
+    entries, matches = entries_of_class(
+        submissions, stems_of(levels), assignment.assignment.pattern, starters, roster.rows
+    )
     if not entries:
         hint = "It should have one folder, file or archive for each student."
         raise InputError("There are no submissions in it", place=str(submissions), hint=hint)
-    is_late = {row["id"] for row in late.rows.values()}
-    rows = [*roster.rows.values()]
-    students, strays = _students(assignment, entries, rows, is_late, deadlines, adjustments)
-    ids = dict.fromkeys(student.id for student in students)
-    for table in (late, extensions, by_hand) if rows else (by_hand,):
-        for line, row in table.rows.items():
-            if (name := row["id"]) not in ids:
-                message = f"{printable(name)} is not among the students. "
-                spec.problem_in(table.file, line, (message + did_you_mean(name, ids)).strip())
+    students, strays = _students(entries, roster.rows, matches, terms, adjustments, late_anyway)
+    labels = {student.id: student.label for student in students}
+    for table in (late, extensions, by_hand) if roster.rows else (by_hand,):
+        for row in table.rows:
+            if readable(row.id) not in labels:
+                message = f"{printable(row.id)} is not among the students. "
+                hint = did_you_mean(row.id, labels)
+                spec.problem_in(table.file, row.line, (message + hint).strip())
     spec.refuse()
     manifest, inputs = _manifest(spec, assignment, levels, students, entries)
-    notes = tuple(readable(note) for table in tables.values() for note in table.notes)
-    return msgspec.structs.replace(manifest, strays=tuple(strays), notes=notes), inputs
+    notes = [f"{table.file}: {note}" for table in tables for note in table.notes]
+    for name, ids in matches.ties.items():
+        notes.append(f"{name} fits several: {', '.join(labels[readable(i)] for i in ids)}")
+    replaced = {"strays": tuple(strays), "notes": tuple(map(readable, notes))}
+    return msgspec.structs.replace(manifest, **replaced), inputs
 
 
-def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]]:
+def _levels(
+    spec: TomlFile, assignment: Assignment
+) -> tuple[dict[str, tuple[str, int]], dict[str, str]]:
+    """Return texts and ticks of levels, and their starters as they are compared, by name."""
     levels: dict[str, tuple[str, int]] = {}
+    starters: dict[str, str] = {}
     for number, level_table in enumerate(assignment.level):
         path, ticks = ("level", number, "name"), assignment.assignment.ticks
         level_run = level_to_run(spec, path, level_table.name, ("assignment", "ticks"), ticks)
@@ -183,122 +235,172 @@ def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]
             continue
         level, text, last = level_run
         levels[level.name] = text, last
+        if starter := shipped_texts().get(level.starter):
+            starters[level.name] = normalise(starter)
         for key in ("ticks", "size"):
             if getattr(assignment.points, key) and reference_for(level) is None:
                 message = f"{level.name} has no reference program to compare {key} with"
                 spec.problem(("points", key), message)
-    return levels
+    return levels, starters
 
 
-def _parse_column(
-    spec: TomlFile, table: _StudentTable, column: str, parse: Callable[[str], T], form: str
-) -> Iterator[tuple[dict[str, str], T]]:
-    """Yield rows with the value of a column; report values that are not of its form."""
-    for line, row in table.rows.items():
+def _values(
+    spec: TomlFile,
+    file: str,
+    rows: Iterable[StudentRow],
+    column: str,
+    parse: Callable[[str], T],
+    form: str,
+) -> Iterator[tuple[str, T]]:
+    """Yield ids with the values of a column; report values that are not of its form."""
+    for row in rows:
         try:
-            yield row, parse(row.get(column, ""))
+            yield row.id, parse(row.cells.get(column, ""))
         except ValueError:
-            message = f"{column} for {printable(row['id'])} must be {form}"
-            spec.problem_in(table.file, line, message)
+            spec.problem_in(file, row.line, f"{column} for {printable(row.id)} must be {form}")
 
 
 def _parse_deadline(text: str) -> datetime:
-    deadline = datetime.fromisoformat(text.strip())
+    deadline = datetime.fromisoformat(text)
     if deadline.tzinfo is None:
         raise ValueError
     return deadline
 
 
-def _parse_points(text: str) -> float:
-    if not math.isfinite(points := float(text)):
+def _points(text: str) -> float:
+    if not math.isfinite(points := float(text if "." in text else text.replace(",", "."))):
         raise ValueError
     return points
 
 
-def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> _StudentTable:
+def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> StudentTable:
     """Return the table that a key names, which may be none; report what is wrong with it."""
     file: str = getattr(getattr(assignment, path[0]), path[1])
-    table = _StudentTable(file, {}, [])
+    empty = StudentTable(file, [], [])
     if not file:
-        return table
+        return empty
+    heads = msgspec.structs.asdict(assignment.assignment.columns)
+    columns = {role: head for role, head in heads.items() if head} if path == _ROSTER else None
     try:
-        lines = read_text(spec.folder / file, MOST_BYTES).splitlines()
-        separator = max(",;\t", key=lines[0].count) if lines else ","
-        reader = csv.DictReader(lines, restval="", delimiter=separator)
-        heads = [head.strip().casefold() for head in reader.fieldnames or ()]
-        if len(heads) > _MOST_COLUMNS:
-            raise ValueError(f"it has more than {_MOST_COLUMNS} columns")
-        heads = reader.fieldnames = [_COLUMNS.get(head, head) for head in heads]
-        rows = [(reader.line_num, row) for row in reader]
+        content = read_ordinary(spec.folder / file, MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
+            raise ValueError("it is larger than 1 MB")
+        table = read_table(file, content, *_TABLES[path], columns)
+    except TableError as error:
+        spec.problem_in(file, 1, printable(str(error)))
+        return empty
     except (OSError, ValueError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         spec.problem(path, f"{file} can't be read: {reason}")
-        return table
-    required, optional = _TABLES[path]
-    for column in required if rows else ():
-        if column not in heads:
-            message = f'There is no column "{column}"; the first line names the columns: '
-            spec.problem_in(file, 1, message + printable(", ".join(heads)))
-            return table
-    unused_columns = [column for column in optional if column not in heads]
-    for head in heads:
-        if head not in (*required, *optional) and (hint := did_you_mean(head, unused_columns)):
-            table.notes.append(f'{file}: The column "{head}" is not known. {hint}')
-    ids: set[str] = set()
-    for line, row in rows:
-        if row["id"] in ids and path != _BY_HAND:
-            spec.problem_in(file, line, f"{printable(row['id'])} is there twice")
-        elif row["id"].strip():
-            ids.add(row["id"])
-            table.rows[line] = row
+        return empty
+    lines = {row.id: row.line for row in reversed(table.rows)}
+    for row in table.rows if path != _BY_HAND else ():
+        if row.line != lines[row.id]:
+            spec.problem_in(file, row.line, f"{printable(row.id)} is there twice")
     return table
 
 
+class _LateTerms(NamedTuple):
+    """What decides who is late: the rule, ids, and by id later deadlines and grace days."""
+
+    late: Late
+    ids: set[str]
+    deadlines: Mapping[str, datetime]
+    days: Mapping[str, int]
+    file_times: bool
+
+    def moment(self, entry: Submission, row: StudentRow | None) -> datetime | None:
+        """Return when something was handed in, as the platform says, or its files if asked."""
+        time = (parse_date(row.time) if row else None) or entry.time
+        if time is None and self.file_times and entry.mtime:
+            return datetime.fromtimestamp(entry.mtime, UTC)
+        return time
+
+    def apply(self, student: Student, entry: Submission, time: datetime | None) -> Student:
+        """Return a student with how late the submission is, or a remark that it is unknown."""
+        deadline = self.deadlines.get(student.id, self.late.after)
+        is_late, late_by, days, remarks = bool(entry.is_late), 0.0, 0, student.remarks
+        if deadline and time:
+            zone = time.tzinfo or deadline.tzinfo
+            late_by = max(0.0, (time.replace(tzinfo=zone) - deadline).total_seconds())
+            days = self.days.get(student.id, self.late.days)
+            is_late = late_by > max(60 * self.late.grace, days * _DAY)
+        elif deadline and (entry.is_late is None or (is_late and student.id in self.deadlines)):
+            is_late, remarks = False, (*remarks, _UNTIMED)
+        changes = {"late": student.id in self.ids or is_late, "late_by": late_by}
+        return msgspec.structs.replace(student, **changes, grace_days=days, remarks=remarks)
+
+    def check(self, students: Sequence[Student], times: Collection[datetime | None]) -> None:
+        """Raise InputError if times are unknown, all the same, or of too many late students."""
+        late = [student for student in students if student.late and student.id not in self.ids]
+        problem, hint = "", "If the times are right, add --late-anyway."
+        if students and all(_UNTIMED in student.remarks for student in students):
+            problem = "When the submissions were handed in is not known"
+            hint = "Add --file-times to take the times of files, or name late students in a list."
+        elif len(times) > 1 and len({*times}) == 1 and None not in times:
+            problem = f"All submissions are of {min(filter(None, times))}, perhaps of the download"
+        elif len(late) > max(1, len(students) / 2):
+            problem = f"{len(late)} of {len(students)} submissions are late"
+        if self.late.after and problem:
+            raise InputError(problem, place="[late]", hint=hint)
+
+
 def _students(
-    assignment: Assignment,
     entries: Mapping[str, Submission],
-    roster: list[dict[str, str]],
-    late_ids: set[str],
-    deadlines: Mapping[str, datetime],
+    roster: Sequence[StudentRow],
+    matches: RosterMatches,
+    terms: _LateTerms,
     adjustments: Mapping[str, list[tuple[float, str]]],
+    is_sure: bool,
 ) -> tuple[list[Student], list[str]]:
     """Return the students of the roster and others who submitted, and files that are nobody's."""
-    matches = match_roster(roster, entries)
-    used_names = set(matches.values())
-    roster_entries = [(matches.get(row["id"], ""), row) for row in roster]
+    used_names = {name for names in matches.submissions.values() for name in names}
     strays = [name for name in entries if name not in used_names and entries[name].is_stray]
     used_names.update(strays)
     other_names = [name for name in entries if name not in used_names]
-    students = []
-    for name, row in [*roster_entries, *((name, dict[str, str]()) for name in other_names)]:
+    listed = [(matches.submissions.get(row.id, [""])[0], row) for row in roster]
+    students, times = [], []
+    for name, row in [*listed, *((name, None) for name in other_names)]:
         entry = entries.get(name)
         remarks = [] if entry is None else list(entry.remarks)
         if entry is None:
-            remarks.append(UNMATCHED if other_names or strays else NOTHING)
+            is_told = row is not None and row.time == NO_TIME
+            remarks.append(UNMATCHED if (other_names or strays) and not is_told else NOTHING)
         if roster and not row:
             remarks.append(NOT_IN_ROSTER)
-        student_id = readable(row.get("id") or name)
         if (excess := len(remarks) - _MOST_REMARKS) > 0:
             remarks[_MOST_REMARKS:] = [f"and {excess:,} more"]
-        is_late, late_by = student_id in late_ids, 0.0
-        deadline = deadlines.get(student_id, assignment.late.after)
-        if entry is not None and deadline is not None:
-            handed_in_at = datetime.fromtimestamp(entry.mtime, UTC)
-            late_by = max(0.0, (handed_in_at - deadline).total_seconds())
-        elif entry is not None:
-            is_late = is_late or entry.is_late
-        students.append(
-            Student(
-                student_id,
-                readable(row.get("name") or (entry.owner.name if entry else "")),
-                name,
-                is_late or late_by > 0,
-                tuple(map(readable, remarks)),
-                late_by,
-                tuple(adjustments.get(student_id, ())),
-            )
+        people = entry.owner.people if entry else ()
+        student_id = readable(row.id if row else name)
+        student = Student(
+            student_id,
+            readable((row.name if row else "") or ", ".join(p.name for p in people if p.name)),
+            name,
+            remarks=tuple(map(readable, remarks)),
+            added=tuple(adjustments.get(row.id if row else name, ())),
+            group=readable(row.group if row else ""),
+            is_unclear=bool(entry and entry.is_unclear),
         )
+        if entry:
+            times.append(terms.moment(entry, row))
+            student = terms.apply(student, entry, times[-1])
+        students.append(student)
+    if not is_sure:
+        terms.check([student for student in students if student.submission], times)
     return students, [top for name in strays for top in map(readable, entries[name].tops)]
+
+
+def warning_of(manifest: Manifest) -> str:
+    """Return a sentence if fewer than half of the students can be graded, or ""."""
+    students = [s for s in manifest.students if NOT_IN_ROSTER not in s.remarks]
+    gradable = {cell.student for cell in manifest.cells}
+    gradable |= {s.id for s in students if NOTHING in s.remarks}
+    gradable |= {s.id for s in students if s.submission and not s.is_unclear}
+    if 2 * (number := len(gradable & {s.id for s in students})) >= len(students):
+        return ""
+    count = f"only {number:,}" if number else "none"
+    hint = "Compare the roster with the names of the submissions, or give a pattern."
+    return f"Of {count_of(len(students), 'student')} {count} can be graded. {hint}"
 
 
 def account_of(manifest: Manifest) -> list[str]:
@@ -315,7 +417,8 @@ def account_of(manifest: Manifest) -> list[str]:
     if missing:
         phrase = "not matched:" if strays else "nothing was handed in by"
         summary += f"; {phrase} {', '.join(missing)}"
-    lines = [summary + (f"; files matched to no student: {', '.join(strays)}" if strays else "")]
+    lines = [warning] if (warning := warning_of(manifest)) else []
+    lines += [summary + (f"; files matched to no student: {', '.join(strays)}" if strays else "")]
     return [*lines, *manifest.notes] + [
         f"{student.label}: {'; '.join(student.remarks)}"
         for student in roster
@@ -365,19 +468,3 @@ def _manifest(
         run_steps=limits.run_steps,
     )
     return manifest, inputs
-
-
-def normalise(text: str) -> str:
-    source = prepare(text)
-    if source.problems or '"""' in source.text:
-        return text
-    characters: list[str] = []
-    is_quoted = False
-    for character, bare in zip(source.text, source.skeleton, strict=True):
-        if character == '"' and bare == " ":
-            is_quoted = not is_quoted
-        if is_quoted or not character.isspace():
-            characters.append(character)
-        elif characters and characters[-1] != " ":
-            characters.append(" ")
-    return "".join(characters).strip()

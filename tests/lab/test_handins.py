@@ -10,11 +10,13 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.folder import Manifest
-from logical_robots_tui.lab.handins import Submission, entries_of, stems_of
+from logical_robots_tui.lab.folder import Manifest, digest
+from logical_robots_tui.lab.grading import duplicates
+from logical_robots_tui.lab.handins import Submission, entries_of, normalise, stems_of
 from logical_robots_tui.lab.submissions import account_of, plan_grading
 from logical_robots_tui.toml_files import TomlFileError
 from tests.cli.running import Command
+from tests.installed import CHECKOUT
 from tests.lab.laboratory import write_files
 
 Files = Mapping[str, str | bytes]
@@ -82,33 +84,53 @@ def test_one_student_hands_in(tmp_path: Path, shape: str) -> None:
     assert (found.owner.key, found.programs, found.remarks) == ("ada", BOTH, [])
 
 
-def test_exports_of_moodle_canvas_gradescope_and_nbgrader_are_matched(tmp_path: Path) -> None:
-    metadata = (
-        "submission_77:\n  :submitters:\n  - :name: Cem Aydin\n    :sid: '1003'\n"
-        "    :email: c@example.org\n  :created_at: 2026-01-01 10:00:00.000000000 Z\n"
-    )
-    manifest = planned(
-        tmp_path,
-        {
-            "Ada Lovelace_398021_assignsubmission_file_/program.l": "moodle",
-            "müllerzoë_LATE_12345_67890_first-steps-1.l": "canvas",
-            "müllerzoë_LATE_12345_67891_open-space.l": "canvas, too",
-            "submission_77/ps1/first-steps.l": "gradescope",
-            "submission_metadata.yml": metadata,
-            "1004/ps1/first-steps.l": "nbgrader",
-        },
-        ROSTER + "1004,Dot\n",
-    )
-    assert {s.id: (s.submission, s.late, s.remarks) for s in manifest.students} == {
-        "1001": ("Ada Lovelace_398021", False, ()),
-        "1002": ("müllerzoë_12345", True, ()),
-        "1003": ("Cem Aydin_1003", False, ()),
-        "1004": ("1004", False, ()),
-    }
-    cells = [(cell.student, cell.level_name) for cell in manifest.cells]
-    alone = [("1003", FIRST), ("1004", FIRST)]
-    assert cells == [(who, level) for who in ("1001", "1002") for level in BOTH] + alone
-    assert account_of(manifest) == ["4 in the roster, 4 matched"]
+STARTER = (CHECKOUT / "programs/first-steps-starter.l").read_text("utf-8")
+ONE = 'A("one");\n'
+NAMES: list[tuple[Files, dict[str, str], str]] = [
+    ({"my-first-steps-starter.l": ONE, "aufgabe2 final.l": "two"}, {FIRST: ONE, SECOND: "two"}, ""),
+    ({"01-first-steps.l.txt": ONE, "Open space.TXT": "two"}, {FIRST: ONE, SECOND: "two"}, ""),
+    ({"01-first-steps.l": ONE, "mine.l": "two"}, {FIRST: ONE, SECOND: "two"}, ""),
+    (
+        {"01-first-steps.l": ONE.encode("utf-16")},
+        {FIRST: ONE},
+        "",
+    ),
+    ({"01-first-steps.l": "A('\xfc');\rB();".encode("cp1252")}, {FIRST: "A('\xfc');\nB();"}, ""),
+    ({"week 1.l": ONE}, {"": ONE}, ""),
+    (
+        {"first-steps.l": "x", "first-steps (1).l": ONE, "first-steps final.txt": "y"},
+        {FIRST: "x"},
+        "first-steps.l was graded, not first-steps",
+    ),
+    ({"first-steps.l": STARTER, "my first steps.l": ONE}, {FIRST: ONE}, ""),
+    (
+        {"first-steps.l": STARTER},
+        {FIRST: STARTER},
+        "first-steps.l is the level's starter, unchanged",
+    ),
+    ({"a.l": ONE, "b.l": ONE}, {}, "?a.l is not named after a level"),
+    ({"level 1 or 2.l": ONE, "b.l": ONE}, {}, "?b.l is not named after a level"),
+    ({"Aufgabe 1.docx": "PK"}, {}, "?there is no program (*.l) in it, only Aufgabe 1.docx"),
+    ({"readme.md": "x", "first-steps.l": ONE}, {FIRST: ONE}, ""),
+    ({"02.pdf": "x", "first-steps.l": ONE}, {FIRST: ONE}, "?"),
+    (
+        {"first-steps.l": "#" * 200_001},
+        {},
+        "?first-steps.l has 200,001 characters, more",
+    ),
+]
+"""Files of a student, the texts by level, and a remark, with a ? if what lacks is ungraded."""
+
+
+@pytest.mark.parametrize(("files", "programs", "remark"), NAMES)
+def test_a_level_is_found_where_it_is_clear(
+    files: Files, programs: dict[str, str], remark: str, tmp_path: Path
+) -> None:
+    folder = write_files(tmp_path, {f"ada/{name}": content for name, content in files.items()})
+    (entry,) = entries_of(folder, STEMS, "", {FIRST: normalise(STARTER)}).values()
+    assert (entry.programs, entry.is_unclear) == (programs, remark.startswith("?"))
+    assert "".join(entry.remarks).startswith(remark.removeprefix("?"))
+    assert bool(entry.remarks) == (remark not in ("", "?"))
 
 
 def test_an_export_needs_not_be_unpacked(tmp_path: Path) -> None:
@@ -145,27 +167,81 @@ def test_a_pattern_says_how_files_are_named(tmp_path: Path) -> None:
             planned(tmp_path, files, more=f'pattern = "{wrong}"')
 
 
-def test_tables_of_moodle_and_canvas_are_rosters(tmp_path: Path) -> None:
-    moodle = "Identifier,Full name\nParticipant 398021,A. L.\n"
-    files = {"Ada Lovelace_398021_assignsubmission_file_/x.l": "one"}
-    assert planned(tmp_path, files, moodle).students[0].submission == "Ada Lovelace_398021"
-    canvas = "Student,ID,SIS User ID\n    Points Possible,,\nNobody,398021,x\n"
-    (student,) = planned(tmp_path, files, canvas).students
-    assert (student.name, student.submission) == ("Nobody", "Ada Lovelace_398021")
-    # Two of one name are not guessed.
+def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     files = {"x_11_assignsubmission_file_/a.l": "", "ada_22_assignsubmission_file_/a.l": ""}
-    students = planned(tmp_path / "b", files, "id,name\n1,Ada\n2,Ada\n").students
-    assert [student.submission for student in students] == ["", "", "ada_22", "x_11"]
+    manifest = planned(tmp_path, files, "id,name\n1,Ada\n2,Ada\n")
+    assert [student.submission for student in manifest.students] == ["", "", "ada_22", "x_11"]
+    assert "ada_22 fits several: Ada (1), Ada (2)" in account_of(manifest)
 
 
-def test_a_roster_of_a_spreadsheet_is_read_and_misspelt_columns_are_told(tmp_path: Path) -> None:
-    files = {"ada.l": "one"}
-    for separator in ",;\t":
-        manifest = planned(tmp_path, files, f"\ufeffid{separator}submision\r\nada{separator}x\r\n")
-        assert [(s.id, s.submission) for s in manifest.students] == [("ada", "ada")]
-        assert account_of(manifest)[1:] == [
-            'roster.csv: The column "submision" is not known. Did you mean "submission"?'
-        ]
+METADATA = """
+sub_77:
+  :submitters:
+  - :name: Ada Lovelace
+    :sid: '1001'
+  - :name: Zoë Müller
+    :sid: ''
+sub_78:
+  :submitters:
+  - :name: Cem O'Aydin
+"""
+TEAMS = "id,name,Gruppe\n1,Ada,Gruppe A\n2,Ben,Gruppe A\n3,Cem,Gruppe B\n4,Dot,Gruppe B\n"
+
+
+@pytest.mark.parametrize(
+    ("files", "roster", "programs"),
+    [
+        (
+            {
+                "submission_metadata.yml": METADATA,
+                "sub_77/x.l": "1",
+                "sub_78/x.l": "2",
+            },
+            ROSTER.replace("Cem Aydin", "Cem O'Aydin"),
+            "112",
+        ),
+        ({"Gruppe A_55_assignsubmission_file_/x.l": "1", "gruppe b.l": "2"}, TEAMS, "1122"),
+        ({"ben/x.l": "1", "cem.l": "2", "hw1_dot.l": "3"}, TEAMS, "1123"),
+    ],
+)
+def test_every_member_of_a_group_gets_the_result(
+    files: Files, roster: str, programs: str, tmp_path: Path
+) -> None:
+    manifest = planned(tmp_path, files, roster)
+    texts = {cell.student: cell.program for cell in manifest.cells}
+    own = [texts[student.id] for student in manifest.students]
+    assert own == [digest(program) for program in programs]
+    shared = {ids for _, _, ids in duplicates(manifest)}
+    assert shared == set()
+
+
+@pytest.mark.parametrize(
+    ("roster", "note"),
+    [
+        ("\ufeffid,submision\nada,x\n", 'The column "submision" is not known. Did you mean "sub'),
+        ('id;"a,b,c";submision\nada;"x;y";z\n', 'The column "submision" is not known. Did'),
+        ("sep=\t\nid\tname\nada\t\n", ""),
+        (
+            "Kennung,Wer\nada,Ada Byron\nben,B O\n",
+            '"Wer" is taken for the name, "Ken',
+        ),
+        ("nr,Kennung\n1,ada\n", ""),
+    ],
+)
+def test_tables_of_spreadsheets_are_rosters(roster: str, note: str, tmp_path: Path) -> None:
+    more = 'columns = {id = "Kennung"}' if roster.startswith("nr") else ""
+    for end in ("\n", "\r\n"):
+        manifest = planned(tmp_path, {"ada.l": "one"}, roster.replace("\n", end), more)
+        assert manifest.students[0].submission == "ada"
+        assert "".join(account_of(manifest)[1:]).startswith(f"roster.csv: {note}" if note else "")
+
+
+@pytest.mark.parametrize("name", ["hw1_s1004", "s1004-hw1", "Second_Ben_LP_1", "week-1-s1004/a"])
+def test_an_id_or_a_name_may_be_anywhere(name: str, tmp_path: Path) -> None:
+    roster = "id,name\ns1004,Ben Second\ns100,Ann Lee\ns1005,Lee Ann Chu\n"
+    files = {f"{name}.l": "1", "x Chu Lee Ann.l": "2", "01 Lee_Ann.l": "3", "02 lee ann.l": "4"}
+    manifest = planned(tmp_path, files, roster)
+    assert [cell.program for cell in manifest.cells] == [digest(t) for t in "113422"]
 
 
 @pytest.mark.parametrize(
@@ -187,27 +263,28 @@ def test_before_it_runs_it_says_who_was_matched(tmp_path: Path, command: Command
     right = "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}) :- Sensor(robot_name:);"
     files: Files = {
         "1001.zip": zipped({"first-steps.l": right}),
-        "1002/first-steps.txt": right,
+        "1002/steps.txt": right,
         "stranger.l": right,
         "notes.docx": "",
     }
-    account, *remarks = account_of(planned(tmp_path, files))
+    warning, account, *remarks = account_of(planned(tmp_path, files))
+    assert warning.startswith("Of 3 students only 1 can be graded. Compare the roster with")
     assert account == (
         "3 in the roster, 2 matched; not matched: Cem Aydin (1003); "
         "files matched to no student: stranger, notes.docx"
     )
-    assert remarks == ["Zoë Müller (1002): there is no program (*.l) in it, only first-steps.txt"]
+    assert remarks == ["Zoë Müller (1002): there is no program (*.l) in it, only steps.txt"]
     paths = tmp_path / "a.toml", tmp_path / "submissions"
-    told = command("grade", *paths, "-o", tmp_path / "out")
-    assert told.out.startswith(account)
+    told = command("grade", *paths, "-o", tmp_path / "out", status=1)
+    assert told.out.startswith(f"{warning}\n{account}")
     why = "Ungraded:\n  Cem Aydin (1003): no submission could be matched to this student\n"
     assert why in told.out
-    assert why in command("lab", "status", tmp_path / "out").out
-    assert command("lab", "report", tmp_path / "out").status == 0
+    assert why in command("lab", "status", tmp_path / "out", status=1).out
+    assert command("lab", "report", tmp_path / "out").status == 1
     assert account in (tmp_path / "out/report.html").read_text("utf-8")
     feedback = (tmp_path / "out/feedback/1002.md").read_text("utf-8")
     assert "nothing was submitted" not in feedback
-    assert "- No program for this level was found." in feedback
+    assert "- It is not clear which file is the program for this level." in feedback
 
 
 def test_nothing_was_submitted_only_if_nothing_is_left_over(tmp_path: Path) -> None:
@@ -233,9 +310,7 @@ def test_what_can_not_be_read_is_said(tmp_path: Path) -> None:
     assert only(tmp_path / "b", {"ada.zip": zipped({})}).remarks == ["ada.zip: it is empty"]
     two = only(tmp_path / "c", {"ada/first-steps.l": "1", "ada/old/first-steps.l": "2"})
     assert two.programs == {FIRST: "1"}
-    assert two.remarks == ["old/first-steps.l: first-steps.l is there for this level, too"]
-    utf_16 = only(tmp_path / "d", {"ada/first-steps.l": "x".encode("utf-16")})
-    assert utf_16.remarks == ["first-steps.l: it is not UTF-8 text"]
+    assert two.remarks == ["first-steps.l was graded, not old/first-steps.l"]
     with pytest.raises(InputError, match=r"Several entries have this name: ada, ada\.zip"):
         only(tmp_path / "e", {"ada/x.l": "", "ada.zip": zipped({"x.l": ""})})
 

@@ -8,7 +8,8 @@ import pytest
 
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.competing import plan_tournament
-from logical_robots_tui.lab.submissions import normalise, plan_grading
+from logical_robots_tui.lab.handins import normalise
+from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.lab.sweeping import (
     Case,
     Experiment,

@@ -1,0 +1,1 @@
+"""Learning platforms: their exports, tables of students and dates, and whose a submission is."""
