@@ -24,7 +24,7 @@ from logical_robots_tui.lab.exporting import (
     table_section,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, Student
-from logical_robots_tui.lab.grading import LevelGrade, duplicates, grades_of
+from logical_robots_tui.lab.grading import NOT_RUN, LevelGrade, duplicates, grades_of
 from logical_robots_tui.lab.submissions import account_of
 from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.language.source_text import symbols_of
@@ -161,7 +161,8 @@ def ungraded_lines(records: RunRecords) -> list[str]:
     lines = []
     for grade in grades_of(records):
         student, ungraded = grade.student, [level for level in grade.levels if level.points is None]
-        reasons = [f"{level.level}: {level.failure}" for level in ungraded if level.failure]
+        failures = [(level.level, level.failure or level.outcome) for level in ungraded]
+        reasons = [f"{name}: {why}" for name, why in failures if why != NOT_RUN]
         if ungraded and not student.submission:
             reasons = [ungraded[0].outcome]
         if reasons:

@@ -33,6 +33,7 @@ from logical_robots_tui.world.levels.load import read_level
 
 _LONGEST_FILE = 60
 _MOST_ENDS = 8  # robots of a level of which feedback tells the end
+NOT_RUN = "not run yet"
 _NO_PROGRAM = "no program for this level was found"
 _MISSING = (NOTHING, UNMATCHED, UNCLEAR, _NO_PROGRAM)
 
@@ -219,7 +220,7 @@ def _level(
     messages = [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes]
     if first.first is not None:
         messages.append("tick {}, {}: {}".format(*first.first))
-    outcome: str = first.outcome if is_run else missing or "not run yet"
+    outcome: str = first.outcome if is_run else missing or NOT_RUN
     if outcome in ("too slow", "too many steps"):
         outcome += f" at tick {first.ticks:,}"
     questions = []

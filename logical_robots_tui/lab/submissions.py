@@ -362,12 +362,12 @@ def _students(
     students, times = [], []
     for name, row in [*listed, *((name, None) for name in other_names)]:
         entry = entries.get(name)
-        remarks = [] if entry is None else list(entry.remarks)
+        remarks = [NOT_IN_ROSTER] if roster and not row else []
         if entry is None:
             is_told = row is not None and row.time == NO_TIME
             remarks.append(UNMATCHED if (other_names or strays) and not is_told else NOTHING)
-        if roster and not row:
-            remarks.append(NOT_IN_ROSTER)
+        else:
+            remarks += entry.remarks
         if (excess := len(remarks) - _MOST_REMARKS) > 0:
             remarks[_MOST_REMARKS:] = [f"and {excess:,} more"]
         people = entry.owner.people if entry else ()
@@ -433,10 +433,10 @@ def _manifest(
     students: list[Student],
     entries: Mapping[str, Submission],
 ) -> tuple[Manifest, dict[str, str]]:
-    """Return the manifest and its inputs; programs that normalise to the same text run once."""
+    """Return the manifest and its inputs; programs of a level that are the same run once."""
     inputs = {digest(text): text for text, _ in levels.values()}
     cells: list[Cell] = []
-    first_digests: dict[str, str] = {}
+    first_digests: dict[tuple[str, str], str] = {}
     for student in students:
         programs = entries[student.submission].programs if student.submission else {}
         for level, (level_text, ticks) in levels.items():
@@ -444,7 +444,7 @@ def _manifest(
             if text is None:
                 continue
             text_digest = digest(text)
-            program = first_digests.setdefault(normalise(text), text_digest)
+            program = first_digests.setdefault((level, normalise(text)), text_digest)
             inputs[text_digest] = text
             name = level + SUFFIX if level in programs else student.submission + SUFFIX
             variant = "" if text_digest == program else text_digest

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.classroom import student_of
 from logical_robots_tui.lab.folder import Manifest, digest
 from logical_robots_tui.lab.grading import duplicates
 from logical_robots_tui.lab.handins import Submission, entries_of, normalise, stems_of
@@ -167,11 +168,18 @@ def test_a_pattern_says_how_files_are_named(tmp_path: Path) -> None:
             planned(tmp_path, files, more=f'pattern = "{wrong}"')
 
 
+def test_texts_are_compared_within_a_level(tmp_path: Path) -> None:
+    manifest = planned(tmp_path, {"1001/01.l": "A();", "1001/02.l": "A();  # the same"})
+    assert [cell.own for cell in manifest.cells] == ["", ""]  # else one would run for nobody
+
+
 def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     files = {"x_11_assignsubmission_file_/a.l": "", "ada_22_assignsubmission_file_/a.l": ""}
     manifest = planned(tmp_path, files, "id,name\n1,Ada\n2,Ada\n")
     assert [student.submission for student in manifest.students] == ["", "", "ada_22", "x_11"]
     assert "ada_22 fits several: Ada (1), Ada (2)" in account_of(manifest)
+    names = [student_of(manifest, query).id for query in ("22", "X_1")]
+    assert names == ["ada_22", "x_11"]
 
 
 METADATA = """
@@ -277,7 +285,9 @@ def test_before_it_runs_it_says_who_was_matched(tmp_path: Path, command: Command
     paths = tmp_path / "a.toml", tmp_path / "submissions"
     told = command("grade", *paths, "-o", tmp_path / "out", status=1)
     assert told.out.startswith(f"{warning}\n{account}")
-    why = "Ungraded:\n  Cem Aydin (1003): no submission could be matched to this student\n"
+    why = (
+        "Ungraded:\n  Zoë Müller (1002): 01-first-steps: it is not clear which file is the program"
+    )
     assert why in told.out
     assert why in command("lab", "status", tmp_path / "out", status=1).out
     assert command("lab", "report", tmp_path / "out").status == 1
