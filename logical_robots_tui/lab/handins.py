@@ -31,13 +31,14 @@ from logical_robots_tui.lab.platforms.exports import (
     owners_of_gradescope,
     patterns_of,
 )
-from logical_robots_tui.lab.platforms.matching import RosterMatches, SubmissionNames, match_roster
+from logical_robots_tui.lab.platforms.matching import SubmissionNames, match_roster
 from logical_robots_tui.lab.platforms.names import plain, text_of
 from logical_robots_tui.lab.platforms.tables import StudentRow
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.paths import is_folder, read_ordinary
 from logical_robots_tui.wording import join_names
+from logical_robots_tui.world.levels.load import list_shipped
 
 MOST_BYTES = 1_000_000
 """Bytes of a program or a table."""
@@ -75,6 +76,8 @@ class Submission:
         self.time: datetime | None = None
         self.is_late: bool | None = None
         self.is_unclear = False
+        self.students: list[str] = []  # of the roster, by id
+        self.ties: list[str] = []  # those whom it fits equally well
         self.files: list[tuple[File, str, FileOwner]] = []  # with the name that tells the level
 
     @property
@@ -134,6 +137,8 @@ class Submission:
                 (candidates[level] if level else unnamed).append(candidate)
         for level, programs in candidates.items():
             self._choose(level, programs, len(candidates) == 1 and not unnamed)
+        if len(unnamed) > 1:
+            unnamed = [program for program in unnamed if not _is_of_another_level(program.path)]
         open_levels = sorted({*stems.values()} - self.programs.keys())
         if len(unnamed) == 1 and (not self.programs or len(open_levels) == 1):
             self._choose(open_levels[0] if self.programs else "", unnamed)
@@ -215,30 +220,23 @@ def stems_of(levels: Iterable[str]) -> dict[str, str]:
     return {plain(n.partition("-")[2]): n for n in levels if n[:2].isdecimal()} | stems
 
 
+def _is_of_another_level(path: str) -> bool:
+    level, rank = _level_of(_level_stem(path.rpartition("/")[2]), stems_of(list_shipped()))
+    return bool(level) and rank != _BY_NUMBER
+
+
 def entries_of(
     place: Path,
     stems: Mapping[str, str],
     pattern: str = "",
     starters: Mapping[str, str] | None = None,
+    roster: Sequence[StudentRow] = (),
 ) -> dict[str, Submission]:
     """Return submissions by names to show, of a folder or an archive.
 
     `pattern` is how their names are made, such as ``{name}_{id}_{level}.l``; those of learning
-    platforms are known. Raises InputError if unreadable or names are equal.
-    """
-    return entries_of_class(place, stems, pattern, starters or {}, [])[0]
-
-
-def entries_of_class(
-    place: Path,
-    stems: Mapping[str, str],
-    pattern: str,
-    starters: Mapping[str, str],
-    roster: Sequence[StudentRow],
-) -> tuple[dict[str, Submission], RosterMatches]:
-    """Return submissions as `entries_of`, and whose of a roster they are.
-
-    Of several of a student only the first is there, with the files of all.
+    platforms are known. What a student of the roster handed in several times is one submission.
+    Raises InputError if unreadable or names are equal.
     """
     layouts, patterns = [list(_files(place))], patterns_of(pattern, stems)
     while inner_files := _unwrapped(layouts[-1]):
@@ -255,13 +253,15 @@ def entries_of_class(
         if not entry.owner.people and len(entry.tops) > 1:
             message = f"Several entries have this name: {', '.join(map(readable, entry.tops))}"
             raise InputError(message, place=str(place / key), hint="Keep one of them.")
-    for first, *later in matches.submissions.values():
+    for student, (first, *later) in matches.submissions.items():
         for name in later:
             for file in entries.pop(name).files if name in entries else ():
                 entries[first].add(*file)
-    for entry in entries.values():
-        entry.read(stems, starters)
-    return entries, matches
+        entries[first].students.append(student)
+    for name, entry in entries.items():
+        entry.ties = matches.ties.get(name, [])
+        entry.read(stems, starters or {})
+    return entries
 
 
 def _grouped(files: list[File], patterns: list[re.Pattern[str]]) -> dict[str, Submission]:

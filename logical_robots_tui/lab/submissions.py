@@ -19,14 +19,13 @@ from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, Student, dig
 from logical_robots_tui.lab.handins import (
     MOST_BYTES,
     Submission,
-    entries_of_class,
+    entries_of,
     normalise,
     readable,
     stems_of,
 )
 from logical_robots_tui.lab.platforms.dates import parse_date
 from logical_robots_tui.lab.platforms.exports import pattern_problem
-from logical_robots_tui.lab.platforms.matching import RosterMatches
 from logical_robots_tui.lab.platforms.tables import (
     NO_TIME,
     StudentRow,
@@ -199,13 +198,12 @@ def plan_grading(
         for student, points in _values(spec, by_hand.file, [row], "points", _points, "a number"):
             adjustments[student].append((points, readable(row.cells.get("reason", ""))))
     spec.refuse()
-    entries, matches = entries_of_class(
-        submissions, stems_of(levels), assignment.assignment.pattern, starters, roster.rows
-    )
+    pattern = assignment.assignment.pattern
+    entries = entries_of(submissions, stems_of(levels), pattern, starters, roster.rows)
     if not entries:
         hint = "It should have one folder, file or archive for each student."
         raise InputError("There are no submissions in it", place=str(submissions), hint=hint)
-    students, strays = _students(entries, roster.rows, matches, terms, adjustments, late_anyway)
+    students, strays = _students(entries, roster.rows, terms, adjustments, late_anyway)
     labels = {student.id: student.label for student in students}
     for table in (late, extensions, by_hand) if roster.rows else (by_hand,):
         for row in table.rows:
@@ -216,8 +214,9 @@ def plan_grading(
     spec.refuse()
     manifest, inputs = _manifest(spec, assignment, levels, students, entries)
     notes = [f"{table.file}: {note}" for table in tables for note in table.notes]
-    for name, ids in matches.ties.items():
-        notes.append(f"{name} fits several: {', '.join(labels[readable(i)] for i in ids)}")
+    for name, entry in entries.items():
+        fits = ", ".join(labels[readable(student)] for student in entry.ties)
+        notes += [f"{name} fits several: {fits}"] if fits else []
     replaced = {"strays": tuple(strays), "notes": tuple(map(readable, notes))}
     return msgspec.structs.replace(manifest, **replaced), inputs
 
@@ -348,17 +347,16 @@ class _LateTerms(NamedTuple):
 def _students(
     entries: Mapping[str, Submission],
     roster: Sequence[StudentRow],
-    matches: RosterMatches,
     terms: _LateTerms,
     adjustments: Mapping[str, list[tuple[float, str]]],
     is_sure: bool,
 ) -> tuple[list[Student], list[str]]:
     """Return the students of the roster and others who submitted, and files that are nobody's."""
-    used_names = {name for names in matches.submissions.values() for name in names}
-    strays = [name for name in entries if name not in used_names and entries[name].is_stray]
-    used_names.update(strays)
-    other_names = [name for name in entries if name not in used_names]
-    listed = [(matches.submissions.get(row.id, [""])[0], row) for row in roster]
+    names = {student: name for name, entry in entries.items() for student in entry.students}
+    unlisted = [name for name, entry in entries.items() if not entry.students]
+    strays = [name for name in unlisted if entries[name].is_stray]
+    other_names = [name for name in unlisted if name not in strays]
+    listed = [(names.get(row.id, ""), row) for row in roster]
     students, times = [], []
     for name, row in [*listed, *((name, None) for name in other_names)]:
         entry = entries.get(name)

@@ -1,15 +1,21 @@
 """A class of 22 in the export of each platform, with rosters in each language: nobody is lost."""
 
+import csv
 import io
 import re
 import tomllib
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from logical_robots_tui.lab.platforms.dates import parse_date
 from logical_robots_tui.lab.platforms.names import plain
+from logical_robots_tui.lab.platforms.tables import read_table
 from logical_robots_tui.lab.submissions import plan_grading
 from tests.installed import CHECKOUT
 from tests.lab.laboratory import write_files
@@ -111,3 +117,16 @@ def test_the_table_of_exports_says_what_is_read(
         PAGE.write_text(before + begin + table + end + after, "utf-8")
     else:
         assert written == table
+
+
+@given(
+    st.text('idname;,\t"\n sep=1aé\0', max_size=60),
+    st.sampled_from(["utf-8", "utf-16", "cp1252"]),
+    st.text(st.sampled_from("0123456789-: ,.JanMaiPMZ+ł"), max_size=30),
+)
+def test_any_table_and_any_date_is_read_or_refused(text: str, encoding: str, date: str) -> None:
+    with suppress(ValueError, csv.Error):
+        for row in read_table("r.csv", text.encode(encoding), ["id"], ["name"], {}).rows:
+            assert row.id
+    parse_date(date)
+    parse_date(f"2026-10-18 20:15:02{date}")

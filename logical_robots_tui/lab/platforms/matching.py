@@ -94,7 +94,7 @@ def _of_groups(
     """Return submissions named after groups, by the ids of their members."""
     members: dict[str, list[str]] = defaultdict(list)
     for row in rows:
-        if row.group:
+        if plain(row.group):
             members[plain(row.group)].append(row.id)
     matches: dict[str, list[str]] = defaultdict(list)
     for name, (aliases, people) in submissions.items() if members else ():
