@@ -31,7 +31,7 @@ from logical_robots_tui.lab.platforms.exports import (
     owners_of_gradescope,
     patterns_of,
 )
-from logical_robots_tui.lab.platforms.matching import SubmissionNames, match_roster
+from logical_robots_tui.lab.platforms.matching import match_roster
 from logical_robots_tui.lab.platforms.names import plain, text_of
 from logical_robots_tui.lab.platforms.tables import StudentRow
 from logical_robots_tui.language.diagnostics import printable
@@ -86,9 +86,11 @@ class Submission:
         return sorted({file.parts[0] for file, *_ in self.files})
 
     @property
-    def names(self) -> SubmissionNames:
+    def names(self) -> list[frozenset[str]]:
+        """What each of its people is called, the first one as all of it is."""
         aliases = {self.owner.key, *self.tops, *(stem_of(top, SUFFIX, _TEXT) for top in self.tops)}
-        return SubmissionNames(frozenset(aliases), self.owner.people)
+        first, *members = self.owner.people or ((),)
+        return [frozenset(aliases | {*first}) - {""}, *(frozenset(m) - {""} for m in members)]
 
     @property
     def is_stray(self) -> bool:

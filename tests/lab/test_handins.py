@@ -164,6 +164,8 @@ def test_a_pattern_says_how_files_are_named(tmp_path: Path) -> None:
         "Cem_1003": {FIRST: "four"},
         "notes.txt": {},
     }
+    folder = write_files(tmp_path / "attempts", {"W_1001_attempt_9_first-steps.l": "one"})
+    assert [*entries_of(folder, STEMS, "W_{id}_*_{level}.l")] == ["1001"]
     for wrong in ("{level}.l", "{who}_{id}", "{id}_{id}"):
         with pytest.raises(TomlFileError, match=r"a\.toml:3: .*pattern"):
             planned(tmp_path, files, more=f'pattern = "{wrong}"')
@@ -201,11 +203,7 @@ TEAMS = "id,name,Gruppe\n1,Ada,Gruppe A\n2,Ben,Gruppe A\n3,Cem,Gruppe B\n4,Dot,G
     ("files", "roster", "programs"),
     [
         (
-            {
-                "submission_metadata.yml": METADATA,
-                "sub_77/x.l": "1",
-                "sub_78/x.l": "2",
-            },
+            {"submission_metadata.yml": METADATA, "sub_77/x.l": "1", "sub_78/x.l": "2"},
             ROSTER.replace("Cem Aydin", "Cem O'Aydin"),
             "112",
         ),
@@ -220,8 +218,7 @@ def test_every_member_of_a_group_gets_the_result(
     texts = {cell.student: cell.program for cell in manifest.cells}
     own = [texts[student.id] for student in manifest.students]
     assert own == [digest(program) for program in programs]
-    shared = {ids for _, _, ids in duplicates(manifest)}
-    assert shared == set()
+    assert duplicates(manifest) == []
 
 
 @pytest.mark.parametrize(
@@ -230,10 +227,7 @@ def test_every_member_of_a_group_gets_the_result(
         ("\ufeffid,submision\nada,x\n", 'The column "submision" is not known. Did you mean "sub'),
         ('id;"a,b,c";submision\nada;"x;y";z\n', 'The column "submision" is not known. Did'),
         ("sep=\t\nid\tname\nada\t\n", ""),
-        (
-            "Kennung,Wer\nada,Ada Byron\nben,B O\n",
-            '"Wer" is taken for the name, "Ken',
-        ),
+        ("Kennung,Wer\nada,Ada Byron\nben,B O\n", '"Wer" is taken for the name, "Ken'),
         ("nr,Kennung\n1,ada\n", ""),
     ],
 )
@@ -257,8 +251,6 @@ def test_an_id_or_a_name_may_be_anywhere(name: str, tmp_path: Path) -> None:
     ("file", "roster"),
     [
         *(("ada", f"submission\n7,{name}\n") for name in ("ada", "ADA.l", "ada.zip", "Ada.tar.gz")),
-        ("isil yildiz", "name\n7,I\u015f\u0131l Y\u0131ld\u0131z\n"),
-        ("lukasz sorensen", "name\n7,Łukasz Sørensen\n"),
         ("dorde oeuvre", "name\n7,Đorđe Œuvré\n"),
         ("thaedan gross", "name\n7,Þæðan Groß\n"),
     ],

@@ -11,7 +11,6 @@ from logical_robots_tui.errors import InputError, check_installed
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.lab.archives import File, is_archive, stem_of
 from logical_robots_tui.lab.platforms.dates import parse_date
-from logical_robots_tui.lab.platforms.matching import Person
 
 METADATA = "submission_metadata.yml"
 """Where Gradescope says whose the submissions are."""
@@ -42,6 +41,11 @@ _EXPORTS = (
         re.I,
     ),
 )
+
+
+class Person(NamedTuple):
+    name: str = ""
+    id: str = ""
 
 
 class FileOwner(NamedTuple):

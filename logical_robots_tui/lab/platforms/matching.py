@@ -16,18 +16,6 @@ _MOST_WORDS = 10  # of a name of people, which may be in any order
 _SHORTEST = 3  # letters and digits that identify somebody within a longer name
 
 
-class Person(NamedTuple):
-    name: str = ""
-    id: str = ""
-
-
-class SubmissionNames(NamedTuple):
-    """What a submission is called, and whom its platform names."""
-
-    aliases: frozenset[str]
-    people: tuple[Person, ...]
-
-
 class _PersonalNames(NamedTuple):
     """What one person can claim of a submission: its names, without the group's other people."""
 
@@ -43,9 +31,9 @@ class RosterMatches(NamedTuple):
 
 
 def match_roster(
-    rows: Sequence[StudentRow], submissions: Mapping[str, SubmissionNames]
+    rows: Sequence[StudentRow], submissions: Mapping[str, Sequence[frozenset[str]]]
 ) -> RosterMatches:
-    """Return the submissions of the students of a roster.
+    """Return whose submissions are, by their names and ids for each person who handed them in.
 
     What a row names exactly is found first, for several rows if they name the same one; then what
     is the same but for case and accents, then names of people in any order of their words, then
@@ -55,9 +43,9 @@ def match_roster(
     matches = _of_groups(rows, submissions)
     group_names = {name for names in matches.values() for name in names}
     shares = {
-        _PersonalNames(name, frozenset(person) - {""} | (aliases if not number else frozenset()))
-        for name, (aliases, people) in submissions.items()
-        for number, person in enumerate(people or (Person(),))
+        _PersonalNames(name, texts)
+        for name, people in submissions.items()
+        for texts in people
         if name not in group_names
     }
     ties: dict[str, list[str]] = {}
@@ -89,7 +77,7 @@ def match_roster(
 
 
 def _of_groups(
-    rows: Sequence[StudentRow], submissions: Mapping[str, SubmissionNames]
+    rows: Sequence[StudentRow], submissions: Mapping[str, Sequence[frozenset[str]]]
 ) -> dict[str, list[str]]:
     """Return submissions named after groups, by the ids of their members."""
     members: dict[str, list[str]] = defaultdict(list)
@@ -97,9 +85,8 @@ def _of_groups(
         if plain(row.group):
             members[plain(row.group)].append(row.id)
     matches: dict[str, list[str]] = defaultdict(list)
-    for name, (aliases, people) in submissions.items() if members else ():
-        texts = (*aliases, *(person.name for person in people))
-        for group in {plain(text) for text in texts} & members.keys():
+    for name, people in submissions.items() if members else ():
+        for group in {plain(text) for texts in people for text in texts} & members.keys():
             for student in members[group]:
                 matches[student].append(name)
     return matches
