@@ -47,6 +47,7 @@ _MOST_ARCHIVE = 20_000_000
 _MOST_DEPTH = 8
 _MOST_NAMED = 5
 _LONGEST_NAME = 200
+_BY_NUMBER = 3  # how far a number is from a level's name
 _TEXT = ".txt"  # what some editors and platforms make of a program's name
 
 _COPY = re.compile(r"[-_ ]*(?:\(\d+\)|\d+)$")  # what Canvas and browsers add to a name
@@ -110,8 +111,9 @@ class Submission:
 
         `starters` are normalised texts by level.
         """
-        candidates: dict[str, list[_Candidate]] = defaultdict(list)
+        levels, candidates = stems.values(), defaultdict[str, list[_Candidate]](list)
         unnamed: list[_Candidate] = []
+        foreign: list[_Candidate] = []  # for other levels
         other_files: list[str] = []
         for file, name in self._last_attempt():
             path = "/".join(file.parts[1:]) or file.parts[0]
@@ -136,12 +138,15 @@ class Submission:
                 is_starter = bool(level) and normalise(text) == starters.get(level)
                 order = is_starter, rank + 10 * is_text, len(file.parts), -file.mtime
                 candidate = _Candidate(order, path, text, file.mtime)
-                (candidates[level] if level else unnamed).append(candidate)
+                is_foreign = name != file.parts[0] and _is_of_another_level(name)
+                unplaced = foreign if is_foreign else unnamed
+                (candidates[level] if level else unplaced).append(candidate)
         for level, programs in candidates.items():
             self._choose(level, programs, len(candidates) == 1 and not unnamed)
-        if len(unnamed) > 1:
-            unnamed = [program for program in unnamed if not _is_of_another_level(program.path)]
-        open_levels = sorted({*stems.values()} - self.programs.keys())
+        if len(foreign) == 1 and not (candidates or unnamed) and not {*levels} <= {*list_shipped()}:
+            unnamed, foreign = foreign, []  # levels of one's own may be like those of the game
+        other_files += [program.path for program in foreign]
+        open_levels = sorted({*levels} - self.programs.keys())
         if len(unnamed) == 1 and (not self.programs or len(open_levels) == 1):
             self._choose(open_levels[0] if self.programs else "", unnamed)
         elif unnamed:
@@ -170,9 +175,6 @@ class Submission:
         for program in sorted(programs, key=lambda program: program.path):
             if program is not best and not program.rank[0]:
                 self.remarks.append(f"{path} was graded, not {program.path}")
-
-
-_BY_NUMBER = 3
 
 
 def _level_stem(name: str) -> str:
@@ -222,8 +224,8 @@ def stems_of(levels: Iterable[str]) -> dict[str, str]:
     return {plain(n.partition("-")[2]): n for n in levels if n[:2].isdecimal()} | stems
 
 
-def _is_of_another_level(path: str) -> bool:
-    level, rank = _level_of(_level_stem(path.rpartition("/")[2]), stems_of(list_shipped()))
+def _is_of_another_level(name: str) -> bool:
+    level, rank = _level_of(_level_stem(name), stems_of(list_shipped()))
     return bool(level) and rank != _BY_NUMBER
 
 

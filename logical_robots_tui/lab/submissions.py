@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, TypeAlias, TypeVar
@@ -184,18 +184,21 @@ def plan_grading(
     assignment = read_assignment(spec)
     levels, starters = _levels(spec, assignment)
     roster, late, extensions, by_hand = tables = [_table(spec, assignment, p) for p in _TABLES]
-    later = [row for row in extensions.rows if row.cells.get("until") or not row.cells.get("days")]
-    longer = [row for row in extensions.rows if row.cells.get("days")]
+    rows = extensions.rows
+    longer = extensions._replace(rows=[row for row in rows if row.cells.get("days")])
+    later_rows = [row for row in rows if row.cells.get("until") or not row.cells.get("days")]
+    later = extensions._replace(rows=later_rows)
     terms = _LateTerms(
         assignment.late,
         {row.id for row in late.rows},
-        dict(_values(spec, extensions.file, later, "until", _parse_deadline, _DATE_FORM)),
-        dict(_values(spec, extensions.file, longer, "days", int, "a whole number")),
+        dict(_values(spec, later, "until", _parse_deadline, _DATE_FORM)),
+        dict(_values(spec, longer, "days", int, "a whole number")),
         file_times,
     )
     adjustments: dict[str, list[tuple[float, str]]] = defaultdict(list)
     for row in by_hand.rows:
-        for student, points in _values(spec, by_hand.file, [row], "points", _points, "a number"):
+        table = by_hand._replace(rows=[row])
+        for student, points in _values(spec, table, "points", _points, "a number"):
             adjustments[student].append((points, readable(row.cells.get("reason", ""))))
     spec.refuse()
     pattern = assignment.assignment.pattern
@@ -244,19 +247,15 @@ def _levels(
 
 
 def _values(
-    spec: TomlFile,
-    file: str,
-    rows: Iterable[StudentRow],
-    column: str,
-    parse: Callable[[str], T],
-    form: str,
+    spec: TomlFile, table: StudentTable, column: str, parse: Callable[[str], T], form: str
 ) -> Iterator[tuple[str, T]]:
     """Yield ids with the values of a column; report values that are not of its form."""
-    for row in rows:
+    for row in table.rows:
         try:
             yield row.id, parse(row.cells.get(column, ""))
         except ValueError:
-            spec.problem_in(file, row.line, f"{column} for {printable(row.id)} must be {form}")
+            message = f"{column} for {printable(row.id)} must be {form}"
+            spec.problem_in(table.file, row.line, message)
 
 
 def _parse_deadline(text: str) -> datetime:
@@ -336,11 +335,11 @@ class _LateTerms(NamedTuple):
         if students and all(_UNTIMED in student.remarks for student in students):
             problem = "When the submissions were handed in is not known"
             hint = "Add --file-times to take the times of files, or name late students in a list."
-        elif len(times) > 1 and len({*times}) == 1 and None not in times:
+        elif self.late.after and len(times) > 1 and len({*times}) == 1 and None not in times:
             problem = f"All submissions are of {min(filter(None, times))}, perhaps of the download"
         elif len(late) > max(1, len(students) / 2):
             problem = f"{len(late)} of {len(students)} submissions are late"
-        if self.late.after and problem:
+        if problem:
             raise InputError(problem, place="[late]", hint=hint)
 
 

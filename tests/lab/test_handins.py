@@ -112,6 +112,7 @@ NAMES: list[tuple[Files, dict[str, str], str]] = [
     ({"a.l": ONE, "b.l": ONE}, {}, "?a.l is not named after a level"),
     ({"level 1 or 2.l": ONE, "b.l": ONE}, {}, "?b.l is not named after a level"),
     ({"05-lighthouse.l": ONE, "open-space.l": "two", "09-doors.l": ONE}, {SECOND: "two"}, ""),
+    ({"05-lighthouse.l": ONE}, {}, "?there is no program (*.l) in it, only 05-lighthouse.l"),
     ({"Aufgabe 1.docx": "PK"}, {}, "?there is no program (*.l) in it, only Aufgabe 1.docx"),
     ({"readme.md": "x", "first-steps.l": ONE}, {FIRST: ONE}, ""),
     ({"02.pdf": "x", "first-steps.l": ONE}, {FIRST: ONE}, "?"),
