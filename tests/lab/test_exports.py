@@ -1,10 +1,8 @@
 """A class of 22 in the export of each platform, with rosters in each language: nobody is lost."""
 
 import csv
-import io
 import re
 import tomllib
-import zipfile
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -19,6 +17,7 @@ from logical_robots_tui.lab.platforms.tables import read_table
 from logical_robots_tui.lab.submissions import plan_grading
 from tests.installed import CHECKOUT
 from tests.lab.laboratory import write_files
+from tests.lab.test_handins import zipped
 
 CASES = tomllib.loads(Path(__file__).with_name("exports.toml").read_text("utf-8"))
 PAGE = CHECKOUT / "docs/grading.md"
@@ -55,11 +54,11 @@ def packed(export: dict[str, Any]) -> bytes:
         if "metadata" in export:
             name = export["metadata_file"].format(**fields)
             files[name] = files.get(name, "") + export["metadata"].format(**fields)
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w") as archive:
-        for name, text in files.items():
-            archive.writestr(name, text)
-    return out.getvalue()
+    inner: dict[str, dict[str, str]] = {}
+    for name in [name for name in files if ".zip/" in name]:
+        archive, _, path = name.partition(".zip/")
+        inner.setdefault(f"{archive}.zip", {})[path] = files.pop(name)
+    return zipped(files | {name: zipped(texts) for name, texts in inner.items()})
 
 
 def roster_of(roster: dict[str, Any]) -> bytes:
