@@ -240,9 +240,11 @@ def test_tables_of_spreadsheets_are_rosters(roster: str, note: str, tmp_path: Pa
         assert "".join(account_of(manifest)[1:]).startswith(f"roster.csv: {note}" if note else "")
 
 
-@pytest.mark.parametrize("name", ["hw1_s1004", "s1004-hw1", "Second_Ben_LP_1", "week-1-s1004/a"])
+@pytest.mark.parametrize(
+    "name", ["hw1_s1004", "s1004-hw1", "OSecond_Ben_LP_1", "O Second Ben 1", "week-1-s1004/a"]
+)
 def test_an_id_or_a_name_may_be_anywhere(name: str, tmp_path: Path) -> None:
-    roster = "id,name\ns1004,Ben Second\ns100,Ann Lee\ns1005,Lee Ann Chu\n"
+    roster = "id,name\ns1004,Ben O'Second\ns100,Ann Lee\ns1005,Lee Ann Chu\n"
     files = {f"{name}.l": "1", "x Chu Lee Ann.l": "2", "01 Lee_Ann.l": "3", "02 lee ann.l": "4"}
     manifest = planned(tmp_path, files, roster)
     assert [cell.program for cell in manifest.cells] == [digest(t) for t in "113422"]

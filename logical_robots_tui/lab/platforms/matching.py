@@ -13,6 +13,7 @@ from logical_robots_tui.lab.platforms.names import plain, words_of
 from logical_robots_tui.lab.platforms.tables import StudentRow
 
 _MOST_WORDS = 10  # of a name of people, which may be in any order
+_REMOVED = "[<>:\"/\\\\|?*=&'\u2019`]"  # what platforms remove from names
 _SHORTEST = 3  # letters and digits that identify somebody within a longer name
 
 
@@ -124,9 +125,10 @@ def _claims_by_words(
     """Return shares by the students whose id or name is anywhere in their names."""
     by_word: dict[str, list[tuple[str, tuple[str, ...], bool]]] = defaultdict(list)
     for row in rows:
-        name_words = tuple(word for word in words_of(row.name) if len(word) > 1)
-        ids = [(words_of(text), True) for text in (row.id, *row.aliases)]
-        for words, is_id in (*ids, (name_words, False)):
+        entries = {(words_of(text), True) for text in (row.id, *row.aliases)}
+        for text in (row.name, re.sub(_REMOVED, "", row.name)):
+            entries.add((tuple(word for word in words_of(text) if len(word) > 1), False))
+        for words, is_id in entries:
             if len("".join(words)) >= _SHORTEST:
                 by_word[words[0]].append((row.id, words, is_id))
     claims: dict[str, set[_PersonalNames]] = defaultdict(set)

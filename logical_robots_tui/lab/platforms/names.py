@@ -35,8 +35,7 @@ def plain(text: str) -> str:
 
 
 def words_of(text: str) -> Words:
-    text = re.sub("[<>:\"/\\\\|?*=&'\u2019`]", "", text).replace("_", " ")  # what platforms remove
-    marked = re.findall(r"[\w\u0300-\u036f]+", text)
+    marked = re.findall(r"[\w\u0300-\u036f]+", text.replace("_", " "))
     return tuple(word for word in map(plain, marked[:_MOST_COMPARED]) if word)
 
 
