@@ -125,6 +125,11 @@ class Simulation:
         """The points of each team; {} where nothing is scored."""
         return standing(self.level, self.frame.after)
 
+    @property
+    def steps(self) -> int:
+        """The steps that the last tick's thoughts took; the same on every machine."""
+        return sum(mind.steps for mind in self._minds.values())
+
     def step(
         self,
         desires: Mapping[str, DesireLike] | None = None,

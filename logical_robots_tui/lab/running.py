@@ -152,6 +152,7 @@ class _TaskRunner:
             ends=monitor.ends(),
             paths=_paths(history) if history else {},
             findings=self._findings(history, monitor) if history else (),
+            steps=monitor.steps,
         )
 
     def _record_frame(self, history: History, is_over: IsOver, frame: Frame, mind: Mind) -> bool:

@@ -159,16 +159,18 @@ def read_experiment(spec: TomlFile) -> Experiment:
             spec.problem(path, 'It is measured either at = "end" or every so many ticks')
         if isinstance(measure, Query) and measure.reduce and not measure.every:
             spec.problem(path, '"reduce" needs "every"')
-        if (measure == "end") != (name in BUILT_IN):
+        if (measure == "end") != (name in _AT_END):
             spec.problem(
                 path,
                 f'"{name}" is measured at the "end"'
-                if name in BUILT_IN
+                if name in _AT_END
                 else f'Write {name} = {{query = "...", every = 10}}; measured without a query are '
-                + ", ".join(BUILT_IN),
+                + ", ".join(_AT_END),
             )
     return draft
 
+
+_AT_END = (*BUILT_IN, "steps")
 
 _COLUMNS = {
     *("run", "level", "program", "start", "outcome", "last_tick", "notices", "first_notice"),
@@ -302,7 +304,7 @@ class _Plan:
         ]
         self._spec.refuse()
         first, last = table.span
-        measures = tuple(name for name in self._experiment.measure if name in BUILT_IN)
+        measures = tuple(name for name in self._experiment.measure if name in _AT_END)
         limits = self._experiment.limits
         manifest = Manifest(
             "sweep",

@@ -109,8 +109,8 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     """The result of a run, determined by its inputs alone.
 
     `distance` is map units of all robots together, `size` the symbols of the programs, `rules` what
-    earlier versions counted instead, `notices` the number of ticks with a notice
-    of each kind, `first` the first one (tick, robot, message). Teams in `forfeit` have lost
+    earlier versions counted instead, `steps` those of all thoughts together, `notices` the number
+    of ticks with a notice of each kind, `first` the first one (tick, robot, message). Teams in `forfeit` have lost
     because their programs failed. `paths` are points in map units by robot.
     """
 
@@ -128,6 +128,7 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     ends: tuple[End, ...] = ()
     paths: dict[str, tuple[tuple[int, int], ...]] = {}
     findings: tuple[RunFinding, ...] = ()
+    steps: int | None = None
 
 
 class WorkerAnswer(msgspec.Struct, frozen=True):

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from logical_robots_tui import Simulation
 from logical_robots_tui.lab import Results, sweep
 from logical_robots_tui.lab.exporting import RunRecords, reduce_series
 from logical_robots_tui.lab.reporting import lines_of
@@ -171,6 +172,18 @@ def test_parameters_and_measures_stand_in_every_table(tmp_path: Path) -> None:
     sweep(given, tmp_path / "out", workers=1, progress=False)
     assert (tmp_path / "out" / "ledger.db").read_bytes() == ledger
     assert "clock_sum" in Results(tmp_path / "out").to_pandas().columns
+
+
+def test_steps_of_thinking_are_a_measure(tmp_path: Path) -> None:
+    table = {"level": "06-breadcrumbs", "program": "breadcrumbs", "ticks": 20}
+    spec = {"experiment": table, "measure": {"steps": "end"}}
+    (steps,) = sweep(spec, tmp_path / "out", workers=1, progress=False).to_pandas()["steps"]
+    total = 0
+    with Simulation("06-breadcrumbs", "breadcrumbs") as simulation:
+        for _ in range(20):
+            simulation.step()
+            total += simulation.steps
+    assert steps == total / 20 > 300
 
 
 TWO = FIRST_STEPS.replace("Near() = 40;", "Near() = 40;\nFar() = 90;").replace("< 90", "< Far()")

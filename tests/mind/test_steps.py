@@ -41,8 +41,8 @@ def test_a_thought_near_its_bound_ends_the_same_whatever_was_thought_before(
 ) -> None:
     counts = replace(program, statements={"Robot": COUNTS.format(30_000)}, tuned={})
     verdicts = set()
-    for extra in range(0, 10 * STEPS_AT_ONCE, STEPS_AT_ONCE // 2):
-        with closing(Mind(counts, limits=Limits(think_steps=29 * STEPS_AT_ONCE + extra))) as mind:
+    for extra in range(0, 200 * STEPS_AT_ONCE, 10 * STEPS_AT_ONCE + STEPS_AT_ONCE // 2):
+        with closing(Mind(counts, limits=Limits(think_steps=580 * STEPS_AT_ONCE + extra))) as mind:
             found = {ends(mind) for _ in range(7)}
         assert len(found) == 1, extra
         verdicts |= found

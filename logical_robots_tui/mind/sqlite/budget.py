@@ -14,8 +14,8 @@ from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits, weight_of_row, weight_of_scalar
 from logical_robots_tui.processes.lifeline import renew_bound
 
-STEPS_AT_ONCE = 20_000
-"""Steps of SQLite's virtual machine between two counts: a fifth of a millisecond or more."""
+STEPS_AT_ONCE = 1_000
+"""Steps of SQLite's virtual machine between two counts, which take far longer than a count."""
 
 STEPS_OF_A_CALL = 10
 """Steps that a call of one of our functions counts; each character counts one more."""
