@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision, Diagnostic, Mind, Program, ProgramError
     from logical_robots_tui.simulation import Simulation
     from logical_robots_tui.values import Desire
-    from logical_robots_tui.world import Level, World, list_arenas, list_levels, load_level
+    from logical_robots_tui.world import Level, Sensors, World, list_arenas, list_levels, load_level
 
 __version__ = "0.2.0"
 
@@ -37,6 +37,7 @@ __all__ = [
     "Mind",
     "Program",
     "ProgramError",
+    "Sensors",
     "Simulation",
     "World",
     "__version__",
@@ -53,7 +54,7 @@ __getattr__ = lazy_exports(
         "mind": "Decision Diagnostic Mind Program ProgramError",
         "simulation": "Simulation",
         "values": "Desire",
-        "world": "Level World list_arenas list_levels load_level",
+        "world": "Level Sensors World list_arenas list_levels load_level",
     },
 )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args
@@ -21,13 +22,11 @@ from logical_robots_tui.schema import (
     BEACON,
     NO_LABEL,
     NO_OBJECT,
-    RADAR_RAYS,
     ROBOT,
-    SENSOR_RANGE,
     WALL,
 )
 from logical_robots_tui.simulation import OneProgram, Simulation, check_robots
-from logical_robots_tui.world import Level, World, list_levels, load_level
+from logical_robots_tui.world import Level, Sensors, World, list_levels, load_level
 
 try:
     import gymnasium
@@ -51,8 +50,6 @@ OBJECTS = (NO_OBJECT, WALL, BEACON, ROBOT)
 PER_UNIT = 0.01
 """The reward for each map unit that a robot has come nearer to its goal."""
 
-_RAYS = RADAR_RAYS + 1
-
 EPISODE_TICKS = 2_000
 """After so many ticks an episode is truncated, unless another number is given."""
 
@@ -71,7 +68,7 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
     """A level in which some robots learn and a program in Logica drives the others.
 
     An observation has arrays, whose last element is that of the forward ray, after the 31 of the
-    radar from left to right: ``distance`` of shape (32,), map units divided by 200; ``object`` of
+    radar from left to right: ``distance`` of shape (32,), as shares of the reach; ``object`` of
     shape (32,), numbers in `OBJECTS`; ``label`` of shape (32,), numbers in `labels`; and
     ``battery`` of shape (1,), the share that is left, 1 without a battery. An action is the power
     of the left and of the right engine, of shape (2,), from -1 to 1; with `memory` a mapping of
@@ -85,6 +82,7 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         program: What drives the others, as in `Simulation`.
         starts: Which starts an episode may begin from, 0 for the given one; ``reset`` chooses.
         ticks: After so many an episode is truncated; None for never.
+        sensors: Rays, field of view, reach and noise; by default those of the level.
         memory: The space of what a learner writes into its memory, where the program of the
             others reads it: a ``Discrete`` is a whole number, a ``Text`` a string, an array a list.
         render_mode: ``ansi`` for plain text, ``rgb_array`` for an array of shape (y, x, 3).
@@ -113,10 +111,12 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         starts: Sequence[int] = (0,),
         ticks: int | None = EPISODE_TICKS,
         reward: Reward = "sparse",
+        sensors: Sensors | None = None,
         memory: spaces.Space[Any] | None = None,
         render_mode: RenderMode | None = None,
     ) -> None:
-        self.level = level if isinstance(level, Level) else load_level(level)
+        level = level if isinstance(level, Level) else load_level(level)
+        self.level = replace(level, sensors=sensors or level.sensors)
         self._teams = {robot.name: robot.team for robot in self.level.robots}
         names = list(self._teams)
         self.possible_agents = names if learners is None else list(learners)
@@ -143,11 +143,12 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         self.labels = tuple(dict.fromkeys((NO_LABEL, WALL, *object_names)))
         self._objects = {kind: number for number, kind in enumerate(OBJECTS)}
         self._labels = {label: number for number, label in enumerate(self.labels)}
+        rays = self.level.sensors.rays + 1
         observation_space = spaces.Dict(
             {
-                "distance": spaces.Box(0, 1, (_RAYS,), np.float32),
-                "object": spaces.MultiDiscrete([len(OBJECTS)] * _RAYS),
-                "label": spaces.MultiDiscrete([len(self.labels)] * _RAYS),
+                "distance": spaces.Box(0, 1, (rays,), np.float32),
+                "object": spaces.MultiDiscrete([len(OBJECTS)] * rays),
+                "label": spaces.MultiDiscrete([len(self.labels)] * rays),
                 "battery": spaces.Box(0, 1, (1,), np.float32),
             }
         )
@@ -323,7 +324,7 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         labels.append(self._labels[sensor["forward_label"]])
         charge = _charge(*(battery[key] for key in _BATTERY))
         return {
-            "distance": np.array(distances, np.float32) / np.float32(SENSOR_RANGE),
+            "distance": np.array(distances, np.float32) / np.float32(self.level.sensors.reach),
             "object": np.array(kinds),
             "label": np.array(labels),
             "battery": np.array([charge], np.float32),

@@ -20,7 +20,7 @@ from logical_robots_tui.game.minds import mind_for
 from logical_robots_tui.game.source import load_program, programs_for
 from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import did_you_mean
-from logical_robots_tui.world import Level, World, load_level
+from logical_robots_tui.world import Level, Sensors, World, load_level
 from logical_robots_tui.world.levels.load import read_level
 from logical_robots_tui.world.world import desire_of
 
@@ -53,6 +53,7 @@ class Simulation:
             mapping by team. By default, and for teams that are not named, the one of the level.
         start: 0 is the given start, any other number a varied one.
         limits: Limits on thinking.
+        sensors: Rays, field of view, reach and noise; by default those of the level.
 
     Attributes:
         level: The level, with its robots at that start.
@@ -72,8 +73,10 @@ class Simulation:
         *,
         start: int = 0,
         limits: Limits | None = None,
+        sensors: Sensors | None = None,
     ) -> None:
-        self.level = named_start_of(_level(level), start)
+        level = _level(level)
+        self.level = named_start_of(replace(level, sensors=sensors or level.sensors), start)
         self._limits = limits
         self._world = World(self.level)
         self._minds: dict[str, Mind] = {}

@@ -4,7 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui import Desire, InputError, Level, Mind, Program, ProgramError, Simulation
+from logical_robots_tui import (
+    Desire,
+    InputError,
+    Level,
+    Mind,
+    Program,
+    ProgramError,
+    Sensors,
+    Simulation,
+)
 from logical_robots_tui.game.measuring import start_of
 from logical_robots_tui.game.replay import load_replay
 from logical_robots_tui.world import LevelError, load_level
@@ -163,12 +172,17 @@ def test_another_program_goes_on_from_the_present_tick() -> None:
 
 
 def test_a_replay_has_all_ticks(tmp_path: Path) -> None:
-    sim = Simulation("01-first-steps", AHEAD)
+    sim = Simulation("01-first-steps", AHEAD, sensors=Sensors(rays=7, noise=2))
     with pytest.raises(InputError, match="nothing to record"):
         sim.record(tmp_path / "empty.replay")
     sim.run(30)
     sim.record(tmp_path / "mine.replay")
-    assert [*load_replay(tmp_path / "mine.replay").states()][-1] == sim.frame.after
+    replay = load_replay(tmp_path / "mine.replay")
+    assert [*replay.states()][-1] == sim.frame.after
+    again = Simulation(replay.levels[0], AHEAD)
+    assert again.level.sensors == Sensors(rays=7, noise=2)
+    again.run(30)
+    assert again.frame == sim.frame
     with pytest.raises(InputError, match="can't be written"):
         sim.record(tmp_path / "nowhere" / "mine.replay")
 

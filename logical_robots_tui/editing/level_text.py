@@ -22,6 +22,7 @@ from logical_robots_tui.world.level import (
     Beacon,
     Level,
     Robot,
+    Sensors,
     Visibility,
 )
 from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER
@@ -91,6 +92,11 @@ def words_of(level: Level) -> Record:
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_compact(asdict(team)) for team in level.teams],
         "scores": [_compact(asdict(score), "points") for score in level.scores],
+        "sensors": {
+            key: value
+            for key, value in asdict(level.sensors).items()
+            if value != getattr(Sensors(), key)
+        },
     }
     return _compact(record, "title")
 
@@ -157,7 +163,7 @@ def toml_text(key: str, value: object) -> str:
     return tomlkit.item(value).as_string()
 
 
-_IN_WEB = ("title", "width", "height", *KINDS, "visibility")
+_IN_WEB = ("title", "width", "height", *KINDS, "visibility", "sensors")
 _SEEN = Visibility(memory="all", sensor="all")
 
 
@@ -179,6 +185,8 @@ def lost_in_web(level: Level) -> list[str]:
     lost = [name for name in COMPARED if name not in _IN_WEB and getattr(level, name)]
     if level.visibility != _SEEN:
         lost.append("visibility")
+    if level.sensors != Sensors():
+        lost.append("sensors")
     if level.title != level.name:
         lost.insert(0, "title")
     return lost

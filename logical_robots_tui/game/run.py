@@ -228,6 +228,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "size": (level.width, level.height),
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
         "visibility": asdict(level.visibility),
+        "sensors": asdict(level.sensors),
         "match_ticks": level.match_ticks,
         **{key: getattr(level, key) for key in FLAGS},
         "programs": program.texts,

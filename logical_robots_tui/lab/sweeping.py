@@ -429,14 +429,17 @@ def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
 
     A key looks like ``robots.*.battery.capacity``.
     """
+    has_sensors = any(key.startswith("sensors.") for key, _ in fields)
     if is_of_web(text):
-        tree = json.loads(text)
+        tree = json.loads(text) | ({"sensors": {}} if has_sensors else {})
         for key, value in fields:
             _set(tree, key.split("."), key, value)
         return json.dumps(tree, indent=2, ensure_ascii=False)
     import tomlkit
 
     document = tomlkit.parse(text)
+    if has_sensors and "sensors" not in document:
+        document["sensors"] = tomlkit.inline_table()
     for key, value in fields:
         _set(document, key.split("."), key, value)
     return tomlkit.dumps(document)

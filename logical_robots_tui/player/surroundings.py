@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from logical_robots_tui.schema import NO_OBJECT, SENSOR_RANGE, WALL
+from logical_robots_tui.schema import NO_OBJECT, WALL
 from logical_robots_tui.wording import join_names
 from logical_robots_tui.world import Level, WorldState
 from logical_robots_tui.world.dynamics import AreaState
-from logical_robots_tui.world.level import Area
+from logical_robots_tui.world.level import Area, Sensors
 from logical_robots_tui.world.sensing import Senses
 
 _STEP = 30  # degrees between two looks at walls
@@ -25,7 +25,8 @@ def surroundings(level: Level, state: WorldState, robot_name: str) -> Iterator[s
     there is said to be out of sight. Names are not escaped.
     """
     index = next(i for i, robot in enumerate(state.robots) if robot.name == robot_name)
-    me, senses, visible = state.robots[index], Senses(level), set()
+    me, reach, visible = state.robots[index], level.sensors.reach, set()
+    senses = Senses(replace(level, sensors=Sensors(reach=reach)))
     walls = []
     for turn in sorted(range(_STEP - 180, 181, _STEP), key=lambda turn: (abs(turn), -turn)):
         robots = list(state.robots)
@@ -34,7 +35,7 @@ def surroundings(level: Level, state: WorldState, robot_name: str) -> Iterator[s
         kind, label = sensor["forward_object"], sensor["forward_label"]
         name = label if kind == WALL or label == NO_OBJECT else f"{kind} {label}"
         if kind == NO_OBJECT:
-            walls.append(f"{_direction(turn)}: nothing within {SENSOR_RANGE}")
+            walls.append(f"{_direction(turn)}: nothing within {reach}")
         else:
             walls.append(f"{_direction(turn)}: {name} at {sensor['forward_distance']}")
         if turn % _RADAR == 0:

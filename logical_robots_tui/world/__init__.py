@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         LevelError,
         Robot,
         Score,
+        Sensors,
         Team,
         Visibility,
     )
@@ -31,7 +32,7 @@ __getattr__ = lazy_exports(
     __name__,
     {
         "dynamics": "AreaState RobotState WorldState",
-        "level": "Area Beacon Level LevelError Robot Score Team Visibility",
+        "level": "Area Beacon Level LevelError Robot Score Sensors Team Visibility",
         "levels.load": "current_name list_arenas list_levels list_shipped load_level",
         "world": "World",
     },

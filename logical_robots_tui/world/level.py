@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 import numpy as np
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.schema import RADAR_DEGREES, RADAR_RAYS, SENSOR_RANGE
 from logical_robots_tui.wording import clip
 
 if TYPE_CHECKING:
@@ -126,6 +127,48 @@ _SIGHT = {
 
 
 @dataclass(frozen=True, slots=True)
+class Sensors:
+    """What the sensors of all robots are like; by default as everywhere in the game.
+
+    Attributes:
+        rays: Of the radar, an odd number, so that one of them points ahead.
+        view: Degrees between the leftmost and the rightmost ray.
+        reach: Map units; also the distance that a ray reports when it hits nothing.
+        noise: Standard deviation of the distance of a ray that hits something, in map units.
+        seed: Of the noise.
+
+    Raises:
+        ValueError: A number is out of its bounds.
+    """
+
+    rays: int = RADAR_RAYS
+    view: float = RADAR_DEGREES
+    reach: int = SENSOR_RANGE
+    noise: float = 0
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        for key, (kind, lower, upper) in SENSOR_BOUNDS.items():
+            number = getattr(self, key)
+            is_number = isinstance(number, int if kind == "whole" else int | float)
+            if not is_number or not lower <= number <= upper or (key == "rays" and not number % 2):
+                kind = "an odd" if key == "rays" else f"a {kind}".removesuffix("real").strip()
+                raise ValueError(
+                    f'"{key}" must be {kind} number, {lower} to {upper}, not {number}.'
+                )
+
+
+SENSOR_BOUNDS: Mapping[str, tuple[str, int, int]] = {
+    "rays": ("whole", 3, 361),
+    "view": ("real", 1, 360),
+    "reach": ("whole", 10, SENSOR_RANGE),
+    "noise": ("real", 0, 100),
+    "seed": ("whole", 0, 1_000_000),
+}
+"""Kind of the number, the least and the most."""
+
+
+@dataclass(frozen=True, slots=True)
 class Team:
     """Robots that think with one program of their own.
 
@@ -228,6 +271,7 @@ class Level:
         beacons: In file order.
         areas: In file order.
         visibility: What a program may see of other robots.
+        sensors: Rays, field of view, reach and noise.
         idea: What is new in it, one line, or "".
         briefing: The task, plain text with line breaks, or "".
         hints: Hints to reveal one at a time.
@@ -277,6 +321,7 @@ class Level:
     solid_robots: bool = False
     all_goals: bool = False
     shuffled_names: tuple[str, ...] = ()
+    sensors: Sensors = Sensors()
     source: str = ""
 
     @property

@@ -1,4 +1,4 @@
-"""The rays that robots cast (one forward, a radar of 31 around it) and the circles they meet."""
+"""The rays that robots cast (one forward, and a radar around it) and the circles they meet."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from logical_robots_tui.schema import RADAR_DEGREES, RADAR_RAYS, SENSOR_RANGE
 from logical_robots_tui.world.dynamics import RobotState
+from logical_robots_tui.world.level import Sensors
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,30 +19,41 @@ if TYPE_CHECKING:
     _Places = NDArray[np.intp]
 
 
-RADAR_SPAN = RADAR_DEGREES * math.pi / 180
-"""Radians between the leftmost and the rightmost ray of the radar."""
+class RayLayout:
+    """Where the rays of a robot point.
 
-PER_RADIAN = (RADAR_RAYS - 1) / RADAR_SPAN
-"""Rays of the radar per radian."""
+    Attributes:
+        span: Radians between the leftmost and the rightmost ray of the radar.
+        per_radian: Rays of the radar per radian.
+        middle: Index of the radar's ray that points forward, as a float.
+        radar: Rays of the radar.
+        columns: All rays.
+        forward: Column of the forward ray, right after the middle one of the radar, so that
+            neighbouring rays are in neighbouring columns.
+        turns: Radians to the right of the leftmost ray, by column.
+        reach: Map units.
+        is_wide: Whether rays to either side may meet the same circle behind a robot.
+    """
 
-MIDDLE = (RADAR_RAYS - 1) / 2
-"""Index of the radar's ray that points forward, as a float."""
+    def __init__(self, sensors: Sensors) -> None:
+        self.radar, self.reach = sensors.rays, sensors.reach
+        self.span = sensors.view * math.pi / 180
+        self.per_radian = (self.radar - 1) / self.span
+        self.middle = (self.radar - 1) / 2
+        self.columns, self.forward = self.radar + 1, self.radar // 2 + 1
+        turns = np.array([i * (self.span / (self.radar - 1)) for i in range(self.radar)])
+        self.turns = np.insert(turns, self.forward, 0.0)
+        self.is_wide = sensors.view > _HALF_TURN
 
-RAYS = RADAR_RAYS + 1
 
-FORWARD = RADAR_RAYS // 2 + 1
-"""Column of the forward ray, right after the middle one of the radar, so that neighbouring rays are
-in neighbouring columns."""
-
-_TURNS = np.array([i * (RADAR_SPAN / (RADAR_RAYS - 1)) for i in range(RADAR_RAYS)])
-_TURNS = np.insert(_TURNS, FORWARD, 0.0)
+_HALF_TURN = 180
 
 
 class Rays(NamedTuple):
     """The rays of some robots: number in file order, start and heading, of shape (robots,).
 
     `aside`, of shape (robots, rays), are reported angles in radians, left positive, from left
-    to right with the forward ray at ``FORWARD``; `cos` and `sin` are of the rays' headings.
+    to right as in `layout`; `cos` and `sin` are of the rays' headings.
     """
 
     robot: _Places
@@ -52,9 +63,10 @@ class Rays(NamedTuple):
     aside: _Floats
     cos: _Floats
     sin: _Floats
+    layout: RayLayout
 
     def take(self, indices: _Places) -> Rays:
-        return Rays._make(part[indices] for part in self)
+        return Rays._make((*(part[indices] for part in self[:-1]), self.layout))
 
 
 class Circles(NamedTuple):
@@ -70,25 +82,25 @@ class Circles(NamedTuple):
     radius: _Floats
 
     def around(self, rays: Rays) -> Circles:
-        far = self.radius + SENSOR_RANGE
+        far = self.radius + rays.layout.reach
         near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
         near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
         return Circles._make(part[near] for part in self)
 
 
-def rays_of(robots: Sequence[RobotState], indices: Sequence[int]) -> Rays:
+def rays_of(robots: Sequence[RobotState], indices: Sequence[int], layout: RayLayout) -> Rays:
     casters = [robots[index] for index in indices]
     x = np.array([robot.x for robot in casters])
     y = np.array([robot.y for robot in casters])
     angle = np.array([robot.angle for robot in casters])
-    headings = (angle - RADAR_SPAN / 2)[:, None] + _TURNS
-    headings[:, FORWARD] = angle
+    headings = (angle - layout.span / 2)[:, None] + layout.turns
+    headings[:, layout.forward] = angle
     # math.cos and not numpy's, which differs between processors.
     flat = headings.ravel().tolist()
     cos = np.fromiter(map(math.cos, flat), np.float64, len(flat)).reshape(headings.shape)
     sin = np.fromiter(map(math.sin, flat), np.float64, len(flat)).reshape(headings.shape)
     number = np.array(indices, dtype=np.intp)
-    return Rays(number, x, y, angle, angle[:, None] - headings, cos, sin)
+    return Rays(number, x, y, angle, angle[:, None] - headings, cos, sin, layout)
 
 
 FEWEST = 80
@@ -190,8 +202,8 @@ def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
     aside -= dy * cos
     half_squared = _widen(pairs)[:, None] - np.square(aside, out=aside)
     indices = (half_squared >= 0).reshape(-1).nonzero()[0]
-    pair, ray = np.divmod(indices, RAYS)
-    ray += pairs.robot.take(pair) * RAYS
+    pair, ray = np.divmod(indices, rays.layout.columns)
+    ray += pairs.robot.take(pair) * rays.layout.columns
     return Chords(pair, ray, along.take(indices), half_squared.take(indices))
 
 
@@ -200,25 +212,25 @@ def _between_tangents(hits: _Ints, bounds: _Ints, rays: Rays, pairs: Pairs) -> C
 
     `bounds`, of shape (pairs,), are lower bounds of the hits of each pair.
     """
-    dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
-    cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
+    dx, dy, robot, layout = pairs.dx, pairs.dy, pairs.robot, rays.layout
+    cos, sin = rays.cos[robot, layout.forward], rays.sin[robot, layout.forward]
     ahead, right = dx * cos + dy * sin, dy * cos - dx * sin
     sine = pairs.radius / np.maximum(np.hypot(ahead, right), 1e-300)
     # In units of radar rays. From inside a circle, and exactly from its edge, all rays may hit
     # it.
-    center = np.arctan2(right, ahead) * PER_RADIAN + MIDDLE
-    half = np.arcsin(np.minimum(sine, 1.0)) * PER_RADIAN
-    half[sine > 1 - 1e-9] = np.inf
+    center = np.arctan2(right, ahead) * layout.per_radian + layout.middle
+    half = np.arcsin(np.minimum(sine, 1.0)) * layout.per_radian
+    half[(sine > 1 - 1e-9) | layout.is_wide] = np.inf
     # More than any rounding error; the headings of rays with large angles are imprecise.
     half += (1e-13 * np.abs(rays.angle) + 1e-3)[robot]
-    first = np.ceil(np.minimum(np.maximum(center - half, 0.0), RADAR_RAYS)).astype(np.intp)
-    last = np.floor(np.minimum(np.maximum(center + half, -1.0), RADAR_RAYS - 1)).astype(np.intp)
+    first = np.ceil(np.minimum(np.maximum(center - half, 0.0), layout.radar)).astype(np.intp)
+    last = np.floor(np.minimum(np.maximum(center + half, -1.0), layout.radar - 1)).astype(np.intp)
     # The forward ray comes after the middle one.
-    first += first >= FORWARD
-    last += last >= FORWARD - 1
+    first += first >= layout.forward
+    last += last >= layout.forward - 1
     count = last - first + 1
     pair = np.arange(len(first)).repeat(count)
-    ray = np.arange(len(pair)) + (first - count.cumsum() + count + robot * RAYS)[pair]
+    ray = np.arange(len(pair)) + (first - count.cumsum() + count + robot * layout.columns)[pair]
 
     visible = (bounds[pair] < hits.reshape(-1)[ray]).nonzero()[0]
     pair, ray = pair[visible], ray[visible]
@@ -254,7 +266,7 @@ def _take(
     dy += rays.y.take(robot)
     dy -= circles.y.take(circle)
     inside = _is_nearer(dx, dy, pairs.radius.take(pair))
-    inside &= step < SENSOR_RANGE
+    inside &= step < rays.layout.reach
     which = inside.argmax(axis=0)
     hit_chords = np.flatnonzero(inside.any(axis=0))
     distance = (entry + which).take(hit_chords).astype(np.int64)
@@ -278,7 +290,7 @@ def _is_nearer(dx: _Floats, dy: _Floats, radius: _Floats) -> NDArray[np.bool_]:
 
 def _take_one_by_one(hits: _Ints, codes: int, rays: Rays, circles: Circles, limit: int) -> bool:
     """Like `take_nearer_circles`; with more than `limit` pairs return False and change nothing."""
-    rows = hits.tolist()
+    rows, layout, forward = hits.tolist(), rays.layout, rays.layout.forward
     targets = list(zip(*(part.tolist() for part in circles), strict=True))
     starts = zip(rays.robot.tolist(), rays.x.tolist(), rays.y.tolist(), strict=True)
     pairs = []
@@ -294,14 +306,13 @@ def _take_one_by_one(hits: _Ints, codes: int, rays: Rays, circles: Circles, limi
         hit, cos, sin = rows[row], rays.cos[row].tolist(), rays.sin[row].tolist()
         angle, x, y = rays.angle.item(row), rays.x.item(row), rays.y.item(row)
         dx, dy = center_x - x, center_y - y
-        ahead, right = dx * cos[FORWARD] + dy * sin[FORWARD], dy * cos[FORWARD] - dx * sin[FORWARD]
+        ahead, right = dx * cos[forward] + dy * sin[forward], dy * cos[forward] - dx * sin[forward]
         lower_bound = max(math.floor(distance - radius), 1) * codes + number + 1
-        for ray in _rays_between_tangents(ahead, right, radius, angle):
+        for ray in _rays_between_tangents(ahead, right, radius, angle, layout):
             if lower_bound >= hit[ray]:
                 continue
-            for step in _steps_around_entry(
-                dx * cos[ray] + dy * sin[ray], dx * sin[ray] - dy * cos[ray], radius
-            ):
+            along, aside = dx * cos[ray] + dy * sin[ray], dx * sin[ray] - dy * cos[ray]
+            for step in _steps_around_entry(along, aside, radius, layout.reach):
                 to_x, to_y = cos[ray] * step + x - center_x, sin[ray] * step + y - center_y
                 if math.hypot(to_x, to_y) < radius:
                     hits[row, ray] = hit[ray] = min(hit[ray], step * codes + number + 1)
@@ -309,20 +320,22 @@ def _take_one_by_one(hits: _Ints, codes: int, rays: Rays, circles: Circles, limi
     return True
 
 
-def _rays_between_tangents(ahead: float, right: float, radius: float, angle: float) -> range:
+def _rays_between_tangents(
+    ahead: float, right: float, radius: float, angle: float, layout: RayLayout
+) -> range:
     distance = math.hypot(ahead, right)
-    if radius >= distance * (1 - 1e-9):
-        return range(RAYS)
-    center = math.atan2(right, ahead) * PER_RADIAN + MIDDLE
+    if layout.is_wide or radius >= distance * (1 - 1e-9):
+        return range(layout.columns)
+    center = math.atan2(right, ahead) * layout.per_radian + layout.middle
     # More than any rounding error.
-    half = math.asin(radius / distance) * PER_RADIAN + 1e-13 * abs(angle) + 1e-3
+    half = math.asin(radius / distance) * layout.per_radian + 1e-13 * abs(angle) + 1e-3
     first = math.ceil(max(center - half, 0.0))
-    last = math.floor(min(center + half, RADAR_RAYS - 1.0))
+    last = math.floor(min(center + half, layout.radar - 1.0))
     # The forward ray comes after the middle one.
-    return range(first + (first >= FORWARD), last + (last >= FORWARD - 1) + 1)
+    return range(first + (first >= layout.forward), last + (last >= layout.forward - 1) + 1)
 
 
-def _steps_around_entry(along: float, aside: float, radius: float) -> range:
+def _steps_around_entry(along: float, aside: float, radius: float, reach: int) -> range:
     """Return the steps that include the first one inside the circle, if there is one."""
     half_squared = radius * radius - aside * aside
     half_squared += 1e-9 * radius + 1e-14 * (along * along + radius * radius)
@@ -330,4 +343,4 @@ def _steps_around_entry(along: float, aside: float, radius: float) -> range:
     if half_squared < 0 or along + half <= 0.5:
         return range(0)
     entry = max(math.floor(along - half - 1e-6), 1)
-    return range(entry, min(entry + 3, SENSOR_RANGE))
+    return range(entry, min(entry + 3, reach))

@@ -12,7 +12,13 @@ from logical_robots_tui.schema import BEACON, NO_LABEL, NO_OBJECT, ROBOT, SELF, 
 from logical_robots_tui.values import SensorRow
 from logical_robots_tui.world.dynamics import AreaState, RobotState
 from logical_robots_tui.world.level import Area, Beacon, Level, Robot
-from logical_robots_tui.world.rays import FORWARD, Circles, Rays, rays_of, take_nearer_circles
+from logical_robots_tui.world.rays import (
+    Circles,
+    RayLayout,
+    Rays,
+    rays_of,
+    take_nearer_circles,
+)
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
@@ -25,6 +31,8 @@ ROBOT_RADIUS = 9.0
 
 BEACON_RADIUS = 8.0
 """Map units within which a ray hits a beacon."""
+
+_SUMMANDS = 12
 
 _ROBOTS_AT_ONCE = 64  # keeps the arrays of one pass within a processor's cache
 _FEW_ROBOTS = 16  # with more robots, finding out whose reading may change costs more than it saves
@@ -45,15 +53,16 @@ class _Reading(NamedTuple):
 class Senses:
     """Casts the rays of all robots of one level, at 1, 2, ... 199 map units from the centre.
 
-    At the same distance walls precede robots, robots beacons, and beacons solid areas, each in
-    file order; with teams a ray instead reports the robot nearest to its end. `like` has nearly
-    the same walls, for speed.
+    That, and how many rays there are, is up to the sensors of the level. At the same distance
+    walls precede robots, robots beacons, and beacons solid areas, each in file order; with teams a
+    ray instead reports the robot nearest to its end. `like` has nearly the same walls, for speed.
     """
 
     def __init__(self, level: Level, *, like: Senses | None = None) -> None:
         self._robots = level.robots
         like_walls = None if like is None else like._walls
-        self._walls: Walls = Walls(level.walls, SENSOR_RANGE, like=like_walls)
+        self._layout, self._sensors = RayLayout(level.sensors), level.sensors
+        self._walls: Walls = Walls(level.walls, level.sensors.reach, like=like_walls)
         self._solid = [i for i, area in enumerate(level.areas) if area.impenetrable]
         solid = [level.areas[i] for i in self._solid]
         circles: list[Robot | Beacon | Area] = [*level.robots, *level.beacons, *solid]
@@ -71,8 +80,8 @@ class Senses:
         self._objects = np.array([WALL, *(kind for kind, _, _ in kinds), NO_OBJECT], dtype=object)
         self._labels = np.array([WALL, *(name for _, name, _ in kinds), NO_LABEL], dtype=object)
         self._codes = len(self._labels)
-        self._wall_hits = np.arange(SENSOR_RANGE + 1) * self._codes
-        self._wall_hits[SENSOR_RANGE] += self._codes - 1
+        self._wall_hits = np.arange(level.sensors.reach + 1) * self._codes
+        self._wall_hits[-1] += self._codes - 1
         self._beacons = slice(1 + len(level.robots), self._codes - 1 - len(solid))
         switches = {name for area in level.areas for name in (area.on_beacon, area.off_beacon)}
         self._has_switches = any(beacon.name in switches for beacon in level.beacons)
@@ -89,7 +98,7 @@ class Senses:
         units from 1 to 200, angles radians with left positive. The forward ray doesn't count for
         beacons; active solid areas are seen as walls.
         """
-        last = self._last = self._look(robots, [areas[i].active for i in self._solid])
+        last = self._last = self._look(robots, [areas[i].active for i in self._solid], clock)
         rows: list[SensorRow] = []
         for robot, state, view in zip(self._robots, robots, last.views, strict=True):
             fields = {name: getattr(state if changes else robot, name) for name, changes in _SELF}
@@ -99,17 +108,18 @@ class Senses:
             return rows, frozenset()
         code = last.hits % self._codes
         on_radar = np.zeros(self._codes, dtype=np.bool_)
-        on_radar[code[:, :FORWARD]] = on_radar[code[:, FORWARD + 1 :]] = True
+        forward = self._layout.forward
+        on_radar[code[:, :forward]] = on_radar[code[:, forward + 1 :]] = True
         return rows, frozenset(self._labels[self._beacons][on_radar[self._beacons]].tolist())
 
-    def _look(self, robots: Sequence[RobotState], active: list[bool]) -> _Reading:
+    def _look(self, robots: Sequence[RobotState], active: list[bool], clock: int) -> _Reading:
         """Return what robots see; only robots whose reading may have changed look again."""
-        last, indices = self._last, list(range(len(robots)))
+        last, indices = None if self._sensors.noise else self._last, list(range(len(robots)))
         if last is not None and last.active == active and len(robots) <= _FEW_ROBOTS:
             indices = _may_have_changed(robots, last, self._codes)
             if not indices:
                 return last._replace(robots=robots)
-        rays = rays_of(robots, indices)
+        rays = rays_of(robots, indices, self._layout)
         x, y = self._x.copy(), self._y.copy()
         x[: len(robots)] = [robot.x for robot in robots]
         y[: len(robots)] = [robot.y for robot in robots]
@@ -120,8 +130,11 @@ class Senses:
         if self._by_name is not None:
             self._settle(hits, rays, robots, self._by_name)
         distance, code = np.divmod(hits, self._codes)
+        if self._sensors.noise:
+            distance = np.where(code == self._codes - 1, distance, self._noisy(distance, clock))
         parts = (rays.aside, distance, self._objects[code], self._labels[code])
-        views = list(map(_view, *(part.tolist() for part in parts)))
+        forward = [self._layout.forward] * len(indices)
+        views = list(map(_view, *(part.tolist() for part in parts), forward))
         if last is not None and len(indices) < len(robots):
             all_hits = last.hits.copy()
             all_hits[indices] = hits
@@ -129,6 +142,19 @@ class Senses:
             views = [new_views.get(index, view) for index, view in enumerate(last.views)]
             hits = all_hits
         return _Reading(robots, active, hits, views)
+
+    def _noisy(self, distance: _Hits, clock: int) -> _Hits:
+        """Return distances with the noise of a tick, the same on every machine.
+
+        That is nearly Gaussian: the sum of twelve uniform numbers, whose variance is 1.
+        """
+        raw = np.random.Philox(key=self._sensors.seed, counter=[0, 0, 0, clock])
+        numbers = np.asarray(raw.random_raw(_SUMMANDS * distance.size) >> np.uint64(32), np.int64)
+        sums = numbers.reshape(_SUMMANDS, *distance.shape).sum(axis=0)
+        noise = (sums / 2**32 - _SUMMANDS / 2) * self._sensors.noise
+        distances = np.rint(distance + noise).astype(np.int64)
+        noisy: _Hits = np.minimum(np.maximum(distances, 1), self._sensors.reach - 1)
+        return noisy
 
     def _hits(self, rays: Rays, circles: Circles) -> _Hits:
         if len(rays.robot) <= _ROBOTS_AT_ONCE:
@@ -169,14 +195,14 @@ class Senses:
 
 
 def _view(
-    angles: list[float], distances: list[int], objects: list[str], labels: list[str]
+    angles: list[float], distances: list[int], objects: list[str], labels: list[str], forward: int
 ) -> _View:
     """Return what the rays of one robot report; consumes the lists, which hold a value per ray."""
-    del angles[FORWARD]
+    del angles[forward]
     return {
-        "forward_distance": distances.pop(FORWARD),
-        "forward_object": objects.pop(FORWARD),
-        "forward_label": labels.pop(FORWARD),
+        "forward_distance": distances.pop(forward),
+        "forward_object": objects.pop(forward),
+        "forward_label": labels.pop(forward),
         "radar": [
             {"angle": angle, "distance": distance, "object": kind, "label": label}
             for angle, distance, kind, label in zip(angles, distances, objects, labels, strict=True)

@@ -21,7 +21,7 @@ from logical_robots_tui.editing.level_text import KINDS, Kind
 from logical_robots_tui.editing.strokes import fill, paint, paint_rectangle
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
-from logical_robots_tui.world.level import LevelQuestion, SecondGoal
+from logical_robots_tui.world.level import LevelQuestion, SecondGoal, Sensors
 from tests.world.making import make_level
 
 CONFORMANCE = sorted((Path(__file__).parents[1] / "conformance" / "levels").glob("*.json"))
@@ -128,6 +128,7 @@ _WORDS = {
     "shuffled_names": st.sampled_from([(), ("*",), ("*", "?*")]),
     "second_goals": st.lists(GOALS, max_size=2).map(tuple),
     "visibility": st.sampled_from([Visibility(), Visibility("seen", "all")]),
+    "sensors": st.sampled_from([Sensors(), Sensors(7, 90.5, 60, 0.5, 0), Sensors(noise=2)]),
 }
 _GRIDS = st.sampled_from([1, 1, 3, 10])
 _INDEX = st.integers(0, 5)

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui import Simulation
+from logical_robots_tui import Simulation, load_level
+from logical_robots_tui.editing.level_text import write_web
 from logical_robots_tui.lab import Results, sweep
 from logical_robots_tui.lab.exporting import RunRecords, reduce_series
 from logical_robots_tui.lab.reporting import lines_of
@@ -96,6 +97,20 @@ def test_the_number_of_robots_can_be_varied() -> None:
         assert {*goal} == {*names}
     assert count == 3
     assert "The level has 3" in wrong({"level": "robots", "values": [4]}, level="04-everybody-home")
+
+
+def test_the_sensors_can_be_varied(tmp_path: Path) -> None:
+    rays = {"level": "sensors.rays", "values": [3, 31]}
+    noise = {"level": "sensors.noise", "values": [0, 2.5]}
+    manifest, inputs = plan(rays, noise)
+    levels = [read_level(inputs[cell.level], "level") for cell in manifest.cells]
+    pairs = [(level.sensors.rays, level.sensors.noise) for level in levels]
+    assert pairs == [(3, 0), (3, 2.5), (31, 0), (31, 2.5)]
+    assert {cell.settings["sensors.rays"] for cell in manifest.cells} == {3, 31}
+    assert "an odd number, 3 to 361, not 4" in wrong({**rays, "values": [4]})
+    web = tmp_path / "web.json"
+    web.write_text(write_web(load_level("01-first-steps")))
+    assert "can't say sensors" in wrong(rays, level=str(web))
 
 
 def test_varied_starts_can_be_others(tmp_path: Path) -> None:

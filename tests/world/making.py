@@ -2,13 +2,19 @@
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import strategies as st
 
-from logical_robots_tui.world import Area, Beacon, Level, Robot
+from logical_robots_tui.world import Area, Beacon, Level, Robot, Sensors
 
 NAMES = ("Ann", "Bob", "Cid", "Dot", "Eve")
+SENSORS = st.just(Sensors()) | st.builds(
+    Sensors,
+    *(st.sampled_from([3, 7, 61]), st.sampled_from([40.5, 180, 181, 360])),
+    *(st.integers(10, 200), st.sampled_from([0, 0, 2.5]), st.integers(0, 9)),
+)
 LABELS = ("lamp", "gate", "Ann", "home")
 
 
@@ -91,4 +97,7 @@ def levels(draw: st.DrawFn) -> Level:
             max_size=5,
         )
     )
-    return make_level(robots, width=width, height=height, walls=walls, beacons=beacons, areas=areas)
+    level = make_level(
+        robots, width=width, height=height, walls=walls, beacons=beacons, areas=areas
+    )
+    return replace(level, sensors=draw(SENSORS))

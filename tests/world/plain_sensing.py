@@ -9,11 +9,11 @@ from logical_robots_tui.world import World
 def plain_look(world: World) -> list[dict[str, Any]]:
     rows = []
     for robot, state in zip(world.level.robots, world.robots, strict=True):
-        span = 120 * math.pi / 180
+        rays, span = world.level.sensors.rays, world.level.sensors.view * math.pi / 180
         forward = _cast(world, state.name, state.angle)
         radar = []
-        for i in range(31):
-            heading = (state.angle - span / 2) + i * (span / 30)
+        for i in range(rays):
+            heading = (state.angle - span / 2) + i * (span / (rays - 1))
             distance, kind, label = _cast(world, state.name, heading)
             angle = -(heading - state.angle)
             radar.append({"angle": angle, "distance": distance, "object": kind, "label": label})
@@ -37,7 +37,7 @@ def plain_look(world: World) -> list[dict[str, Any]]:
 def _cast(world: World, looker: str, heading: float) -> tuple[int, str, str]:
     level = world.level
     (here,) = (robot for robot in world.robots if robot.name == looker)
-    for d in range(1, 200):
+    for d in range(1, level.sensors.reach):
         px = here.x + math.cos(heading) * d
         py = here.y + math.sin(heading) * d
         column, row = math.floor(px), math.floor(py)
@@ -54,4 +54,4 @@ def _cast(world: World, looker: str, heading: float) -> tuple[int, str, str]:
             is_solid = area.impenetrable and state.active
             if is_solid and math.hypot(px - area.x, py - area.y) < area.radius:
                 return d, "wall", area.name
-    return 200, "none", "nothing"
+    return level.sensors.reach, "none", "nothing"

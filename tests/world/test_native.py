@@ -195,6 +195,17 @@ BAD_VALUES = [
             ("eyes = 2", "eyes", "is not a known key."),
         )
     ),
+    *(
+        ("cell = 10", f"cell = 10\nsensors = {{{text}}}", "sensors" + key, message)
+        for text, key, message in (
+            ("rays = 4", "", '"rays" must be an odd number, 3 to 361, not 4.'),
+            ("view = 400", "", '"view" must be a number, 1 to 360, not 400.'),
+            ("reach = 20.5", "", '"reach" must be a whole number, 10 to 200, not 20.5.'),
+            ("noise = -1", "", '"noise" must be a number, 0 to 100, not -1.'),
+            ('seed = "x"', ".seed", '"seed" must be a number, not text.'),
+            ("eyes = 2", ".eyes", "is not a known key."),
+        )
+    ),
     ("[[robots]]", "[[beacons]]", "robots", "The level has no robots."),
     ("[[robots]]", "[robots]", "robots", '"robots" must be a list, not a record.'),
     ('name = "Ann"\n', "", "robots[0].name", '"name" is missing.'),

@@ -11,9 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.world import Area, Beacon, Level, Robot, World, load_level, rays
-from logical_robots_tui.world.rays import rays_of
+from logical_robots_tui.world import Area, Beacon, Level, Robot, Sensors, World, load_level, rays
+from logical_robots_tui.world.rays import RayLayout, rays_of
 from logical_robots_tui.world.walls import FEW, FEWEST, Walls
 
 from .making import levels, make_level
@@ -30,6 +29,7 @@ def forward(level: Level) -> tuple[int, str, str]:
 
 def assert_sees_what_the_plain_rays_see(level: Level) -> None:
     """With circles looked at one by one, all rays tried at them, those between their tangents."""
+    level = replace(level, sensors=replace(level.sensors, noise=0))
     plain = plain_look(World(level))
     for fewest, few in ((10_000, 0), (0, 10_000), (0, 0)):
         with patch.multiple(rays, FEWEST=fewest, FEWEST_NEAR=fewest, FEW=few):
@@ -46,8 +46,8 @@ def test_the_fast_rays_hit_what_the_plain_rays_hit(level: Level) -> None:
 @given(levels())
 def test_few_rays_are_cast_as_many_are(level: Level) -> None:
     robots = World(level).robots
-    rays = rays_of(robots, range(len(robots)))
-    walls = Walls(level.walls, SENSOR_RANGE)
+    rays = rays_of(robots, range(len(robots)), RayLayout(level.sensors))
+    walls = Walls(level.walls, level.sensors.reach)
     found = []
     for times in (1, 1 + FEWEST // rays.cos.size, 1 + FEW // rays.cos.size):
         x, y = np.tile(rays.x, times), np.tile(rays.y, times)
@@ -93,6 +93,28 @@ def test_what_was_sensed_before_changes_nothing(
         other = World(level, like=other)
         other.restore(world.save())
         assert world.look() == other.look()
+
+
+def test_noise_is_of_the_seed_and_the_tick_and_hits_stay_as_they_are() -> None:
+    level = make_level([HERE, Robot("Bob", 90.5, 50.5, 1.0)], walls=[(150, y) for y in range(100)])
+
+    def rays(tick: int, **sensors: float) -> list[dict[str, Any]]:
+        world = World(replace(level, sensors=Sensors(rays=61, reach=120, **sensors)))  # type: ignore[arg-type] # numbers
+        world.restore(replace(world.save(), tick=tick))
+        return [ray for row in world.look() for ray in row["sensor"]["radar"]]
+
+    exact, errors = rays(5), []
+    for tick in range(40):
+        noisy = rays(tick, noise=3)
+        for ray, exact_ray in zip(noisy, exact, strict=True):
+            assert ray | {"distance": 0} == exact_ray | {"distance": 0}
+            assert 1 <= ray["distance"] <= 119 or ray == exact_ray
+            if 20 < exact_ray["distance"] < 100:
+                errors.append(ray["distance"] - exact_ray["distance"])
+    assert rays(5, noise=3) == rays(5, noise=3) != rays(6, noise=3)
+    assert rays(5, noise=3) != rays(5, noise=3, seed=2)
+    assert abs(np.mean(errors)) < 0.2
+    assert 2.8 < np.std(errors) < 3.2
 
 
 @pytest.mark.sampled

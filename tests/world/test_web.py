@@ -104,6 +104,7 @@ def test_a_colour_that_is_none_becomes_the_default(color: object) -> None:
 BAD_VALUES = [
     (small(width=None), "width", '"width" is missing.'),
     (small(width="3"), "width", '"width" must be a number, not text.'),
+    (small(sensors={"rays": 7}), "sensors", "A level of the web platform can't say sensors."),
     (small(width=1.5), "width", '"width" must be a whole number, not 1.5.'),
     (small(height=0), "height", '"height" must be 1 or more, not 0.'),
     (small(height=4001), "width", "The labyrinth is 3 x 4001 units; at most 4000 x 4000 is "),

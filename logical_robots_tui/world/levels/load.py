@@ -52,6 +52,9 @@ def read_web(text: str, name: str, source: str) -> Level:
     unknown robots and beacons. Raises LevelError.
     """
     top = Fields(_parse(text, source), source)
+    if top.has("sensors"):
+        hint = "Convert the level first: logical-robots level convert level.json level.toml"
+        raise top.error("sensors", "A level of the web platform can't say sensors.", hint)
     width, height = top.integer("width", minimum=1), top.integer("height", minimum=1)
     top.check_size("width", width, height)
     walls = _walls(top, width, height)

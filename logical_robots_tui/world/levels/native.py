@@ -29,6 +29,7 @@ from logical_robots_tui.world.level import (
     FORMER_GOAL,
     LONG_TEXTS,
     ROBOT_COLOR,
+    SENSOR_BOUNDS,
     Area,
     Beacon,
     Level,
@@ -38,6 +39,7 @@ from logical_robots_tui.world.level import (
     Score,
     ScoreKind,
     SecondGoal,
+    Sensors,
     Team,
     Visibility,
 )
@@ -105,7 +107,17 @@ def read_words(top: Fields) -> dict[str, Any]:
         "match_ticks": match.integer("ticks", minimum=1) if top.has("match") else 0,
         "scores": top.records("scores", _score, ("kind", "area", "points")),
         **{key: top.flag(key) for key in FLAGS},
+        "sensors": _sensors(top, top.table("sensors", tuple(SENSOR_BOUNDS))),
     }
+
+
+def _sensors(top: Fields, table: Fields) -> Sensors:
+    numbers = {key: table.number(key) for key in SENSOR_BOUNDS if table.has(key)}
+    whole = {key: int(number) for key, number in numbers.items() if number.is_integer()}
+    try:
+        return Sensors(**{**numbers, **whole})  # type: ignore[arg-type] # it checks them
+    except ValueError as error:
+        raise top.error("sensors", str(error)) from None
 
 
 @dataclass(frozen=True, slots=True)
