@@ -7,6 +7,7 @@ import html
 import io
 import json
 import re
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property, partial
 from statistics import fmean
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import is_installed
 from logical_robots_tui.lab.coordinating import cell_to_run, split_starts
-from logical_robots_tui.lab.folder import ATTEMPTS, MEASURES, Cell, Folder, Ledger, Manifest
+from logical_robots_tui.lab.folder import ATTEMPTS, MEASURES, Cell, Folder, Ledger, Manifest, digest
 from logical_robots_tui.lab.tasks import QueryMeasure, Reduction, Result
 from logical_robots_tui.language.diagnostics import printable
 
@@ -341,6 +342,31 @@ def table_section(
 
 def as_code(text: str) -> Html:
     return Html(f"<code>{html.escape(text)}</code>")
+
+
+def new_chart(kind: str, title: str, **options: Any) -> Any:
+    import pygal
+
+    # Without its importer, which makes Python 3.11 warn.
+    sys.meta_path[:] = [finder for finder in sys.meta_path if hasattr(finder, "find_spec")]
+    return getattr(pygal, kind)(
+        title=harmless_text(title),
+        js=[],
+        disable_xml_declaration=True,
+        height=400,
+        explicit_size=True,
+        x_label_rotation=30,
+        legend_at_bottom=True,
+        truncate_legend=-1,
+        **options,
+    )
+
+
+def svg_of(chart: Any, title: str) -> str:
+    """Return a chart as SVG that is identical each time."""
+    text: str = chart.render(is_unicode=True)
+    text = re.sub(r"<!--.*?-->|<script.*?</script>", "", text, flags=re.DOTALL)
+    return text.replace(chart.uuid, f"plot-{digest(title)[:12]}")
 
 
 def as_percent(share: float) -> str:

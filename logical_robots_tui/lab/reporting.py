@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import html
 import math
-import re
-import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from statistics import NormalDist, median, quantiles
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from statistics import NormalDist, fmean, median, quantiles
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.errors import check_installed
@@ -29,13 +27,15 @@ from logical_robots_tui.lab.exporting import (
     export_runs,
     harmless_text,
     measures_of,
+    new_chart,
     settings_of,
     shade,
+    svg_of,
     table_section,
     tables_of_runs,
     write_tables,
 )
-from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
+from logical_robots_tui.lab.folder import Cell, Folder, Manifest
 from logical_robots_tui.lab.grading import Draw, export_grades, gradebook, grades_of
 from logical_robots_tui.lab.ranking import tournament_lines, tournament_parts, tournament_tables
 
@@ -320,53 +320,84 @@ def _over_time(
 
 
 _INTERVAL = "95%"
+_WON = "% of starts won"
 
 
 def _variation(manifest: Manifest, all_runs: list[RunRecord]) -> str:
-    names = _axes(manifest)
+    axes = _axes(manifest)
+    varied = [name for name in axes if name != "level"]
+    panels = _group(all_runs, lambda run: run.cell.level_name) if varied else {"": all_runs}
     parts = []
-    for name in names:
-        groups = _by_value(name, all_runs)
-        parts.append(f"<h2>Over {html.escape(harmless_text(name))}</h2>")
-        shares = [share_of(runs) for runs in groups.values()]
-        won: list[Spread | None] = [(100 * s.share, 100 * s.low, 100 * s.high) for s in shares]
-        parts.append(
-            _chart(f"% of starts won, over {name}", name, [*groups], {"won": won}, _INTERVAL)
-        )
-        group_spreads = [_spreads(manifest, runs) for runs in groups.values()]
-        for title in _spreads(manifest, []):
-            spreads = [by_measure[title] for by_measure in group_spreads]
-            if len({spread for spread in spreads if spread}) > 1:
-                parts.append(_chart(f"{title}, over {name}", name, [*groups], {"median": spreads}))
-    if len(names) == 2:
-        parts.append(_grid(manifest, names[0], names[1], all_runs))
+    for level, runs in panels.items():
+        for name in varied or axes:
+            title = f"over {name}" + f" in {level}" * (len(panels) > 1)
+            parts.append(f"<h2>{html.escape(harmless_text(title.capitalize()))}</h2>")
+            parts += _charts(manifest, title, name, runs)
+    if len(axes) == 2:
+        parts.append(_grid(manifest, axes[0], axes[1], all_runs))
     for name, (ticks, curves) in _over_time(manifest, all_runs).items():
         parts.append(f"<h2>{html.escape(harmless_text(name))} over time</h2>")
-        parts.append(_chart(f"{name}, medians", "tick", [f"{t:,}" for t in ticks], curves))
+        parts.append(_chart(f"{name}, medians", "tick", ticks, curves))
     return "\n".join(parts)
+
+
+def _charts(manifest: Manifest, title: str, axis: str, all_runs: list[RunRecord]) -> Iterator[str]:
+    """Yield a chart of each measure over what was varied, with a line for each program."""
+    groups = _by_value(axis, all_runs)
+    values = [[_value_of(run.cell, axis) for run in runs] for runs in groups.values()]
+    numbers = [[float(v) for v in group if type(v) in (int, float)] for group in values]
+    places = [*map(fmean, numbers)] if [*map(len, numbers)] == [*map(len, values)] else [*groups]
+    programs = [*_group(all_runs, lambda run: run.cell.program_name)]
+    if axis == "program" or not 1 < len(programs) <= _MOST_LINES:
+        programs = [""]
+    for name in (_WON, *_spreads(manifest, [])):
+        curves: dict[str, list[Spread | None]] = {}
+        for program in programs:
+            curve = curves[program or ("won" if name == _WON else "median")] = []
+            for group in groups.values():
+                runs = [run for run in group if program in ("", run.cell.program_name)]
+                share = share_of(runs)
+                won = (100 * share.share, 100 * share.low, 100 * share.high) if runs else None
+                curve.append(won if name == _WON else _spreads(manifest, runs)[name])
+        if (
+            name == _WON
+            or len({point for curve in curves.values() for point in curve if point}) > 1
+        ):
+            band = _INTERVAL if name == _WON else "quartiles"
+            yield _chart(f"{name}, {title}", axis, places, curves, band)
 
 
 def _chart(
     title: str,
     across: str,
-    labels: list[str],
+    places: Sequence[float] | Sequence[str],
     lines: Mapping[str, Sequence[Spread | None]],
     band: str = "quartiles",
 ) -> str:
-    chart = _new_chart("Line", title, x_title=harmless_text(across))
+    """Return a chart; with a numeric axis and lines if the places are numbers, else with dots."""
+    is_numeric = not any(isinstance(place, str) for place in places)
+    kind = "XY" if is_numeric else "Line"
+    chart = new_chart(kind, title, x_title=harmless_text(across), stroke=is_numeric)
     chart.range = (0, 100) if band == _INTERVAL else None
-    chart.x_labels = [harmless_text(label) for label in labels]
-    if len(labels) > _MOST_VALUES:
-        chart.x_labels_major_count = _PARTS
-        chart.show_minor_x_labels = chart.show_dots = False
+    if not is_numeric:
+        chart.x_labels = [harmless_text(str(place)) for place in places]
+    chart.x_value_formatter = "{:,.6g}".format
+    chart.show_dots = not is_numeric or len(places) <= _MOST_VALUES
+
+    def points(spreads: Sequence[Spread | None], index: int) -> list[Any]:
+        numbers = [spread and spread[index] for spread in spreads]
+        if not is_numeric:
+            return numbers
+        return [(x, y) for x, y in zip(places, numbers, strict=True) if y is not None]
+
     for label, spreads in lines.items():
-        chart.add(harmless_text(label), [spread and spread[0] for spread in spreads])
+        chart.add(harmless_text(label), points(spreads, 0))
     for label, spreads in lines.items() if len(lines) <= _MOST_BANDS else ():
         for index, bound in ((1, "from"), (2, "to")):
             name = harmless_text(f"{label}, {bound}" * (len(lines) > 1) or bound) + f" ({band})"
-            values = [spread and spread[index] for spread in spreads]
-            chart.add(name, values, stroke_style={"dasharray": "4"}, show_dots=False)
-    return _svg(chart, title)
+            dashes = {"dasharray": "4"}
+            chart.add(name, points(spreads, index), stroke_style=dashes, show_dots=not is_numeric)
+    return svg_of(chart, title)
 
 
 def _grid(manifest: Manifest, across: str, down: str, all_runs: list[RunRecord]) -> str:
@@ -398,11 +429,11 @@ def _ticks(all_runs: list[RunRecord]) -> str:
             continue
         width = max(1, -(-(ticks[-1] + 1 - ticks[0]) // _BARS))
         counts = Counter((tick - ticks[0]) // width for tick in ticks)
-        chart = _new_chart("Bar", level, show_legend=False, x_title="ticks", y_title="runs")
+        chart = new_chart("Bar", level, show_legend=False, x_title="ticks", y_title="runs")
         chart.x_labels = [f"{ticks[0] + n * width:,}" for n in range(max(counts) + 1)]
         chart.y_labels = range(0, max(counts.values()) + 1, max(1, max(counts.values()) // 5))
         chart.add("runs", [counts[n] for n in range(max(counts) + 1)])
-        parts.append(_svg(chart, level))
+        parts.append(svg_of(chart, level))
     return "\n".join(parts) if len(parts) > 1 else ""
 
 
@@ -456,28 +487,3 @@ def _cells(folder: Folder, manifest: Manifest, all_runs: list[RunRecord]) -> str
         f"Run the commands {place} replace <code>play</code> with <code>why</code> to explain a "
     )
     return table_section("Programs in levels", head, rows, f"{intro}tick.")
-
-
-def _new_chart(kind: str, title: str, **options: Any) -> Any:
-    import pygal
-
-    # Without its importer, which makes Python 3.11 warn.
-    sys.meta_path[:] = [finder for finder in sys.meta_path if hasattr(finder, "find_spec")]
-    return getattr(pygal, kind)(
-        title=harmless_text(title),
-        js=[],
-        disable_xml_declaration=True,
-        height=400,
-        explicit_size=True,
-        x_label_rotation=30,
-        legend_at_bottom=True,
-        truncate_legend=-1,
-        **options,
-    )
-
-
-def _svg(chart: Any, title: str) -> str:
-    """Return a chart as SVG that is identical each time."""
-    text: str = chart.render(is_unicode=True)
-    text = re.sub(r"<!--.*?-->|<script.*?</script>", "", text, flags=re.DOTALL)
-    return text.replace(chart.uuid, f"plot-{digest(title)[:12]}")

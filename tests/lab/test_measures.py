@@ -206,10 +206,10 @@ AHEAD = "Max{sensor.forward_distance :- Sensor(sensor:)}"
 
 
 def run(
-    folder: Path, *vary: dict[str, Any], ticks: int = 60, **more: Any
+    folder: Path, *vary: dict[str, Any], ticks: int = 60, level: Any = "01-first-steps", **more: Any
 ) -> tuple[Results, str, str]:
     """The results of an experiment, its page without markup, and what a terminal shows."""
-    table = {"level": "01-first-steps", "program": TWO, "ticks": ticks}
+    table = {"level": level, "program": TWO, "ticks": ticks}
     ahead = {"query": AHEAD, "every": 20, "reduce": "mean"}
     measure = {"won": "end", "distance": "end", "ahead": ahead}
     given = {"experiment": table, "vary": list(vary), "measure": measure, **more}
@@ -239,6 +239,19 @@ def test_every_measure_stands_against_everything_that_was_varied(tmp_path: Path)
     for label in ("Near = 20, Far = 80", "Near = 50, Far = 150", "Near = 35 "):
         assert label in lines
     assert "ahead_mean, medians" in lines
+
+
+def test_each_level_has_a_panel_in_which_only_numbers_are_joined_by_lines(tmp_path: Path) -> None:
+    levels = ["01-first-steps", "02-open-space"]
+    title = {"level": "title", "values": ["b", "a"]}
+    run(tmp_path, {"constant": "Near", "values": [20, 50, 40]}, title, level=levels)
+    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    charts = re.findall("<svg.*?</svg>", page, re.DOTALL)
+    for level in levels:
+        for axis, kind in (("Near", "xy-graph"), ("title", "line-graph")):
+            (chart,) = (c for c in charts if f"% of starts won, over {axis} in {level}" in c)
+            assert kind in chart
+            assert ('class="line reactive' in chart) == (axis == "Near")
 
 
 def test_series_are_shown_with_medians_and_bands(tmp_path: Path) -> None:
