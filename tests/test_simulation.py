@@ -1,5 +1,6 @@
 """A level and a program in step, as scripts use them."""
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -185,6 +186,12 @@ def test_a_replay_has_all_ticks(tmp_path: Path) -> None:
     assert again.frame == sim.frame
     with pytest.raises(InputError, match="can't be written"):
         sim.record(tmp_path / "nowhere" / "mine.replay")
+
+
+def test_a_table_without_pandas_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(InputError, match="Install it with: pip install pandas"):
+        Simulation("01-first-steps").to_pandas()
 
 
 def test_the_rows_are_a_table_and_the_paths_a_picture() -> None:

@@ -126,6 +126,9 @@ def test_the_notebook_runs() -> None:
         if cell["cell_type"] == "code":
             exec(compile("".join(cell["source"]), "simulation.ipynb", "exec"), names)
     assert "<svg" in names["sim"]._repr_html_()  # type: ignore[attr-defined] # a Simulation
+    steps = names["results"].to_pandas()["steps"]  # type: ignore[attr-defined] # of a sweep
+    assert list(steps) == sorted(steps)
+    assert names["env"].unwrapped.simulation().tick > 0  # type: ignore[attr-defined] # a RobotEnv
 
 
 @cache

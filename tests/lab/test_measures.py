@@ -6,6 +6,7 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,6 +20,8 @@ from logical_robots_tui.lab.sweeping import SampleTable, draw_samples, plan_swee
 from logical_robots_tui.lab.tasks import QueryMeasure, Reduction, Result, Series
 from logical_robots_tui.toml_files import TomlFileError
 from logical_robots_tui.world.levels.load import read_level
+from tests.house.examples import blocks
+from tests.installed import CHECKOUT
 from tests.lab.laboratory import FIRST_STEPS, exported
 
 CLOCK = "Max{sensor.clock :- Sensor(sensor:)}"
@@ -199,6 +202,22 @@ def test_steps_of_thinking_are_a_measure(tmp_path: Path) -> None:
             simulation.step()
             total += simulation.steps
     assert steps == total / 20 > 300
+
+
+@pytest.mark.slow
+def test_a_thought_costs_what_a_page_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = blocks(CHECKOUT / "docs" / "cost.md")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    for block, file in zip(page, ("cost.l", "cost.toml"), strict=False):
+        (tmp_path / file).write_text(block.text, "utf-8")
+    for block in page:
+        if block.language == "python":
+            exec(compile(block.text, "cost.md", "exec"), names)
+    (table,) = (block.text for block in page if block.language == "text")
+    numbers = [[float(n) for n in line.split()[-3:]] for line in table.splitlines()[2:]]
+    assert names["table"].values == pytest.approx(np.array(numbers), rel=0.2)  # of another SQLite
+    assert "robots: 100" in (tmp_path / "cost.svg").read_text("utf-8")
 
 
 TWO = FIRST_STEPS.replace("Near() = 40;", "Near() = 40;\nFar() = 90;").replace("< 90", "< Far()")
