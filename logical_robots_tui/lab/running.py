@@ -212,9 +212,9 @@ class _RunMonitor:
     """Counts notices, asks questions, and detects when nothing can change any more.
 
     That is when world and memories are exactly as after the last tick that is a power of two
-    (Brent's algorithm). Runs with questions, which may be about the clock, and matches go on. A
-    team loses a match after ten thoughts with too many steps, or if all its robots failed in
-    every tick.
+    (Brent's algorithm). Runs with questions, which may be about the clock, matches, and runs with
+    noise, which is of the tick, go on. A team loses a match after ten thoughts with too many
+    steps, or if all its robots failed in every tick.
     """
 
     def __init__(self, runner: _TaskRunner) -> None:
@@ -223,9 +223,9 @@ class _RunMonitor:
         self._level = level = runner.level
         tuned = runner.program.tuned.get("Robot")
         reads = {"clock"} if tuned is None else {*tuned.columns.get("Sensor", ())}
-        reads_clock = not reads.isdisjoint({"clock", "sensor"})
+        depends_on_tick = level.sensors.noise or not reads.isdisjoint({"clock", "sensor"})
         self._until = runner.until
-        self._can_repeat = not (questions or self._until or level.teams or reads_clock)
+        self._can_repeat = not (questions or self._until or level.teams or depends_on_tick)
         self._team_of = {robot.name: robot.team for robot in level.robots}
         self._robots = Counter(self._team_of.values())
         self._state: WorldState | None = None
