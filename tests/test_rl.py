@@ -42,6 +42,9 @@ def test_the_checker_of_gymnasium_is_content(reward: str) -> None:
     env.reset()
     lates = [env.step(np.zeros(2, np.float32))[3] for _ in range(5)]
     assert lates == [False] * 4 + [True]
+    vector = gymnasium.make_vec(FIRST, num_envs=2, reward=reward)
+    vector.reset(seed=1)
+    assert vector.step(vector.action_space.sample())[-1]["tick"].tolist() == [1, 1]
 
 
 @pytest.mark.slow
