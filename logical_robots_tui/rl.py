@@ -306,7 +306,10 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
 
     def _observe(self) -> dict[str, Observation]:
         assert self._run is not None
-        rows = self._run.sense() if isinstance(self._run, World) else self._run.look()
+        if isinstance(self._run, World) and not self.level.sensors.noise:
+            rows = self._run.sense()  # which the next step needs not do again
+        else:
+            rows = self._run.look()
         return {
             row["robot_name"]: self._observation(row)
             for row in rows

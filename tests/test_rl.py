@@ -16,7 +16,7 @@ from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 from docs.learner import learn
-from logical_robots_tui import Simulation, list_levels, load_level
+from logical_robots_tui import Sensors, Simulation, list_levels, load_level
 from logical_robots_tui.rl import OBJECTS, PER_UNIT, RobotEnv, RobotsEnv
 from logical_robots_tui.values import Desire
 
@@ -61,13 +61,15 @@ def test_each_level_has_an_environment() -> None:
     assert {(spec.version, spec.max_episode_steps) for spec in specs} == {(0, 2_000)}
 
 
-def test_an_observation_is_what_a_program_senses() -> None:
-    env = RobotsEnv("12-power-line")
+@pytest.mark.parametrize("sensors", [Sensors(), Sensors(7, 90, 100, 2.5)])
+def test_an_observation_is_what_a_program_senses(sensors: Sensors) -> None:
+    env = RobotsEnv("12-power-line", sensors=sensors)
     observed, _ = env.reset()
-    for row in Simulation("12-power-line").look():
+    assert observed["Volta"] in env.observation_space("Volta")
+    for row in Simulation("12-power-line", sensors=sensors).look():
         seen, sensor = observed[row["robot_name"]], row["sensor"]
         rays = [*sensor["radar"], {key: sensor[f"forward_{key}"] for key in ("distance", "label")}]
-        assert np.allclose(seen["distance"] * 200, [ray["distance"] for ray in rays])
+        assert np.allclose(seen["distance"] * sensors.reach, [ray["distance"] for ray in rays])
         assert [env.labels[n] for n in seen["label"]] == [ray["label"] for ray in rays]
         kinds = [*(ray["object"] for ray in sensor["radar"]), sensor["forward_object"]]
         assert [OBJECTS[n] for n in seen["object"]] == kinds
