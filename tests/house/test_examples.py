@@ -262,6 +262,18 @@ def test_python_in_a_page_runs(name: str) -> None:
 
 
 @pytest.mark.slow
+def test_the_page_on_cost_prints_its_table(folder: Path) -> None:
+    _write_files_of("cost.md", folder)
+    (table,) = (block.text for block in blocks(PLACES["cost.md"]) if block.language == "text")
+    steps, steps_of_page = (
+        [int(number) for number in re.findall(r"\d+", text)]
+        for text in (run_python(python_in("cost.md")), table)
+    )
+    assert steps == pytest.approx(steps_of_page, rel=0.2), "another SQLite takes other steps"
+    assert (folder / "cost.svg").stat().st_size > 0
+
+
+@pytest.mark.slow
 def test_the_page_on_python_runs(folder: Path) -> None:
     assert re.match(r"10 [\d.]+ \{'Ada': 10\} False\n", run_python(python_in("python.md")))
     assert (folder / "crow.replay").exists()
@@ -277,4 +289,4 @@ def test_what_the_page_on_python_does_with_its_own_program_runs() -> None:
 
 def test_no_other_page_has_python() -> None:
     pages = {page.name for page in PAGES if python_in(page.name)}
-    assert pages == {"python.md", "security.md", "why-logica.md"}
+    assert pages == {"cost.md", "python.md", "security.md", "why-logica.md"}

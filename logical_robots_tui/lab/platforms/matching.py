@@ -65,11 +65,11 @@ def match_roster(
             claims = _claims_by_words(open_rows, shares)
         counts = Counter(share for candidates in claims.values() for share in candidates)
         for student, candidates in claims.items():
-            taken = {share for share in candidates if counts[share] == 1 or not step}
-            if taken:
-                matches[student] = sorted({share.submission for share in taken})
-                shares -= taken
-            for share in candidates - taken:
+            matched = {share for share in candidates if counts[share] == 1 or not step}
+            if matched:
+                matches[student] = sorted({share.submission for share in matched})
+                shares -= matched
+            for share in candidates - matched:
                 ties.setdefault(share.submission, []).append(student)
     _share_in_groups(rows, matches)
     for name in {name for names in matches.values() for name in names} & ties.keys():

@@ -78,10 +78,10 @@ def read_table(
     """
     if "\0" in (text := text_of(content)):
         raise ValueError("it is not text")
-    first, _, rest = text.partition("\n")
-    separator = max(_SEPARATORS, key=re.sub('"[^"]*"', "", first).count)
-    if first.casefold().startswith("sep="):  # of a spreadsheet
-        separator, text = first[4:5] or separator, rest
+    line, _, body = text.partition("\n")
+    separator = max(_SEPARATORS, key=re.sub('"[^"]*"', "", line).count)
+    if line.casefold().startswith("sep="):  # of a spreadsheet
+        separator, text = line[4:5] or separator, body
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     heads = [head.strip() for head in next(reader, ())]
     if len(heads) > _MOST_COLUMNS:
