@@ -393,15 +393,15 @@ def parts_as_markdown(title: str, parts: Parts) -> str:
     return "\n".join(lines) + "\n"
 
 
-def parts_as_page(title: str, parts: Parts, pictures: Sequence[str]) -> str:
-    """Return the same as a page, with a picture or "" below each part."""
+def parts_as_html(parts: Parts, pictures: Sequence[str]) -> list[str]:
+    """Return the same as blocks of a page, with a picture or "" below each part."""
     blocks = []
     for number, ((head, sentences), picture) in enumerate(zip(parts, pictures, strict=True)):
         tag = "h2" if number else "p"
         items = [_CODE.sub(r"<code>\1</code>", escape_html(sentence)) for sentence in sentences]
         body = f"<ul><li>{'</li><li>'.join(items)}</li></ul>" * bool(sentences) + picture
         blocks.append(f"<{tag}>{escape_html(head)}</{tag}>{body}")
-    return as_page(title, blocks)
+    return blocks
 
 
 def _markdown(text: str) -> str:

@@ -21,6 +21,7 @@ import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.lab.platforms.gradebooks import Gradebook
 from logical_robots_tui.lab.tasks import QueryMeasure, Result, engine, fingerprint
 from logical_robots_tui.paths import read_ordinary, write_atomically
 from logical_robots_tui.wording import count_of
@@ -122,7 +123,8 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     is 0, and `seconds` of a processor; it ends when the question `until` holds, unless that is "".
     `rounds` are pairs of players by index, for each round of a tournament that is known so far.
     `strays` are files that nobody handed in, `notes` what is to be said of the roster and other
-    tables; `files` are the names of the inputs' files by digest.
+    tables, `gradebook` how the roster is filled in, if it is one; `files` are the names of the
+    inputs' files by digest.
     """
 
     kind: Literal["sweep", "grade", "tournament"]
@@ -144,6 +146,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     most_rounds: Index = 1
     strays: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    gradebook: Gradebook | None = None
     files: dict[Digest, FileName] = {}
     run_steps: Index = 0
     first_start: Annotated[int, msgspec.Meta(ge=1, le=10**9)] = 1

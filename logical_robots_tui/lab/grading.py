@@ -19,12 +19,15 @@ from logical_robots_tui.lab.exporting import (
     Row,
     RunRecord,
     RunRecords,
+    as_page,
     harmless_text,
+    parts_as_html,
     parts_as_markdown,
-    parts_as_page,
     write_tables,
 )
 from logical_robots_tui.lab.folder import Folder, Manifest, Student, digest
+from logical_robots_tui.lab.handins import readable
+from logical_robots_tui.lab.platforms.gradebooks import Gradebook, fill_in, zip_feedback
 from logical_robots_tui.lab.submissions import NOTHING, UNCLEAR, UNMATCHED, Assignment
 from logical_robots_tui.lab.tasks import Result
 from logical_robots_tui.wording import count_of
@@ -299,6 +302,8 @@ def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None)
     names = _file_names([grade.student.id for grade in grades])
     given_runs = [run for run in records.finished if not run.start]
     runs_by_level = {(run.cell.student, run.cell.level_name): run for run in given_runs}
+    pages: dict[tuple[str, str], str] = {}  # by id and name
+    texts: dict[str, str] = {}
     for grade, name in zip(grades, names, strict=True):
         record = {**msgspec.to_builtins(grade), "title": manifest.title}
         for level in record["levels"]:
@@ -313,9 +318,13 @@ def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None)
         parts = _feedback(grade, assignment)
         runs = [runs_by_level.get((grade.student.id, level.level)) for level in grade.levels]
         pictures = ["", *(_picture(folder, run, draw if "won" in show else None) for run in runs)]
+        page = as_page(manifest.title, parts_as_html(parts, pictures))
+        if grade.points is not None:
+            texts[grade.student.id] = "".join(parts_as_html(parts, [""] * len(parts)))
+            pages[grade.student.id, grade.student.name] = page
         files: dict[str, str | bytes] = {
             f"feedback/{name}.md": parts_as_markdown(manifest.title, parts),
-            f"feedback/{name}.html": parts_as_page(manifest.title, parts, pictures),
+            f"feedback/{name}.html": page,
             f"feedback/{name}.json": _json(record),
             f"gradescope/{name}.json": _json(_gradescope(grade, show)),
         }
@@ -336,7 +345,29 @@ def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None)
     file_names = write_tables(folder, tables, SPREADSHEET_MARK)
     folder.put(folder.path / "junit.xml", _junit(manifest.title, grades))
     file_names += ["junit.xml", "feedback/", "gradescope/"]
+    uploads = _uploads(folder, manifest.gradebook, grades, texts, pages)
+    file_names += ["upload/"] * bool(uploads)
+    for file, content in uploads.items():
+        folder.put(folder.path / "upload" / file, content)
+    for old_file in folder.path.glob("upload/*"):
+        if old_file.name not in uploads:
+            old_file.unlink()
     return file_names + ["results.json"] * (len(grades) == 1)
+
+
+def _uploads(
+    folder: Folder,
+    table: Gradebook | None,
+    grades: list[Grade],
+    texts: Mapping[str, str],
+    pages: Mapping[tuple[str, str], str],
+) -> dict[str, bytes]:
+    """Return the files that the platform of a gradebook takes back, by name."""
+    if table is None:
+        return {}
+    points = {grade.student.id: grade.points for grade in grades}
+    files = {table.file: fill_in(table, folder.text(table.text), points, texts, readable)}
+    return files | ({"feedback.zip": zip_feedback(pages)} if table.is_moodle else {})
 
 
 def _file_names(ids: list[str]) -> list[str]:

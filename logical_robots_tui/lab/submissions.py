@@ -26,11 +26,13 @@ from logical_robots_tui.lab.handins import (
 )
 from logical_robots_tui.lab.platforms.dates import parse_date
 from logical_robots_tui.lab.platforms.exports import pattern_problem
+from logical_robots_tui.lab.platforms.gradebooks import gradebook_of
 from logical_robots_tui.lab.platforms.tables import (
     NO_TIME,
     StudentRow,
     StudentTable,
     TableError,
+    number_of,
     read_table,
 )
 from logical_robots_tui.lab.sweeping import Name, Positive, RunLimit, Starts, level_to_run
@@ -117,6 +119,7 @@ class Columns(msgspec.Struct, frozen=True):
     group: str = ""
     time: str = ""
     submission: str = ""
+    points: str = ""
 
 
 class AssignmentTable(msgspec.Struct, frozen=True):
@@ -198,7 +201,7 @@ def plan_grading(
     adjustments: dict[str, list[tuple[float, str]]] = defaultdict(list)
     for row in by_hand.rows:
         table = by_hand._replace(rows=[row])
-        for student, points in _values(spec, table, "points", _points, "a number"):
+        for student, points in _values(spec, table, "points", number_of, "a number"):
             adjustments[student].append((points, readable(row.cells.get("reason", ""))))
     spec.refuse()
     pattern = assignment.assignment.pattern
@@ -216,12 +219,21 @@ def plan_grading(
                 spec.problem_in(table.file, row.line, (message + hint).strip())
     spec.refuse()
     manifest, inputs = _manifest(spec, assignment, levels, students, entries)
+    gradebook = None
+    if roster.rows:
+        text, maximum = digest(roster.text), sum(level.points for level in assignment.level)
+        gradebook, gradebook_notes = gradebook_of(roster, text, manifest.title, maximum)
+        roster.notes.extend(gradebook_notes)
+        if gradebook:
+            inputs[text] = roster.text
     notes = [f"{table.file}: {note}" for table in tables for note in table.notes]
     for name, entry in entries.items():
         fits = ", ".join(labels[readable(student)] for student in entry.ties)
         notes += [f"{name} fits several: {fits}"] if fits else []
-    replaced = {"strays": tuple(strays), "notes": tuple(map(readable, notes))}
-    return msgspec.structs.replace(manifest, **replaced), inputs
+    manifest = msgspec.structs.replace(
+        manifest, strays=tuple(strays), notes=tuple(map(readable, notes)), gradebook=gradebook
+    )
+    return manifest, inputs
 
 
 def _levels(
@@ -263,12 +275,6 @@ def _parse_deadline(text: str) -> datetime:
     if deadline.tzinfo is None:
         raise ValueError
     return deadline
-
-
-def _points(text: str) -> float:
-    if not math.isfinite(points := float(text if "." in text else text.replace(",", "."))):
-        raise ValueError
-    return points
 
 
 def _table(spec: TomlFile, assignment: Assignment, path: tuple[str, str]) -> StudentTable:

@@ -39,9 +39,16 @@ def words_of(text: str) -> Words:
     return tuple(word for word in map(plain, marked[:_MOST_COMPARED]) if word)
 
 
+def encoding_of(content: bytes) -> str:
+    """Return UTF-16 or UTF-8 by the mark at the start, and UTF-8 without one."""
+    if content[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        return "utf-16"
+    return "utf-8-sig" if content.startswith(codecs.BOM_UTF8) else "utf-8"
+
+
 def text_of(content: bytes) -> str:
     """Return a text in UTF-8, in UTF-16 with its mark, or else in Windows' Western code page."""
-    if content[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+    if encoding_of(content) == "utf-16":
         content = content.decode("utf-16", errors="replace").encode()
     try:
         return decoded(content)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from typing import NamedTuple
 
-from logical_robots_tui.lab.platforms.names import plain, text_of
+from logical_robots_tui.lab.platforms.names import encoding_of, plain, text_of
 from logical_robots_tui.paths import did_you_mean
 
 _MOST_COLUMNS = 100
 _SHORTEST = 3  # letters and digits of an id by which a submission is known, too
 _SEPARATORS = ",;\t"
+_SEPARATOR_LINE = "sep="  # what a spreadsheet may write first
 _TEST_STUDENT = "Student, Test"  # in the gradebooks of Canvas
 NO_TIME = "-"  # in Moodle's worksheet of somebody who has not submitted
 
@@ -30,6 +33,7 @@ HEADS = {
     "first": "firstname vorname prenom nombre nome voornaam imie",
     "last": "lastname surname nachname familienname nom apellidos cognome apelido sobrenome "
     "achternaam nazwisko",
+    "points": "points grade bewertung note nota calificacion valutazione cijfer ocena",
     "group": "group gruppe groupe grupo gruppo groep grupa team",
     "time": (
         "lastmodifiedsubmission zuletztgeandertabgabe dernieremodificationtravailremis "
@@ -55,9 +59,15 @@ class StudentRow(NamedTuple):
 
 
 class StudentTable(NamedTuple):
+    """A table with the numbers of its columns by what is in them."""
+
     file: str
     rows: list[StudentRow]
     notes: list[str]
+    text: str = ""
+    encoding: str = "utf-8"
+    separator: str = ","
+    columns: Mapping[str, int] = {}
 
 
 class TableError(ValueError):
@@ -78,22 +88,22 @@ def read_table(
     """
     if "\0" in (text := text_of(content)):
         raise ValueError("it is not text")
-    line, _, body = text.partition("\n")
+    line, _, _ = text.partition("\n")
     separator = max(_SEPARATORS, key=re.sub('"[^"]*"', "", line).count)
-    if line.casefold().startswith("sep="):  # of a spreadsheet
-        separator, text = line[4:5] or separator, body
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-    heads = [head.strip() for head in next(reader, ())]
+    if line.casefold().startswith(_SEPARATOR_LINE):
+        separator = line[4:5] or separator
+    all_lines = lines_of(text, separator)
+    heads = [head.strip() for _, cells in islice(all_lines, 1) for head in cells]
     if len(heads) > _MOST_COLUMNS:
         raise ValueError(f"it has more than {_MOST_COLUMNS} columns")
-    lines = {reader.line_num: cells for cells in reader} if heads else {}  # noqa: B035 # it moves
+    lines = dict(all_lines) if heads else {}
     for cells in lines.values():
         cells[:] = [cell.strip() for cell in cells] + [""] * (len(heads) - len(cells))
-    table = StudentTable(file, [], [])
     roles = _roles(heads, columns or {}, {*required, *optional})
+    table = StudentTable(file, [], [], text, encoding_of(content), separator, roles)
     if columns is not None and lines:
         guesses = _guesses(heads, [*lines.values()], roles)
-        roles |= guesses
+        roles |= guesses  # also those of the table
         words = [f'"{heads[number]}" is taken for the {role}' for role, number in guesses.items()]
         hint = '; columns = {id = "...", name = "..."} says otherwise'
         table.notes.extend([", ".join(words) + hint] if words else [])
@@ -108,6 +118,24 @@ def read_table(
     id_columns = [] if columns is None else _id_columns(heads, [*lines.values()], roles)
     table.rows.extend(_rows(lines, roles, id_columns))
     return table
+
+
+def lines_of(text: str, separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number of the line on which a row ends, and its cells; raises csv.Error."""
+    first_line, _, body = text.partition("\n")
+    has_separator = first_line.casefold().startswith(_SEPARATOR_LINE)
+    reader = csv.reader(
+        io.StringIO(body if has_separator else text, newline=""), delimiter=separator
+    )
+    for cells in reader:
+        yield reader.line_num + has_separator, cells
+
+
+def number_of(text: str) -> float:
+    """Return a number with a decimal point or comma; raises ValueError if it is not finite."""
+    if not math.isfinite(number := float(text if "." in text else text.replace(",", "."))):
+        raise ValueError
+    return number
 
 
 def _roles(heads: list[str], columns: Mapping[str, str], names: set[str]) -> dict[str, int]:
