@@ -220,7 +220,7 @@ view.add("next_team", "Program of the next team", "", general.next_team,
 view.add("hide_teams", "Hide the other teams", "", lambda s: s.team_choice.toggle_others(),
     "Hide or show what the other teams' robots think.")
 view.add("why", "Why", "w", lambda s: s.inspector.why(),
-    "Prove what the robot did at this tick, or why a predicate has its rows, as a tree.", bar="Why",
+    "Prove what the robot did at this tick, or the row under the cursor, as a tree.", bar="Why",
     also="explain proof")
 view.add("ask", "Ask", "slash", lambda s: s.inspector.go_to("ask"),
     "Answer a query in Logica about this tick.", bar="Ask", spare=4, also="query question")

@@ -29,6 +29,7 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
+    from logical_robots_tui.explain import Ask
     from logical_robots_tui.explain.why.explanation import Subject
     from logical_robots_tui.game import Breakpoint, Inquiry, Path, Pin
     from logical_robots_tui.mind import Program
@@ -102,7 +103,7 @@ class Page(Vertical):
     """Whether it shows more where there is more room."""
     table: ValueTable | None = None
     predicate = ""
-    """The predicate to show, of a page for predicates."""
+    """The predicate whose rows the page shows, or ""."""
 
     @dataclass
     class Ready(Message):
@@ -241,8 +242,18 @@ class Page(Vertical):
         """Return a title and what to open as a tree."""
         return "", ()
 
+    def row_here(self) -> tuple[Mapping[str, Value], str] | None:
+        """The row of `predicate` under the cursor, and the cursor's column."""
+        table = self.table_here
+        if table is None or not table.has_focus or table.place is None or not self.predicate:
+            return None
+        number, column = table.place
+        return dict(zip(table.all.columns, table.all.rows[number], strict=True)), column
+
     def traced_here(self) -> Traced | None:
-        return None
+        if (row := self.row_here()) is None:
+            return None
+        return traced_value(self.predicate, *row, self.robot, self._session.frame.tick)
 
     def breakpoint_here(self) -> Breakpoint | None:
         return None
@@ -325,17 +336,24 @@ def traced_value(
 
     `Memory` holds memories as of the tick before, `Robot` as of this tick.
     """
-    from logical_robots_tui.explain import Ask
     from logical_robots_tui.explain.why.explanation import Subject
-    from logical_robots_tui.game import MIND
 
     subject = Subject(path=path)
-    whose = next((row[name] for name in (MIND, "robot_name") if name in row), robot)
-    if predicate == "Sensor" or not isinstance(whose, str):
+    whose, call = row_call(predicate, row, robot)
+    if predicate == "Sensor":
         return None
     if predicate == "Memory":
         return Traced(whose, subject, max(0, tick - 1)) if column == "memory" else None
     if predicate == "Robot" and column == "memory":
         return Traced(whose, subject, tick)
-    call = Ask(predicate, {name: value for name, value in row.items() if name != MIND})
     return Traced(whose, replace(subject, query=call, column=column), tick)
+
+
+def row_call(predicate: str, row: Mapping[str, Value], robot: str) -> tuple[str, Ask]:
+    """Return in whose reasoning a row is, or else a given robot, and the row as a question."""
+    from logical_robots_tui.explain import Ask
+    from logical_robots_tui.game import MIND
+
+    viewer = next((row[name] for name in (MIND, "robot_name") if name in row), None)
+    call = Ask(predicate, {name: value for name, value in row.items() if name != MIND})
+    return viewer if isinstance(viewer, str) else robot, call

@@ -18,10 +18,11 @@ from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.language.services.completion import definitions
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, traced_pin
+from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, row_call, traced_pin
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, InspectorQuestions, Survey
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.layout.arrangement import HIGHEST_TABLE, Pane
+from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
@@ -42,6 +43,11 @@ _NO_PIN = (
     "Choose a predicate, type a query, or put the cursor on a value of it in a row that another "
     "column tells from the rest; then pin it."
 )
+_NO_REASON = (
+    "Why explains rows of the program's own predicates: choose one in the list, or ask for it by "
+    "its name alone. {open_value} opens the value under the cursor."
+)
+_TRANSPOSED = "Why explains a row: {transpose} shows this table as rows again."
 _NOT_TRACED = (
     "Put the cursor on a value of the program: in a table, in a proof, on a pin, or in the tree "
     "that {open_value} opens."
@@ -200,8 +206,21 @@ class InspectorPane(Pane):
     # -- what commands do ----------------------------------------------------------------------
 
     def why(self) -> None:
+        """Explain the row under the cursor, or else the first row of the selected predicate."""
+        from logical_robots_tui.explain import Ask
+
+        page, table = self.active, self.active.table_here
         program_names = {p.name for p in self._session.predicates if p.kind == "program"}
-        self.go_to("why", self._selected if self._selected in program_names else "Robot")
+        if table is None or not table.has_focus:
+            self.go_to("why", Ask(self._selected if self._selected in program_names else "Robot"))
+        elif table.row_order.sideways:
+            self.notify(with_keys(_TRANSPOSED), markup=False)
+        elif (row := page.row_here()) is None or page.predicate not in program_names:
+            self.notify(with_keys(_NO_REASON), markup=False)
+        else:
+            robot, call = row_call(page.predicate, row[0], self.robot)
+            self.post_message(RobotChosen(robot))
+            self.go_to("why", call)
 
     def pin(self) -> None:
         pin = self.active.pin_here()

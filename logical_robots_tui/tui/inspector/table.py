@@ -170,7 +170,7 @@ class ValueTable(ScrollView, can_focus=True):
         ("pagedown", "go(10, 0)"),
         ("home", "go(-1000000, 0)"),
         ("end", "go(1000000, 0)"),
-        ("enter", "open"),
+        ("enter", "why"),
     ]
 
     class CellPointed(Message):
@@ -284,9 +284,9 @@ class ValueTable(ScrollView, can_focus=True):
         self.refresh()
         self.post_message(self.CellPointed())
 
-    def action_open(self) -> None:
+    def action_why(self) -> None:
         if self.pointed is not None:
-            self.post_message(CommandChosen("open_value"))
+            self.post_message(CommandChosen("why"))
 
     def render_line(self, y: int) -> Strip:
         offset, top = self.scroll_offset

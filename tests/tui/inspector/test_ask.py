@@ -132,3 +132,30 @@ async def test_a_question_can_be_stopped(data_dir: Path, monkeypatch: pytest.Mon
         await ask(game, "t == 700 + Max{sensor.clock :- Sensor(sensor:)}")
         await game.sees("Ask · tick 0 · 1 row")
         await game.press("escape", "n", sees=("701", "Ask · tick 1 · 1 row"))
+
+
+ROWS = """
+Pair(1, "one"); Pair(2, "two");
+Half(x) = x / 2;
+Near(robot_name:, half: Half(n)) :- Sensor(robot_name:), n in [2, 4];
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :- Sensor(robot_name:);
+"""
+QUERIES = [
+    # a query, its rows, keys in them, what is explained
+    ("Near", 6, ("down", "down", "down", "enter"), 'Q: Near("Q", 2.0)'),
+    ("Near(half:, robot_name:)", 6, ("end", "w"), 'R: Near(2.0, "R")'),
+    ("Pair", 2, ("down", "enter"), 'R: Pair(2, "two")'),
+    ("Near(half: h)", 6, ("enter",), "Why explains rows of"),
+    ("Sensor", 3, ("w",), "Why explains rows of"),
+    ("Near", 6, ("J", "enter"), "Why explains a row"),
+]
+
+
+async def test_the_row_under_the_cursor_is_explained(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal", text=ROWS, ready=True) as game:
+        for query, count, keys, words in QUERIES:
+            await ask(game, query, sees=f"Ask · tick 0 · {count} rows")
+            await game.press("escape", *keys, sees=words)
+        game.inspector.open("Half")
+        await game.sees("Half · tick 0 · 2 calls of R")
+        await game.press("enter", "down", "enter", sees="R: Half(4.0, 2.0)")

@@ -22,6 +22,8 @@ from logical_robots_tui.wording import one_line
 
 _INPUT_COLUMNS = ("robot_name", "sensor", "memory")
 _HISTORY_SIZE = 100
+_CALLED = re.compile(r"([A-Z]\w*)(?:\((?:\s*\w+:\s*(?:,|(?=\))))*\))?")
+"""A query whose rows are rows of one predicate, with the same names of columns."""
 _LAST_WORD = re.compile(r"[A-Za-z_]\w*$")
 _HISTORY_KEYS = {"up": -1, "down": 1}
 _SHORTEST = 2  # letters from which on a word is completed
@@ -104,6 +106,8 @@ class AskPage(Page):
             self._caption_query(query)
             self._say_instead(words)
 
+        called = _CALLED.fullmatch(query)
+        self.predicate = called[1] if called else ""
         try:
             table = await self.answer(
                 lambda inquiry, program: inquiry.ask(program, query, frame), lambda: "asking", say

@@ -11,7 +11,7 @@ from textual.widgets import Static
 
 from logical_robots_tui.game import ROBOT_COLUMNS, Breakpoint, Frame, Pin, Superseded, pin_of_cell
 from logical_robots_tui.mind import QueryError, ResultTable
-from logical_robots_tui.tui.inspector.page import Page, PageEntry, Traced, traced_value
+from logical_robots_tui.tui.inspector.page import Page, PageEntry
 from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, InspectorQuestions, Survey
 from logical_robots_tui.tui.inspector.table import ValueTable, row_count
@@ -74,14 +74,6 @@ class PredicatePage(Page):
         # A call can't be found again in another tick.
         pin = None if self.depends_on_robot else self._pin_of_cell(table)
         return self.predicate, (ValueBranch(*table.pointed, pin),)
-
-    def traced_here(self) -> Traced | None:
-        table = self.table_here
-        if table is None or not table.has_focus or table.place is None:
-            return None
-        number, column = table.place
-        row = dict(zip(table.all.columns, table.all.rows[number], strict=True))
-        return traced_value(self.predicate, row, column, self.robot, self._session.frame.tick)
 
     def breakpoint_here(self) -> Breakpoint | None:
         column = self.view.column if self.view.has_focus else ""

@@ -61,18 +61,18 @@ class WhyPage(RobotPage):
             pointed=self._pointed, deeper=self.ask, lacking=self._unfold, back=self._back
         )
         super().__init__(entry, questions, view)
-        self._steps: list[Ask] = [Ask("Robot", {})]
+        self._steps: list[Ask] = [Ask()]
         self._shown: _WhyQuestion | None = None
         self._answered: _WhyQuestion | None = None
         self._lacking: list[tuple[_WhyQuestion, int, Ask]] = []
         self._is_proving = False
         self._depth = _FIRST_DEPTH
 
-    def begin(self, subject: str) -> None:
-        self._steps = [Ask(subject, {})]
+    def begin(self, subject: Ask) -> None:
+        self._steps = [subject]
 
     def forget(self) -> None:
-        self.begin("Robot")
+        self.begin(Ask())
 
     def ask(self, call: Ask) -> None:
         """Go on with another question; backspace leads back."""
