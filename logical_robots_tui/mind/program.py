@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
@@ -283,10 +284,30 @@ class ResultTable:
         """Return the rows in one robot's mind; all if no robot is named, or if all think alike."""
         if not robot or not self.viewers:
             return self
-        indexes = [n for n, viewer in enumerate(self.viewers) if viewer == robot]
-        return replace(
-            self, rows=tuple(self.rows[n] for n in indexes), viewers=(robot,) * len(indexes)
-        )
+        return self.select([n for n, viewer in enumerate(self.viewers) if viewer == robot])
+
+    def select(self, numbers: Collection[int]) -> ResultTable:
+        """Return the rows with some numbers, in their order."""
+        viewers = tuple(self.viewers[n] for n in numbers) if self.viewers else ()
+        return replace(self, rows=tuple(self.rows[n] for n in numbers), viewers=viewers)
+
+    def once(self) -> ResultTable:
+        """Return rows that name a robot once if they are equal but for their viewer.
+
+        They are in that robot's mind if it is among the viewers; if all are, no viewers are given.
+        """
+        if not self.viewers or "robot_name" not in self.columns:
+            return self
+        names = [row[self.columns.index("robot_name")] for row in self.rows]
+        counts, numbers = Counter[tuple[str, str]](), dict[tuple[str, int], int]()
+        for number, (row, viewer) in enumerate(zip(self.rows, self.viewers, strict=True)):
+            text = repr(row)
+            counts[text, viewer] += 1
+            key = text, counts[text, viewer]
+            numbers[key] = number if viewer == names[number] else numbers.get(key, number)
+        table = self.select(numbers.values())
+        is_own = all(self.viewers[number] == names[number] for number in numbers.values())
+        return replace(table, viewers=()) if is_own else table
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,6 +45,9 @@ def test_rows_are_counted_of_one_mind_or_of_all() -> None:
     assert read(Pin("P"), table).number == 3
     assert read(Pin("P", where=((MIND, "Ada"),)), table).number == 2
     assert read(Pin("P", "x", ((MIND, "Bob"),)), table).value == 2
+    sighted = ResultTable(("robot_name", "x"), (("Bob", 2), ("Bob", 2)), viewers=("Ada", "Bob"))
+    assert read(Pin("P"), sighted).number == 1
+    assert read(Pin("P", "x", (("robot_name", "Bob"),)), sighted).value == 2
     assert Pin("P", "x", ((MIND, "Bob"), ("d", 4)), ("a", 1)).words == "P.x.a[1] for Bob, d 4"
 
 

@@ -1,13 +1,15 @@
 """Each robot reasons over exactly the rows that it may see."""
 
 from contextlib import closing
+from dataclasses import replace
 from typing import Any, Literal
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind import Mind, Program, ResultTable
+from logical_robots_tui.values import Value
 from tests.mind.rows import row, think
 
 PROGRAM = """
@@ -51,6 +53,28 @@ def test_a_query_says_in_whose_reasoning_a_row_holds() -> None:
         "Bo": (["Bo"],),
         "Cy": (["Cy"],),
     }
+
+
+OWN, TWICE, OTHER = ("Ada", 1), ("Bo", 2), ("Bo", 3)
+
+
+@pytest.mark.parametrize(
+    ("rows", "viewers", "once"),
+    [
+        ([OWN, TWICE, TWICE], "Ada Ada Bo", ([OWN, TWICE], "")),
+        ([OWN, OWN], "Bo Cy", ([OWN], "Bo")),
+        ([OWN, OWN, OWN], "Ada Ada Bo", ([OWN, OWN], "")),  # a row that is repeated in a mind
+        ([OWN, TWICE, OTHER], "Ada Ada Bo", ([OWN, TWICE, OTHER], "Ada Ada Bo")),
+        ([OWN, TWICE], "", ([OWN, TWICE], "")),
+    ],
+)
+def test_a_row_that_several_minds_have_counts_once(
+    rows: list[tuple[Value, ...]], viewers: str, once: tuple[list[tuple[Value, ...]], str]
+) -> None:
+    table = ResultTable(("robot_name", "n"), tuple(rows), tuple(viewers.split()))
+    assert table.once() == ResultTable(table.columns, tuple(once[0]), tuple(once[1].split()))
+    unnamed = replace(table, columns=("who", "n"))
+    assert unnamed.once() == unnamed, "a column says in whose mind it is"
 
 
 @settings(max_examples=min(20, settings().max_examples), deadline=None)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from statistics import fmean
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
@@ -179,11 +178,7 @@ def matching_rows(question: CompiledQuery, table: ResultTable, robot: str = "") 
 
     table = table.in_mind_of(robot)
     indices = [n for n, row in enumerate(table.rows) if is_match(row)]
-    return replace(
-        table,
-        rows=tuple(table.rows[n] for n in indices),
-        viewers=tuple(table.viewers[n] for n in indices) if table.viewers else (),
-    )
+    return table.select(indices)
 
 
 def number_of(question: CompiledQuery, table: ResultTable) -> int | float | None:

@@ -9,7 +9,7 @@ import operator
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from itertools import repeat
+from itertools import count, repeat
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui import explain
@@ -133,14 +133,15 @@ def read(pin: Pin, table: ResultTable | QueryError) -> PinReading:
             return PinReading(problem=f"{pin.predicate} has no column {name}.")
     places = [table.columns.index(c) if c in table.columns else None for c, _ in pin.where]
     tests = [(place, value) for place, (_, value) in zip(places, pin.where, strict=True)]
-    rows = [
-        row
-        for row, viewer in zip(table.rows, table.viewers or repeat(None), strict=False)
+    numbers = [
+        number
+        for number, row, viewer in zip(count(), table.rows, table.viewers or repeat(None))
         if all(
             viewer in (None, value) if place is None else _is_same(row[place], value)
             for place, value in tests
         )
     ]
+    rows = table.select(numbers).once().rows
     if not pin.column:
         return PinReading(len(rows))
     if len(rows) != 1:

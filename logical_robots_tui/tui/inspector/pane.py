@@ -18,7 +18,14 @@ from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.language.services.completion import definitions
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, row_call, traced_pin
+from logical_robots_tui.tui.inspector.page import (
+    Page,
+    Placed,
+    Sighted,
+    Traced,
+    row_call,
+    traced_pin,
+)
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, InspectorQuestions, Survey
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.layout.arrangement import HIGHEST_TABLE, Pane

@@ -42,7 +42,7 @@ class Survey:
         table = self.tables.get(predicate)
         if not isinstance(table, ResultTable):
             return "" if table is None else "!"
-        return f"{len(table.rows)}{'+' if table.truncated else ''}"
+        return f"{len(table.once().rows)}{'+' if table.truncated else ''}"
 
     def differs(self, predicate: str) -> bool:
         table, old_table = self.tables.get(predicate), self.previous_tables.get(predicate)

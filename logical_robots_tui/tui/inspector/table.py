@@ -357,7 +357,7 @@ def _fit(text: str, width: int, value: Value) -> str:
 
 def _named_rows(table: ResultTable) -> tuple[tuple[str, ...], tuple[Row, ...]]:
     """Return columns and rows; rows that belong to several robots get a column for these."""
-    if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
+    if len(set(table.viewers)) < 2:
         return table.columns, table.rows
     rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
     return (MIND, *table.columns), rows

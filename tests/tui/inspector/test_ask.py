@@ -135,6 +135,8 @@ async def test_a_question_can_be_stopped(data_dir: Path, monkeypatch: pytest.Mon
 
 
 ROWS = """
+@Visible(Sensor, "own");
+@Visible(Memory, "all");
 Pair(1, "one"); Pair(2, "two");
 Half(x) = x / 2;
 Near(robot_name:, half: Half(n)) :- Sensor(robot_name:), n in [2, 4];
@@ -146,7 +148,7 @@ QUERIES = [
     ("Near(half:, robot_name:)", 6, ("end", "w"), 'R: Near(2.0, "R")'),
     ("Pair", 2, ("down", "enter"), 'R: Pair(2, "two")'),
     ("Near(half: h)", 6, ("enter",), "Why explains rows of"),
-    ("Sensor", 3, ("w",), "Why explains rows of"),
+    ("Memory", 3, ("w",), "Why explains rows of"),
     ("Near", 6, ("J", "enter"), "Why explains a row"),
 ]
 

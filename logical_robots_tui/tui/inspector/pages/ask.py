@@ -122,6 +122,7 @@ class AskPage(Page):
                 self._say_instead("")
             return
         if table is not None:
+            table = table.once()
             self.head(frame.tick, row_count(table))
             self._caption_query(query)
             self.say(Content.styled("" if table.rows else "No rows.", INK.dim))

@@ -108,12 +108,8 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
             yield _field(name, "failed" if table is not None else "not known")
             continue
         place = table.columns.index("robot_name") if "robot_name" in table.columns else None
-        viewers = table.viewers or [robot] * len(table.rows)
-        rows = [
-            row
-            for row, viewer in zip(table.rows, viewers, strict=True)
-            if viewer == robot and (place is None or row[place] == robot)
-        ]
+        minds_rows = table.in_mind_of(robot).rows
+        rows = [row for row in minds_rows if place is None or row[place] == robot]
         plus = "+" if table.truncated else ""
         words = f"{len(rows):,}{plus} {'rows' if plus or len(rows) != 1 else 'row'}"
         text = Content.styled(words, INK.dim)

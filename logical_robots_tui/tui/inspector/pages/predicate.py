@@ -86,6 +86,7 @@ class PredicatePage(Page):
         return pin_of_cell(self.predicate, table.all.columns, table.all.rows, number, column)
 
     def _show_table(self, frame: Frame, table: ResultTable) -> None:
+        table = table.once()
         nouns = ("call", f" of {self.robot}") if self.depends_on_robot else ("row", "")
         words = (row_count(table, *nouns), self.view.row_order.words)
         self.head(frame.tick, ", ".join(filter(None, words)), self.predicate)
@@ -93,7 +94,7 @@ class PredicatePage(Page):
         self.view.display = True
         survey = self._questions.stored_survey(frame)
         previous = survey.previous_tables.get(self.predicate) if survey is not None else None
-        self.view.show(table, previous if isinstance(previous, ResultTable) else None)
+        self.view.show(table, previous.once() if isinstance(previous, ResultTable) else None)
 
     def _say_instead(self, frame: Frame, message: str) -> None:
         self.head(frame.tick, title=self.predicate)
