@@ -15,6 +15,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import MARK_KINDS, NoSuchTickError, Superseded, compile_program
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.player.session_state import SessionListener
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
 
 _SOUGHT = [kind for kind in MARK_KINDS if kind != "memory"]  # that of the selected robot only
+_EVENTS = (
+    "Events are victories, breakpoints, edits, switched areas, notices, stuck robots, and memory "
+    "changes of a robot selected with {next_robot}. {first} and {last} go to either end."
+)
 _NO_PROGRAM = "There is no program yet."
 
 
@@ -62,9 +67,8 @@ class TimelineController(SessionListener):
         if mark_tick is not None and mark_tick >= self._history.first:
             self.go_to(mark_tick)
         else:
-            opening = "Nothing happened after" if steps > 0 else "Nothing happened before"
-            hint = "" if robot else " Select a robot to find changes of its memory, too."
-            self._ui.tell(f"{opening} tick {tick} in the ticks kept so far.{hint}")
+            side = "after" if steps > 0 else "before"
+            self._ui.tell(f"No event {side} tick {tick}. {with_keys(_EVENTS)}")
 
     async def ask_for_tick(self) -> None:
         history = self._history
