@@ -281,6 +281,11 @@ class MainScreen(Screen[None], SessionListener):
         self.inspector.follow()
 
     @property
+    def focus_chain(self) -> list[Widget]:
+        """Tab skips the program, where it indents and so would not lead out again."""
+        return [widget for widget in super().focus_chain if widget is not self.program.editor]
+
+    @property
     def is_typing(self) -> bool:
         return isinstance(self.focused, TextArea | Input)
 

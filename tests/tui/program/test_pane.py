@@ -68,6 +68,7 @@ async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked(data
 @at_both_sizes
 async def test_letters_right_behind_the_editor_s_key_are_typed(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text="", size=size) as game:
+        await game.press(*["tab"] * 4)  # which never leads into the program
         for letter in "2squid":
             game.app.post_message(events.Key(letter, letter))
         await game.until(lambda: game.editor.text)
