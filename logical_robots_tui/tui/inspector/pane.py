@@ -51,10 +51,9 @@ _NO_PIN = (
     "column tells from the rest; then pin it."
 )
 _NO_REASON = (
-    "Why explains rows of the program's own predicates: choose one in the list, or ask for it by "
-    "its name alone. {open_value} opens the value under the cursor."
+    "Why explains rows of the program's own predicates, unless {transpose} has transposed them: "
+    "choose one in the list, or ask for it by its name alone. {open_value} opens the value."
 )
-_TRANSPOSED = "Why explains a row: {transpose} shows this table as rows again."
 _NOT_TRACED = (
     "Put the cursor on a value of the program: in a table, in a proof, on a pin, or in the tree "
     "that {open_value} opens."
@@ -220,8 +219,6 @@ class InspectorPane(Pane):
         program_names = {p.name for p in self._session.predicates if p.kind == "program"}
         if table is None or not table.has_focus:
             self.go_to("why", Ask(self._selected if self._selected in program_names else "Robot"))
-        elif table.row_order.sideways:
-            self.notify(with_keys(_TRANSPOSED), markup=False)
         elif (row := page.row_here()) is None or page.predicate not in program_names:
             self.notify(with_keys(_NO_REASON), markup=False)
         else:

@@ -206,8 +206,10 @@ class ValueTable(ScrollView, can_focus=True):
     @property
     def pointed(self) -> tuple[str, Value] | None:
         (row, column), rows = self._at, self.shown
-        has_any = rows.rows and rows.columns
-        return (rows.columns[column], rows.rows[row][column]) if has_any else None
+        if not rows.rows or not rows.columns:
+            return None
+        name = rows.rows[row][0] if self.row_order.sideways else rows.columns[column]
+        return str(name), rows.rows[row][column]
 
     @property
     def place(self) -> tuple[int, str] | None:
@@ -285,8 +287,7 @@ class ValueTable(ScrollView, can_focus=True):
         self.post_message(self.CellPointed())
 
     def action_why(self) -> None:
-        if self.pointed is not None:
-            self.post_message(CommandChosen("why"))
+        self.post_message(CommandChosen("why"))
 
     def render_line(self, y: int) -> Strip:
         offset, top = self.scroll_offset

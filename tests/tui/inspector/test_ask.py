@@ -149,7 +149,7 @@ QUERIES = [
     ("Pair", 2, ("down", "enter"), 'R: Pair(2, "two")'),
     ("Near(half: h)", 6, ("enter",), "Why explains rows of"),
     ("Memory", 3, ("w",), "Why explains rows of"),
-    ("Near", 6, ("J", "enter"), "Why explains a row"),
+    ("Near", 6, ("J", "enter"), "Why explains rows of"),
 ]
 
 

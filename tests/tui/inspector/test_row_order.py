@@ -87,6 +87,7 @@ async def test_keys_save_copy_sort_filter_turn_and_search_rows(data_dir: Path) -
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R", "Q", "P"])
         await game.press("J")
         await game.until(lambda: table(game).shown.rows[0] == ("robot_name", "R", "Q", "P"))
+        await game.press("right", until=lambda: table(game).pointed == ("robot_name", "R"))
         await game.press("J", "number_sign", until=lambda: game.app.screen.query(Input))
         await game.press("R", "enter")
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R"])
