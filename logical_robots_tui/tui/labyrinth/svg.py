@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from html import escape
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     Point = tuple[float, float]
     Pose = tuple[float, float, float]
+    Entity = TypeVar("Entity", Area, Beacon)
 
 _FONT = "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace"
 _FONT_SIZE = 12  # map units
@@ -106,9 +108,12 @@ def _objects(
     *trails: str,
 ) -> Iterator[str]:
     """Yield areas, beacons, trails and robots through frames, or in the only one."""
+    namesakes: dict[str, list[Area]] = {}
     for area, activity in zip(level.areas, zip(*activities, strict=True), strict=True):
-        yield _switched(area, activity, timing)
-    yield from map(_beacon, level.beacons)
+        yield _switched(_name_once(area, namesakes), activity, timing)
+        namesakes.setdefault(area.name, []).append(area)
+    for beacon in level.beacons:
+        yield _beacon(_name_once(beacon, namesakes))
     yield from trails
     for robot, motion in zip(level.robots, zip(*poses, strict=True), strict=True):
         yield _robot(robot, motion, timing)
@@ -185,6 +190,14 @@ def _switched(area: Area, activity: Sequence[bool], timing: str) -> str:
     return "".join(pieces)
 
 
+def _name_once(entity: Entity, namesakes: Mapping[str, Sequence[Area]]) -> Entity:
+    """Take the name from an entity in the middle of an area that shows the same one."""
+    for area in namesakes.get(entity.name, ()):
+        if math.hypot(entity.x - area.x, entity.y - area.y) <= area.radius:
+            return replace(entity, name="")
+    return entity
+
+
 def _beacon(beacon: Beacon) -> str:
     colour = beacon_colour(beacon, DARK)
     size = _number(BEACON_RADIUS * 0.8)
@@ -232,7 +245,7 @@ def _path(robot: Robot, points: Sequence[Point]) -> str:
 
 def _name(name: str, x: float, y: float, colour: RGB) -> str:
     text = escape("".join(char for char in name if char.isprintable()))
-    return f'<text x="{_number(x)}" y="{_number(y)}" fill="{_hex(colour)}">{text}</text>'
+    return text and f'<text x="{_number(x)}" y="{_number(y)}" fill="{_hex(colour)}">{text}</text>'
 
 
 def _number(value: float) -> str:
