@@ -14,12 +14,12 @@ from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
-from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
+from logical_robots_tui.tui.inspector.pages.robots import RobotsPage, _columns
 from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import InspectorQuestions
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.table import ValueTable
-from logical_robots_tui.world import list_levels
+from logical_robots_tui.world import list_levels, load_level
 from tests.tui.conftest import PAPER, STILL, Awaited, Opened, Size, at_both_sizes, opened
 
 MORE = (
@@ -218,6 +218,12 @@ async def test_notices_are_shown_under_the_robots(data_dir: Path, size: Size) ->
         await game.press("n", "3", tick=1)
         message = game.session.frame.decisions[0].notices[0].message
         await game.sees(f"! Solo: {message[:20]}")
+
+
+@pytest.mark.parametrize(("level", "is_shown"), [("09-doors", False), ("12-power-line", True)])
+def test_a_column_that_no_robot_fills_is_left_out(level: str, is_shown: bool) -> None:
+    columns, _ = _columns(load_level(level), 120)
+    assert ("charge" in [column.title for column in columns]) == is_shown
 
 
 async def test_pages_load_and_tell_minds(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:

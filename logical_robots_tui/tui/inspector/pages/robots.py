@@ -174,7 +174,7 @@ def _columns(level: Level, width: int) -> tuple[list[_RobotColumn], list[_RobotC
         _RobotColumn("left", 6, 2, lambda row: _engine(row, "left_engine"), right=True),
         _RobotColumn("right", 6, 2, lambda row: _engine(row, "right_engine"), right=True),
     ]
-    if any(robot.has_battery for robot in level.robots):
+    if any(robot.has_battery and robot.battery_capacity for robot in level.robots):
         columns.append(_RobotColumn("charge", 6, 5, _charge, right=True))
     all_columns = columns
     while (room := width - sum(column.width + 1 for column in columns)) < 0 and len(columns) > 1:
