@@ -181,7 +181,9 @@ class Editor(TextArea):
             return  # nothing to copy: the key keeps its other meaning
         event.stop()
         event.prevent_default()
-        if event.key == "escape":
+        if event.key == "escape" and not self.selection.is_empty:
+            self.selection = Selection.cursor(self.cursor_location)
+        elif event.key == "escape":
             self.post_message(CommandChosen("leave"))
         elif action is not None:
             await self.run_action(action)

@@ -186,6 +186,8 @@ async def test_a_text_is_found_replaced_and_renamed_as_one_edit(data_dir: Path) 
             assert editor.cursor_location == (row, 2)
         await game.press("f3", until=lambda: editor.cursor_location > (row, 2))
         assert editor.selected_text == "speed"
+        await game.press("escape", until=lambda: editor.selection.is_empty)
+        assert game.app.focused is editor
         await game.press("ctrl+o", sees="Find in the program")
         await game.press("tab", *"other", "ctrl+a", *"pace", "enter")
         await game.until(lambda: editor.text == PAPER.replace("speed", "pace"))
