@@ -98,6 +98,7 @@ class BriefingCard(Widget):
     }
     BriefingCard.-beside { dock: right; layer: picture; }
     BriefingCard.-over { dock: right; layer: over; }
+    BriefingCard.-whole { border-left: none; }
     """
 
     class Closed(Message):
@@ -119,16 +120,25 @@ class BriefingCard(Widget):
         self.post_message(self.Closed())
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
-        lines = self._fit(container).split("\n", allow_blank=True)
-        width = max(line.cell_length for line in lines)
-        leaves_a_sliver = self._is_over and container.width - width < _LEAST_BESIDE
-        return container.width if leaves_a_sliver else min(width, container.width)
+        lines = self._fit().split("\n", allow_blank=True)
+        room, width = self._room.width, max(line.cell_length for line in lines)
+        leaves_a_sliver = self._is_over and room - width < _LEAST_BESIDE
+        return container.width if leaves_a_sliver else min(width, room)
+
+    def on_resize(self) -> None:
+        """Leave out the border beside the pane's own."""
+        self.set_class(self.outer_size.width >= self._room.width + _EDGES, "-whole")
 
     def render(self) -> Content:
-        assert isinstance(self.parent, Widget)
-        return self._fit(self.parent.content_size - self.gutter.totals)
+        return self._fit()
 
-    def _fit(self, room: Size) -> Content:
+    @property
+    def _room(self) -> Size:
+        assert isinstance(self.parent, Widget)
+        return self.parent.content_size - (_EDGES, 0)
+
+    def _fit(self) -> Content:
+        room = self._room
         if self._shown_task is None:
             return Content("")
         if self._is_over:

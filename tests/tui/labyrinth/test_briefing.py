@@ -56,6 +56,7 @@ def shows_beside_the_map(game: Opened) -> bool:
         and game.main.region.contains_region(shown[0])
         and (not briefing.over.display or not rest or rest > 40)
         and not game.shows("space runs")
+        and not game.shows("││ First")
         and all(game.shows(words) for words in ("First steps", "in the mirrored", "t lesson"))
     )
 
