@@ -9,6 +9,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.clock import CLOCK, Clock
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.labyrinth.briefing import Briefing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Sight
@@ -86,10 +87,12 @@ class LabyrinthPane(Pane, can_focus=True):
         words = {
             Sight.WHOLE: "",
             Sight.SENSES: "senses",
-            Sight.FREE: times,
+            Sight.FREE: f"{times}, moved" if camera.zoom == 1 else times,
             Sight.FOLLOW: f"{clip(one_line(self.view.selected or ''), 12)} {times}",
         }
         note, ghost = words[camera.sight], self.view.ghost
+        if camera.sight is Sight.FREE and (key := command("view").key_name):
+            note += f" · {key} shows all"
         if ghost is not None:
             ghost_note = f"ghost: {count_of(ghost.last, 'tick')}"
             note = f"{note} · {ghost_note}" if note else ghost_note

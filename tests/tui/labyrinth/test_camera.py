@@ -140,7 +140,7 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: Size) -> None:
         await game.press("escape", sees_no="battery")
 
         # Arrows and dragging move the view, and select nothing.
-        await game.press("right", "down")
+        await game.press("right", "down", sees=", moved · f shows all")
         await looks(Sight.FREE)
         before = view.camera
         await pilot.mouse_down(view, offset=(30, 10))
