@@ -217,6 +217,7 @@ class MainScreen(Screen[None], SessionListener):
             self.ui, on_change=self.scheduler.soon, on_measured=self.announcer.measured
         )
         self.set_focus(self.labyrinth)
+        self.screen_layout_refresh_signal.subscribe(self, self._laid_out)
         self.set_interval(_HEARTBEAT, self._beat)
         self.announcer.level_opened(self.session.level)
         self._draw()
@@ -325,6 +326,17 @@ class MainScreen(Screen[None], SessionListener):
         self.arrangement.fit(size)
         self._too_small.update(f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed,\nthis is {size[0]}x{size[1]}")
         self.set_classes(self.arrangement.layout.value)
+
+    def _laid_out(self, _screen: Screen[object]) -> None:
+        """Show messages over the lower left of the map, if it is not the only pane."""
+        region, rack = self.labyrinth.region, self.query_one("ToastRack")
+        is_over_map = self.arrangement.layout.is_roomy and self.labyrinth.display
+        rack.set_class(is_over_map, "-over-map")
+        rack.styles.width = region.width - 2 if is_over_map else None
+        rack.styles.margin = (
+            (0, 0, self.size.height - region.bottom + 1, 1) if is_over_map else None
+        )
+        self.redraw_lines()
 
     def point_at(self, pane: Pane) -> None:
         """Bring a pane into view without focusing it."""

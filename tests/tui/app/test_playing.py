@@ -169,13 +169,21 @@ def answers(game: Opened, label: str) -> bool:
 async def test_messages_stand_apart_and_a_click_on_a_past_one_is_nothing(data_dir: Path) -> None:
     async with opened(data_dir, text=STILL, ready=True) as game:
         game.main.tell("One.")
-        game.main.tell("Two.")
+        game.main.tell("Twice " * 40)
+        panes = game.main.arrangement
 
         def are_apart() -> bool:
             regions = sorted((toast.region for toast in game.main.query(Toast)), key=lambda r: r.y)
-            return len(regions) == 2 and regions[1].y > regions[0].bottom > 0
+            own = game.main.labyrinth.region if panes.layout.is_roomy else game.main.region
+            return (
+                len(regions) == 2
+                and regions[1].y > regions[0].bottom > 0
+                and all(own.contains_region(region) for region in regions)
+            )
 
         await game.until(are_apart)
+        for size in ((80, 24), (100, 30), (120, 60), (90, 50), (120, 40)):
+            await game.resize(*size, until=are_apart)
         toast = game.main.query(Toast).first()
         x, y = toast.region.center
         holder = toast.parent
