@@ -295,7 +295,9 @@ class MainScreen(Screen[None], SessionListener):
         typing = self.is_typing
         self._status.show(status_of(self.session, typing=typing))
         self.timeline.show(self.session, self.labyrinth.view.selected)
-        focus_keys = [(key_of(key), does) for key, does in getattr(self.focused, "bar_keys", ())]
+        is_covered = self.briefing.over.display and self.inspector.has_focus_within
+        source = self.briefing if is_covered else self.focused
+        focus_keys = [(key_of(key), does) for key, does in getattr(source, "bar_keys", ())]
         busy = self.session.busy
         edits = self.editing.is_on and self.labyrinth.has_focus
         self._bar.show(typing=typing, running=busy, editing=edits, focus_keys=focus_keys)

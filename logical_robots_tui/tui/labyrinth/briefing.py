@@ -159,6 +159,8 @@ class Briefing:
         over: Covers a part of the inspector.
     """
 
+    bar_keys = (("briefing", "Hide the briefing"), ("lesson", "Lesson"))
+
     def __init__(self, is_over: Callable[[], bool]) -> None:
         """`is_over` tells whether the inspector can be seen beside the labyrinth."""
         self.beside, self.over = BriefingCard(is_over=False), BriefingCard(is_over=True)

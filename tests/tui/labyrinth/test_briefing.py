@@ -41,6 +41,9 @@ async def test_the_briefing_is_there_at_first_and_when_wanted(data_dir: Path, sh
         await game.press("escape", until=lambda: not game.main.editing.is_on and game.shows(TASK))
         assert game.main.briefing.over.display
         await game.press("3", until=lambda: not game.main.briefing.over.display)
+        keys = ("b Hide the briefing", "enter Inspect")
+        for words, others in (keys, keys[::-1], keys):
+            await game.press("b", sees=words, sees_no=others)
 
 
 def shows_beside_the_map(game: Opened) -> bool:
