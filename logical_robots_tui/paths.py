@@ -141,6 +141,13 @@ def did_you_mean(word: str, options: Iterable[str]) -> str:
 _TEMPORARY = re.compile(r"\.(.+)\.[0-9a-f]{8}")
 
 
+def name_and_folder(path: Path) -> str:
+    """Return where a file is, in words that a line is broken between rather than in its name."""
+    home, folder = Path.home(), path.parent
+    is_at_home = folder.is_relative_to(home)
+    return f"{path.name} in {Path('~', folder.relative_to(home)) if is_at_home else folder}"
+
+
 def write_atomically(path: Path, text: str | bytes) -> None:
     """Replace a file's content in one step, keeping its permissions, or raise OSError.
 

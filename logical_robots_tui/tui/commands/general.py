@@ -154,7 +154,7 @@ def palette(screen: MainScreen) -> None:
 
 
 def save_picture(screen: MainScreen) -> None:
-    from logical_robots_tui.paths import write_atomically
+    from logical_robots_tui.paths import name_and_folder, write_atomically
 
     path = screen.data_dir / "screens" / f"{datetime.now():%Y%m%d-%H%M%S-%f}.svg"
     strips = rendered_lines(screen.app.screen)[: screen.app.size.height]
@@ -168,7 +168,7 @@ def save_picture(screen: MainScreen) -> None:
     except OSError as error:
         screen.warn(f"The picture could not be saved: {error.strerror}.")
     else:
-        screen.tell(f"Saved {path} and .txt.")
+        screen.tell(f"Saved {name_and_folder(path)}, and .txt.")
 
 
 def redraw(screen: MainScreen) -> None:
@@ -251,7 +251,7 @@ def copy_rows(screen: MainScreen, table: ValueTable) -> None:
 
 @of_table
 def save_rows(screen: MainScreen, table: ValueTable) -> None:
-    from logical_robots_tui.paths import write_atomically
+    from logical_robots_tui.paths import name_and_folder, write_atomically
     from logical_robots_tui.tui.inspector.table import as_csv, as_json
 
     folder = screen.data_dir / "rows"
@@ -264,7 +264,8 @@ def save_rows(screen: MainScreen, table: ValueTable) -> None:
     except OSError as error:
         screen.warn(f"The rows can't be saved in {folder}: {error.strerror}.")
     else:
-        screen.tell(f"Saved as {path}.csv and .json{_but(table)}.")
+        csv_file = name_and_folder(path.with_suffix(".csv"))
+        screen.tell(f"Saved {csv_file}, and .json{_but(table)}.")
 
 
 def break_here(screen: MainScreen) -> None:

@@ -304,6 +304,7 @@ class Replays:
     async def save(self) -> None:
         from logical_robots_tui.editing.level_text import write_native
         from logical_robots_tui.game.replay import SUFFIX, gather
+        from logical_robots_tui.paths import name_and_folder
 
         session = self.session
         session.pause()
@@ -323,7 +324,7 @@ class Replays:
         except OSError as error:
             self.ui.warn(f"The replay could not be saved: {error.strerror or error}.")
         else:
-            self.ui.tell(f"Saved {path} ({size:,} bytes).")
+            self.ui.tell(f"Saved {name_and_folder(path)} ({size:,} bytes).")
 
 
 def _write(path: Path, replay: Replay) -> int:

@@ -26,6 +26,7 @@ async def saved(game: Opened) -> Replay:
     folder = game.data_dir / "replays"
     await game.sees("bytes).")
     (path,) = folder.iterdir()
+    await game.sees(f"Saved {path.name} in")
     return load_replay(path)
 
 
