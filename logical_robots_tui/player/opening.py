@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.pace import SPEEDS
 from logical_robots_tui.game.source import ProgramSource, load_program, programs_for
 from logical_robots_tui.game.victory import level_key
 from logical_robots_tui.player.best_runs import BestRuns
 from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
 from logical_robots_tui.player.learning import Learning
 from logical_robots_tui.player.library import Library
-from logical_robots_tui.player.recorder import LAST_LEVEL, TOUR, ProgressRecorder
+from logical_robots_tui.player.recorder import LAST_LEVEL, SPEED, TOUR, ProgressRecorder
 from logical_robots_tui.player.recovery import Bookmark, Offering, OpenGames, offer_to_end_games
 from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.session_state import ProgramText, Ui
@@ -179,9 +180,12 @@ class LocalPlayer:
         with_keys: Callable[[str], str],
     ) -> None:
         self._opening, self._ui, self.recorder = opening, ui, recorder
+        self._on_change = on_change
         session = self.session = Session(
             opening.level, opening.sources, ui.spawn, on_change, opening.clock
         )
+        speed = recorder.progress.fact(SPEED)
+        session.pace.speed = next((s for s in SPEEDS if str(s) == speed), session.pace.speed)
         self.first_text = session.source.text if opening.text is None else opening.text
         drafts = self.drafts = Drafts(opening.data_dir / "drafts")
         autosave = self.autosave = Autosave(
@@ -210,6 +214,13 @@ class LocalPlayer:
         games = self._opening.games
         first = [] if games is None else [partial(offer_to_end_games, games, self._ui)]
         return [*first, self.library.offer, *extra, self.bookmark.offer]
+
+    def shift_speed(self, steps: int) -> None:
+        """Choose a faster speed, or with negative steps a slower one, also for later games."""
+        pace = self.session.pace
+        pace.shift(steps)
+        self.recorder.set_fact(SPEED, str(pace.speed))
+        self._on_change()
 
     async def close(self) -> None:
         self.autosave.stop()

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.mind import Program
 
-THEME, TOUR, LAST_LEVEL = "theme", "tour", "level"
-"""Facts in the player's record: the theme chosen, that the tour is over, the level opened last."""
+THEME, TOUR, LAST_LEVEL, SPEED = "theme", "tour", "level", "speed"
+"""Facts in the player's record: that the tour is over; theme, level and speed as they were last."""
 
 T = TypeVar("T")
 

@@ -280,10 +280,6 @@ class Session:
             self.game.restart()
         self._tell(lambda listener: listener.restarted())
 
-    def shift_speed(self, steps: int) -> None:
-        self.pace.shift(steps)
-        self._on_change()
-
     def release(self, close: Work) -> None:
         self._spawn(close, "close", exclusive=False)
 

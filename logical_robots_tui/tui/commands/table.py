@@ -26,9 +26,9 @@ running.add("back", "Step back", "p comma", lambda s: s.session.back(),
     "Go back one tick.", bar="Back", spare=2)
 running.add("restart", "Restart", "r", lambda s: s.session.restart(),
     "Start the level again at tick 0, with the same program.", bar="Restart")
-running.add("slower", "Slower", "minus", lambda s: s.session.shift_speed(-1),
+running.add("slower", "Slower", "minus", lambda s: s.player.shift_speed(-1),
     "Choose the next lower speed.", bar="-", spare=3, also="speed")
-running.add("faster", "Faster", "plus equals_sign", lambda s: s.session.shift_speed(1),
+running.add("faster", "Faster", "plus equals_sign", lambda s: s.player.shift_speed(1),
     "Choose the next higher speed; the highest is unlimited.", bar="Speed", spare=3, also="speed")
 
 time: CommandGroup[MainScreen] = CommandGroup("Time")

@@ -63,11 +63,13 @@ async def asked(game: Opened, name: str = "mine") -> QuestionDialog:
 
 async def test_typed_text_is_on_disk_soon_and_offered_at_the_next_start(data_dir: Path) -> None:
     async with opened(data_dir) as game:
+        await game.press(*["plus"] * 9, until=lambda: "flat out" in game.status)
         await game.press("2", "x", until=lambda: list((data_dir / "drafts").glob("*.json")))
         await game.press("backspace", until=lambda: not list((data_dir / "drafts").glob("*.json")))
         await game.press(*"hello")
     async with opened(data_dir) as game:
         await asked(game)
+        assert "flat out" in game.status  # as it was chosen
         await game.press("s", sees="helloFreedomMotion")
         await game.press("y", until=lambda: game.editor.text == "hello" + PAPER)
         assert game.app.screen is game.main
