@@ -205,6 +205,7 @@ async def play_out(
     try:
         await live_game.run_until(tick=ticks)
         victory = victory_of(live_game, level)
+        outcome.peak = live_game.history.peak(live_game.frame.tick)
     finally:
         await live_game.close()
     outcome.seconds = perf_counter() - began
@@ -226,6 +227,7 @@ class Outcome:
     is_reliable: bool = True
     seconds: float = 0.0
     measures: Measures | None = None
+    peak: game.Peak = field(default_factory=lambda: game.Peak())
 
     def count(self, frame: game.Frame) -> None:
         self.frame = frame
@@ -263,6 +265,7 @@ class Outcome:
                 {"area": goal.area_name, "wanted": goal.robots, "inside": goal.inside}
                 for goal in game.goals(self.level, self.frame.after)
             ],
+            "most_at_once": self.peak._asdict() if self.peak.words else None,
             **({"scores": points(self.level, self.frame.after)} if self.level.scores else {}),
             "second_goals": self._second_goals(),
             "notices": {
@@ -330,7 +333,9 @@ class Outcome:
             for goal in game.goals(self.level, self.frame.after)
             if not goal.is_reached and len(goal.inside) < len(goal.robots)
         ]
-        return ". ".join([f"{title}: not won within {self.frame.tick} ticks", *missing]) + "."
+        verdict = f"{title}: not won within {self.frame.tick} ticks"
+        peak = self.peak.words.capitalize()
+        return ". ".join(filter(None, [verdict, *missing, peak])) + "."
 
     def _table(self) -> list[str]:
         rows: list[tuple[str, ...]] = [("ROBOT", "X", "Y", "HEADING", "BATTERY")]

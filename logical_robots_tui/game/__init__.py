@@ -39,7 +39,7 @@ if TYPE_CHECKING:
         read_part,
         subject_name,
     )
-    from logical_robots_tui.game.frame import Frame, Goal, NoSuchTickError, Superseded, goals
+    from logical_robots_tui.game.frame import Frame, Goal, NoSuchTickError, Peak, Superseded, goals
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.branch import BranchDifference, Divergence
     from logical_robots_tui.game.history.history import History
@@ -61,7 +61,7 @@ __getattr__ = lazy_exports(
     __name__,
     {
         "debugging.breakpoints": "EVENTS Breakpoint Breakpoints Event Hit mistake_in subjects",
-        "frame": "Frame Goal NoSuchTickError Superseded goals",
+        "frame": "Frame Goal NoSuchTickError Peak Superseded goals",
         "game": "Game",
         "history.history": "History",
         "debugging.matches": "Matches SearchResult find_matches search_ticks",

@@ -150,6 +150,37 @@ class Goal(NamedTuple):
         return f"{self.area_name}: {len(self.inside)} of {len(self.robots)} are in."
 
 
+class Peak(NamedTuple):
+    """The most robots that were in their goals at once, of how many, and the first such tick.
+
+    That is in all goals, or in the one with the most if one is enough. None is in a goal that is
+    switched off.
+    """
+
+    inside: int = 0
+    total: int = 0
+    tick: int = 0
+
+    def with_tick(self, level: Level, state: WorldState) -> Peak:
+        """Return the peak up to a tick after those of this one."""
+        counts = [
+            (area_state.active * len({*robots}.intersection(area_state.visitors)), len(robots))
+            for area, area_state in zip(level.areas, state.areas, strict=True)
+            if (robots := area.victory_robots)
+        ]
+        if level.all_goals and counts:
+            counts = [(sum(count for count, _ in counts), sum(total for _, total in counts))]
+        inside, total = max(counts, default=(0, 0))
+        return Peak(inside, total, state.tick) if inside > self.inside else self
+
+    @property
+    def words(self) -> str:
+        """The peak in words, or "" if nobody was there, or one robot wins alone."""
+        if not self.inside or self.total == 1:
+            return ""
+        return f"most at once: {self.inside} of {self.total}, tick {self.tick}"
+
+
 def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
     """Return the goals of a level in their present state."""
     goal_states = []

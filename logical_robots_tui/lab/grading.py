@@ -243,11 +243,18 @@ def _level(
         manifest.starts,
         tuple(start for start, result in varied.items() if result.outcome != "won"),
         tuple(messages),
-        () if won else tuple(end.sentence(first.ticks) for end in first.ends),
+        () if won else tuple(_ends(first)),
         tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
         tuple(questions),
         first.ticks,
     )
+
+
+def _ends(result: Result) -> Iterator[str]:
+    if result.peak:
+        yield f"{result.peak.capitalize()}."
+    for end in result.ends:
+        yield end.sentence(result.ticks)
 
 
 def _parts(

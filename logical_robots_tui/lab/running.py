@@ -150,6 +150,7 @@ class _TaskRunner:
             points=monitor.points(),
             forfeit=monitor.forfeit(),
             ends=monitor.ends(),
+            peak=history.peak(playthrough.ticks).words if history else "",
             paths=_paths(history) if history else {},
             findings=self._findings(history, monitor) if history else (),
             steps=monitor.steps,

@@ -111,7 +111,8 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     `distance` is map units of all robots together, `size` the symbols of the programs, `rules` what
     earlier versions counted instead, `steps` those of all thoughts together, `notices` the number
     of ticks with a notice of each kind, `first` the first one (tick, robot, message). Teams in
-    `forfeit` have lost because their programs failed. `paths` are points in map units by robot.
+    `forfeit` have lost because their programs failed. `peak` tells how many robots were home at
+    once, `paths` are points in map units by robot.
     """
 
     outcome: Outcome
@@ -126,6 +127,7 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     forfeit: tuple[str, ...] = ()
     rules: int = 0
     ends: tuple[End, ...] = ()
+    peak: str = ""
     paths: dict[str, tuple[tuple[int, int], ...]] = {}
     findings: tuple[RunFinding, ...] = ()
     steps: int | None = None

@@ -12,6 +12,7 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
 from tests.cli.running import Ask, Command, in_terminal, shown
+from tests.game.playing import HALL
 from tests.lab.laboratory import write_files
 from tests.short import AHEAD, LEVEL
 
@@ -47,6 +48,13 @@ def test_a_level_that_is_not_won_ends_with_status_1_after_the_given_ticks(
     assert (told.status, told.data["won"], told.data["ticks"]) == (1, False, 7)
     words = shown("run", level, still, "--ticks", 5, status=1)
     assert "not won within 5 ticks. Door is still missing Pip." in words.text
+
+
+def test_of_a_run_that_was_nearer_to_its_goal_that_is_told(tmp_path: Path) -> None:
+    lone = AHEAD.replace(";", ', robot_name == "Ada";')
+    write_files(tmp_path, {"hall.toml": HALL, "lone.l": lone})
+    told = shown("run", tmp_path / "hall.toml", tmp_path / "lone.l", "--ticks", 300, status=1)
+    assert "missing Ada, Bo. Most at once: 1 of 2, tick 81." in told.text
 
 
 def test_notices_are_counted_and_a_memory_that_is_no_json_is_null(short: Ask, ahead: Path) -> None:

@@ -13,7 +13,7 @@ from logical_robots_tui.game import Frame, History, load_program, reference_for
 from logical_robots_tui.game.history.packing import Moment, Packed
 from logical_robots_tui.mind import Decision, Notice, Program
 from logical_robots_tui.values import Desire, Value
-from logical_robots_tui.world import AreaState, Robot, RobotState, WorldState, list_levels
+from logical_robots_tui.world import Area, AreaState, Robot, RobotState, WorldState, list_levels
 from logical_robots_tui.world import load_level as load
 from tests.game.playing import Play
 from tests.world.making import make_level
@@ -27,7 +27,9 @@ values = st.recursive(
 desires = st.none() | st.builds(Desire, numbers, numbers)
 notices = st.lists(st.builds(Notice, st.just("failed"), st.text(max_size=5)), max_size=2)
 ROBOTS = ("Ada", "Bo")
-LEVEL = make_level(Robot(name, 1.5, 2.5) for name in ROBOTS)
+LEVEL = make_level(
+    [Robot(name, 1.5, 2.5) for name in ROBOTS], areas=[Area("Home", 1, 1, 1, victory_robots=ROBOTS)]
+)
 
 
 @dataclass(frozen=True)
@@ -148,6 +150,14 @@ class Histories(RuleBasedStateMachine):
             marks = self.history.marks.marks_at(frame.tick)
             marked = [mark.names for mark in marks if mark.kind == "memory"]
             assert marked == ([changed] if changed else [])
+
+    @invariant()
+    def the_most_robots_at_home_at_once_are_known(self) -> None:
+        homes = [frame.after.areas[0] for frame in self.branch]
+        counts = [len(home.visitors) * home.active for home in homes]
+        for tick in range(len(counts)):
+            most = max(counts[: tick + 1])
+            assert self.history.peak(tick)[::2] == (most, counts.index(most))
 
     @invariant()
     def the_first_difference_from_the_other_branch_is_known(self) -> None:

@@ -184,7 +184,9 @@ def test_how_a_run_ended_is_said_in_words(assignment: tuple[Path, Path], command
     file, folder = assignment
     text = ASSIGNMENT.replace("01-first-steps", "my-level.toml").replace("starts = 0", "starts = 2")
     text = text.replace("[assignment]", "[assignment]\nticks = 99") + "[points]\nstarts = 1\n"
-    level = (shipped_folder("levels") / "01-first-steps.toml").read_bytes()
+    level = (shipped_folder("levels") / "01-first-steps.toml").read_text("utf-8")
+    start = '[[areas]]\nname = "Start"\nx = 66\ny = 62\nradius = 9\ngoal_for = ["Ada"]\n'
+    level = f"all_goals = true\n{level}{start}"
     write_files(file.parent, {"a.toml": text, "my-level.toml": level})
     (folder / "cem.l").rename(folder / "x.l")
     programs = {
@@ -199,7 +201,8 @@ def test_how_a_run_ended_is_said_in_words(assignment: tuple[Path, Path], command
     ada, ben, cem = ((feedback / f"{name}.md").read_text() for name in ("ada", "ben", "cem"))
     untried = "varied starts: not tried, because it was not won from the given start.\n"
     assert f"- 0 of 5 points for {untried}" in ada
-    assert "- The run ended at tick 2: nothing could change any more.\n" in ada
+    ended = "- The run ended at tick 2: nothing could change any more.\n"
+    assert f"{ended}- Most at once: 1 of 2, tick 1.\n- Ada ended at (66, 62)" in ada
     assert "- To see that: logical-robots play my-level.toml YOUR-PROGRAM\n" in ada
     assert "- Your program does not compile:\n- line 1: " in ben
     assert "- It is not clear which file is the program for this level.\n" in cem

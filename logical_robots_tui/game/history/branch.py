@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from logical_robots_tui.game.advancing import RecordedTick
-from logical_robots_tui.game.frame import Frame
+from logical_robots_tui.game.frame import Frame, Peak
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
 from logical_robots_tui.game.history.packing import Moment, Packed
 from logical_robots_tui.world import Level
@@ -98,6 +98,7 @@ class HistoryBranch:
         self._blocked_from: int | None = None
         self._blocked: dict[str, int] = {}  # ticks in a row, by robot
         self._rounds = Rounds()
+        self._peaks = [Peak().with_tick(level, frame.after)]
 
     @property
     def last(self) -> int:
@@ -126,6 +127,9 @@ class HistoryBranch:
             self.marks.note(frame.tick, "stuck", stuck)
         if circling := self._rounds.follow(robots):
             self.marks.note(frame.tick, "circling", circling)
+        peak = self._peaks[-1].with_tick(self.levels.level_at(frame.tick), frame.after)
+        if peak is not self._peaks[-1]:
+            self._peaks.append(peak)
         if self._unreliable_from is None and not frame.is_reliable:
             self._unreliable_from = frame.tick
         if self._blocked_from is None and self._blocked:
@@ -194,6 +198,7 @@ class HistoryBranch:
         )
         branch._blocked_from = self._blocked_from if self.is_blocked_up_to(tick) else None
         branch._programs = self.programs(tick)
+        branch._peaks = [peak for peak in self._peaks if peak.tick <= tick]
         begins = [*map(_begin_of, self.packs), self._loose[0].after.tick]
         count = bisect_right(begins, tick) - 1
         branch.packs = self.packs[:count]
@@ -215,6 +220,10 @@ class HistoryBranch:
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
         return [(begin, program) for begin, program in self._programs if begin <= tick]
+
+    def peak(self, tick: int) -> Peak:
+        """Return the peak up to a tick, also if that is too old to be restored."""
+        return next((peak for peak in reversed(self._peaks) if peak.tick <= tick), Peak())
 
     def program_at(self, tick: int) -> Program | None:
         return next((program for begin, program in reversed(self._programs) if begin <= tick), None)

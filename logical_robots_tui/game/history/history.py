@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from logical_robots_tui.game.advancing import RecordedTick, Worlds, frame_of
-from logical_robots_tui.game.frame import Frame, NoSuchTickError
+from logical_robots_tui.game.frame import Frame, NoSuchTickError, Peak
 from logical_robots_tui.game.history.branch import Divergence, HistoryBranch, find_divergence
 from logical_robots_tui.game.history.marks import Marks
 from logical_robots_tui.game.history.packing import Moment
@@ -136,6 +136,9 @@ class History:
 
     def is_blocked_up_to(self, tick: int) -> bool:
         return self._branch.is_blocked_up_to(tick)
+
+    def peak(self, tick: int) -> Peak:
+        return self._branch.peak(tick)
 
     def moment(self, tick: int) -> Moment:
         """Return the state after a tick, or raise NoSuchTickError."""

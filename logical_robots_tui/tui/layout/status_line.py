@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from textual.content import Content
 
 from logical_robots_tui.game import Goal, goals
-from logical_robots_tui.game.frame import is_match_over, standing
+from logical_robots_tui.game.frame import Peak, is_match_over, standing
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.terminal.diff_app import OneLine
 from logical_robots_tui.tui.theme.themes import INK
@@ -37,7 +37,8 @@ class Status(NamedTuple):
 
     Speeds are in ticks per second: chosen, None for full speed; achieved over the last second,
     None at rest. `thinking_for` is seconds of a long think, otherwise 0.0. `keep_key` is a key that
-    goes on with the old program rather than wait, or "".
+    goes on with the old program rather than wait, or "". `peak` is None unless more robots
+    were in their goals at once than now.
     """
 
     title: str
@@ -50,6 +51,7 @@ class Status(NamedTuple):
     standing: tuple[tuple[str, float], ...]
     thinking_for: float
     keep_key: str = ""
+    peak: Peak | None = None
 
 
 def status_of(session: Session, *, typing: bool = False) -> Status:
@@ -78,7 +80,16 @@ def status_of(session: Session, *, typing: bool = False) -> Status:
         standing=tuple(standing(session.level, frame.after).items()),
         thinking_for=round(session.thinking_for, 1),
         keep_key=command("leave").key_name if can_keep else "",
+        peak=_peak(session),
     )
+
+
+def _peak(session: Session) -> Peak | None:
+    level, state, history = session.level, session.frame.after, session.history
+    if history is None or state.won_at is not None:
+        return None
+    peak = history.peak(state.tick)
+    return peak if peak.inside > Peak().with_tick(level, state).inside and peak.words else None
 
 
 class StatusLine(OneLine):
@@ -114,7 +125,7 @@ def fit(status: Status, width: int) -> Content:
     by_importance: list[tuple[int, Content]] = [
         (2, Content.styled(sign, sign_style)),
         (3, Content.styled(tick, INK.text)),
-        (5, _standing(status.standing).append(_goals(status.goals, long=True))),
+        (5, Content("")),
         (4, Content.styled(_speed(status), INK.number)),
         (0, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
     ]
@@ -123,14 +134,25 @@ def fit(status: Status, width: int) -> Content:
     gap, room = 3, width - 2
     parts: list[tuple[int, Content]] = []
     for place, part in by_importance:
-        if place == 5 and part.cell_length > room - gap:
-            part = _standing(status.standing).append(_goals(status.goals, long=False))
+        if place == 5:
+            variants = _in_goals(status)
+            part = next((v for v in variants if v.cell_length <= room - gap), part)
         need = part.cell_length + (gap if parts else 0)
         if part.cell_length and need <= room:
             parts.append((place, part))
             room -= need
     parts.sort(key=lambda pair: pair[0])
     return Content(" ").append(Content(" " * gap).join(part for _, part in parts))
+
+
+def _in_goals(status: Status) -> Iterator[Content]:
+    """Yield standing and goals, the longest variant first."""
+    for is_long, peak in ((True, status.peak), (False, status.peak), (False, None)):
+        content = _standing(status.standing).append(_goals(status.goals, long=is_long))
+        if peak is not None:
+            words = f"  most at once {peak.inside}/{peak.total}, tick {peak.tick}"
+            content = content.append(Content.styled(words, INK.warn))
+        yield content
 
 
 def _standing(scores: Sequence[tuple[str, float]]) -> Content:

@@ -11,7 +11,7 @@ from textual import events
 from textual.content import Content
 from textual.message import Message
 
-from logical_robots_tui.game import MARK_KINDS, Mark, MarkKind
+from logical_robots_tui.game import MARK_KINDS, Mark, MarkKind, goals
 from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER
 from logical_robots_tui.tui.terminal.diff_app import OneLine
 from logical_robots_tui.tui.theme.themes import INK
@@ -112,16 +112,11 @@ _NOTE_WIDTHS = (18, 48)
 
 def _goal_note(session: Session) -> str:
     """Return how many robots are in the goal with the most, or "" without shared goals."""
-    inside = {area.name: set(area.visitors) for area in session.frame.after.areas}
-    counts = [
-        (len(inside.get(area.name, set()) & set(area.victory_robots)), area)
-        for area in session.level.areas
-        if len(area.victory_robots) > 1
-    ]
-    if not counts:
+    shared_goals = [g for g in goals(session.level, session.frame.after) if len(g.robots) > 1]
+    if not shared_goals:
         return ""
-    number, goal = max(counts, key=lambda pair: pair[0])
-    return f" · {number}/{len(goal.victory_robots)} in {one_line(goal.name)}"
+    goal = max(shared_goals, key=lambda goal: len(goal.inside))
+    return f" · {len(goal.inside)}/{len(goal.robots)} in {one_line(goal.area_name)}"
 
 
 class Timeline(OneLine, can_focus=True):
@@ -218,9 +213,8 @@ class Timeline(OneLine, can_focus=True):
             text += self._goal_note
             return Content.styled(clip(text, width), INK.dim)
         every = [part for _, part in remarks]
-        lasting = [
-            part for kind, part in remarks if kind != "memory"
-        ]  # memories change all the time
+        # Memories change all the time.
+        lasting = [part for kind, part in remarks if kind != "memory"]
         for tick, parts in ((text, every), (short, every), (short, lasting)):
             note = Content("  ").join([Content.styled(tick, INK.dim), *parts])
             if note.cell_length + len(self._goal_note) <= width:

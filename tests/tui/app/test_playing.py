@@ -14,6 +14,8 @@ from textual.widgets._toast import Toast
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.world import list_levels
 from tests.game.playing import SLOW as ENDLESS
+from tests.game.playing import hall
+from tests.short import AHEAD
 from tests.tui.conftest import SLOW, STILL, Opened, opened
 from tests.waiting import PATIENCE
 
@@ -48,6 +50,16 @@ async def test_the_robots_run_faster_and_slower_pause_restart_and_step(data_dir:
         await game.press("full_stop", tick=3)
         assert game.session.frame.after == third.after
         await game.press("comma", "comma", "comma", "comma", tick=0)
+
+
+async def test_how_near_the_goal_the_robots_were_stays_told(data_dir: Path, tmp_path: Path) -> None:
+    lone = AHEAD.replace(";", ', robot_name == "Ada";')
+    path = Path(hall(tmp_path).source)
+    async with opened(data_dir, level=path, text=lone, ready=True) as game:
+        game.session.run_until(300)
+        await game.until(lambda: game.tick == 300 and "most at once 1/2, tick 81" in game.status)
+        game.session.go_to(81)
+        await game.until(lambda: game.tick == 81 and "most" not in game.status)
 
 
 @pytest.mark.slow

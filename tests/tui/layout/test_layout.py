@@ -11,7 +11,7 @@ from textual.geometry import Size
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.game import Goal
-from logical_robots_tui.game.frame import goals
+from logical_robots_tui.game.frame import Peak, goals
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
@@ -223,6 +223,11 @@ def test_the_status_line_tells_everything_where_there_is_room() -> None:
         *(" LOGICAL ROBOTS", "Everybody home", "● RUNNING", "tick 1204", "17 of 40/s"),
         "Home: Ada ✓ Bo · Cy ·",
     ]
+    most = "most at once 2/3, tick 812"
+    passed = STATUS._replace(peak=Peak(2, 3, 812))
+    long, short = "Home: Ada ✓ Bo · Cy ·", "Home 1/3"
+    for width, words in ((120, f"{long}  {most}"), (80, f"{short}  {most}"), (60, short)):
+        assert fit(passed, width).plain.endswith(f"   {words}")
 
 
 @given(st.integers(0, 200))
