@@ -38,7 +38,7 @@ from logical_robots_tui.mind.compiling.duckdb_types import as_on_duckdb
 from logical_robots_tui.mind.compiling.fixpoint import Fixpoint, fixpoints
 from logical_robots_tui.mind.program import Predicate, Program
 from logical_robots_tui.mind.tuning import MOST_TUNED
-from logical_robots_tui.schema import INPUTS, MAIN
+from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compilation import Report
@@ -337,6 +337,8 @@ def explain(error: BaseException, model: Model) -> Diagnostic:
                 start = call.span.start
                 place = Span(start, start + len(call.name))
                 return model.diagnostic(place, message, "Add the missing argument.")
+    elif separate := _separate_rules(names, rule, model):
+        return separate
     elif isinstance(rule.body, tree.Disjunction):
         hint = "A '|' divides the whole body: put the alternatives in brackets, (a | b)."
         offset = next(n.span.start for n in _uses_of(name, rule) if n.span)
@@ -354,6 +356,39 @@ def explain(error: BaseException, model: Model) -> Diagnostic:
         hint = f"{callee} gives it no value: set it here, or in the rule of {callee}."
         return replace(diagnostic, hint=hint)
     return diagnostic
+
+
+def _separate_rules(unbound: Sequence[str], rule: Rule, model: Model) -> Diagnostic | None:
+    """Explain a parameter without a value; the package inlines only a single rule into callers."""
+    rules = rules_of(model.definitions[rule.name])
+    parameters = [column.value for column in rule.head.columns if column.field != VALUE]
+    names = [name for value in parameters if (name := tree.variable_of(value)) in unbound]
+    parts = [*tree.walk([r.body for r in rules if r.body])]
+    computed = {tree.variable_of(s) for part in parts for s in tree.equation_sides(part) or ()}
+    if rule.name == MAIN or not names or not {*unbound}.difference(names) <= computed:
+        return None
+    first, *uses = _uses_of(names[0], rule)
+    tables = {*model.definitions, *INPUTS}
+    sources = [p for p in parts if isinstance(p, tree.Atom) and p.name in tables]
+    sources += [part for part in parts if isinstance(part, tree.Membership)]
+    advice = f"Take {names[0]} from a predicate in the body."
+    if len(rules) > 1:
+        *lines, last = [str(model.text.count("\n", 0, r.span.start) + 1) for r in rules if r.span]
+        cause = f"{rule.name} has {len(rules)} rules, in lines {', '.join(lines)} and {last}"
+    elif rule.is_distinct:
+        cause = f"{rule.name} is distinct"
+    elif any(isinstance(part, tree.Disjunction) for part in parts) and (
+        names[0] not in tree.variables(sources)
+    ):
+        cause = f"'|' makes several rules of {rule.name}"
+    else:
+        return None
+    if not rule.is_distinct and not sources and computed.isdisjoint(names):
+        merged = " = (if a then b else c)" if rule.value else " :- a || b"
+        advice = f"Write one: {rule.name}(...){merged};"
+    message = f"{names[0]} has no value: {cause}"
+    hint = f"Callers give values only to a single rule that is not distinct. {advice}"
+    return model.diagnostic(first.span, message, hint) if uses and first.span else None
 
 
 def _uses_of(name: str, part: tree.Tree) -> Iterator[tree.Variable]:
