@@ -369,8 +369,12 @@ def _separate_rules(unbound: Sequence[str], rule: Rule, model: Model) -> Diagnos
         return None
     first, *uses = _uses_of(names[0], rule)
     tables = {*model.definitions, *INPUTS}
-    sources = [p for p in parts if isinstance(p, tree.Atom) and p.name in tables]
-    sources += [part for part in parts if isinstance(part, tree.Membership)]
+    sources = [
+        part
+        for part in parts
+        if isinstance(part, tree.Membership)
+        or (isinstance(part, tree.Atom) and part.name in tables)
+    ]
     advice = f"Take {names[0]} from a predicate in the body."
     if len(rules) > 1:
         *lines, last = [str(model.text.count("\n", 0, r.span.start) + 1) for r in rules if r.span]
