@@ -111,6 +111,26 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
         self._complaint.display = bool(message)
 
 
+class ScrollingText(VerticalScroll):
+    """A text that takes the lines its box has left; the box names the keys if it has more."""
+
+    DEFAULT_CSS = "ScrollingText { height: auto; scrollbar-gutter: stable; }"
+
+    def on_mount(self) -> None:
+        self.watch(self, "virtual_size", self.on_resize)
+
+    def on_resize(self) -> None:
+        self.call_after_refresh(self._fit)
+
+    def _fit(self) -> None:
+        if isinstance(box := self.parent, Vertical):
+            others = box.virtual_size.height - self.outer_size.height
+            room = max(self.screen.size.height * 9 // 10 - box.gutter.height - others, 1)
+            self.styles.max_height = room
+            has_more = self.display and self.virtual_size.height > room
+            box.border_subtitle = "↑↓ scroll" if has_more else ""
+
+
 class Prompt(Dialog[Result]):
     DEFAULT_CSS = "Prompt > #box { max-width: 60; padding: 1 2 0 2; }"
 
@@ -150,8 +170,7 @@ class QuestionDialog(Dialog[str]):
 
     DEFAULT_CSS = """
     QuestionDialog > #box { max-width: 76; padding: 1 2; }
-    QuestionDialog #text { height: auto; max-height: 14; margin-top: 1; display: none;
-        background: $panel; padding: 0 1; }
+    QuestionDialog #text { margin-top: 1; display: none; background: $panel; padding: 0 1; }
     QuestionDialog #answers { height: 1; margin-top: 1; }
     QuestionDialog Button {
         height: 1; min-width: 8; border: none; margin-right: 1; padding: 0 1;
@@ -159,6 +178,8 @@ class QuestionDialog(Dialog[str]):
     }
     QuestionDialog Button:focus { background: $here; text-style: bold; border: none; }
     """
+
+    BINDINGS = [(key, f"scroll_text('{key}')") for key in ("up", "down", "pageup", "pagedown")]
 
     keys = ""
 
@@ -180,7 +201,7 @@ class QuestionDialog(Dialog[str]):
 
     def content_widgets(self) -> ComposeResult:
         yield Static(Content(self._question), id="question")
-        with VerticalScroll(id="text"):
+        with ScrollingText(id="text", can_focus=False):
             yield Static(Content(visible_lines(self._text)))
         with Horizontal(id="answers"):
             for name, label in self._answers:
@@ -213,10 +234,15 @@ class QuestionDialog(Dialog[str]):
         if event.button.id is not None:
             self._answer(event.button.id.removeprefix("answer-"))
 
+    def action_scroll_text(self, key: str) -> None:
+        for text in self.query(ScrollingText):
+            getattr(text, f"scroll_{key.replace('page', 'page_')}")(animate=False)
+
     def _answer(self, name: str) -> None:
         if name == "show":
-            text = self.query_one("#text")
+            text = self.query_one(ScrollingText)
             text.display = not text.display
+            text.on_resize()
         else:
             self.dismiss(name)
 

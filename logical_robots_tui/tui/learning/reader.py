@@ -12,7 +12,7 @@ from textual.widget import Widget
 from textual.widgets import Markdown, Static
 
 from logical_robots_tui.language.services.lexer import LineStates, pieces
-from logical_robots_tui.tui.layout.dialogs import Dialog, keys_in_style
+from logical_robots_tui.tui.layout.dialogs import Dialog, ScrollingText, keys_in_style
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX
 from logical_robots_tui.wording import one_line, visible
 
@@ -27,14 +27,15 @@ class TextReader(Dialog[Literal["questions"]]):
     """Shows a text; after it there may be questions, of which `answered` says how many are."""
 
     DEFAULT_CSS = """
-    TextReader > #box { height: 90%; max-width: 88; }
+    TextReader > #box { height: 90%; width: 100%; max-width: 88; }
     TextReader VerticalScroll { height: 1fr; scrollbar-gutter: stable; padding: 1 1 0 1; }
     TextReader Markdown { background: $surface; padding: 0; margin: 0; }
     TextReader MarkdownH1, TextReader MarkdownH2, TextReader MarkdownH3 {
         color: $ink-title; text-style: bold; background: $surface; margin: 1 0; padding: 0;
         content-align: left middle; border: none;
     }
-    TextReader MarkdownFence { background: $panel; margin: 0 0 1 0; padding: 0 1; max-height: 30; }
+    TextReader MarkdownFence { background: $panel; margin: 0 0 1 0; overflow: hidden hidden; }
+    TextReader MarkdownFence > Label { width: 1fr; padding: 0 1; }
     TextReader MarkdownParagraph { margin: 0 0 1 0; }
     """
 
@@ -101,14 +102,13 @@ class Hints(Dialog[Literal["lesson"]]):
 
     DEFAULT_CSS = """
     Hints > #box { max-width: 76; padding: 1 2 0 2; }
-    Hints VerticalScroll { height: auto; max-height: 16; }
     Hints #more { margin-top: 1; color: $ink-dim; }
     """
 
     BINDINGS = [("t", "lesson"), ("q", "leave")]
 
     def __init__(self, level: Level, learning: Learning) -> None:
-        hints = VerticalScroll(Static(id="hints"))
+        hints = ScrollingText(Static(id="hints"))
         super().__init__(f"Hints · {level.title}", hints, Static(id="more"))
         self._of_all, self._learning = len(level.hints), learning
         self._has_lesson = bool(level.lesson)

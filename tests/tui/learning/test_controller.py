@@ -1,6 +1,7 @@
 """Hints, the lesson, the reference program, results to keep, earlier versions, the first win."""
 
 import asyncio
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,9 @@ from logical_robots_tui.tui.commands.general import copy_result
 from logical_robots_tui.tui.commands.help import PaletteScreen
 from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
-from logical_robots_tui.tui.learning.reader import Hints, TextReader
+from logical_robots_tui.tui.learning.reader import Hints, TextReader, markdown
 from logical_robots_tui.tui.library.chooser import Chooser
-from logical_robots_tui.world import list_levels, load_level
+from logical_robots_tui.world import list_levels, list_shipped, load_level
 from tests.short import AHEAD
 from tests.tui.conftest import PAPER, STILL, Opened, Size, opened
 
@@ -69,6 +70,39 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         await game.press("h", "t", sees="Lesson · ")
         await game.press("q", "h", "h", "q", until=lambda: game.app.screen is game.main)
     assert record_of(data_dir).record(str(short)).hints == 3
+
+
+async def test_texts_are_whole_at_80_columns(data_dir: Path) -> None:
+    level = shipped_folder("levels") / "10-distributed-mapping.toml"
+    async with opened(data_dir, level=level, size=(80, 24), ready=True) as game:
+        learning = game.main.learning.learning
+        while learning.reveal_next():
+            pass
+        await game.press("h", on=Hints)
+        await game.sees("1. ", "There are no more.", "t lesson   esc close", "↑↓ scroll")
+        await game.press("pagedown", sees=learning.revealed[-1].split()[-1])
+        await stay(game)
+        answers = [("yes", "Yes"), ("show", "Show it")]
+        game.app.push_screen(
+            QuestionDialog(
+                "Text", "Continue?", answers, text="\n".join(f"line {n}" for n in range(40))
+            )
+        )
+        await game.press("s", sees=("line 0", "Show it", "↑↓ scroll"), sees_no="line 20")
+        await game.press("pagedown", sees=("line 20", "Show it"), sees_no="line 0")
+        await game.press("s", sees_no="scroll")
+        await stay(game)
+        blocks = [
+            block.rstrip("\n")
+            for name in list_shipped()
+            for block in re.findall(r"^```.*\n([^`]*)^```$", load_level(name).lesson, re.MULTILINE)
+        ]
+        lesson = markdown("\n".join(f"```\n{block}\n```" for block in blocks))
+        game.app.push_screen(TextReader("Lesson", lesson))
+        await game.until(lambda: len(lesson.query("MarkdownFence Label")) == len(blocks))
+        await game.settled()
+        for label, block in zip(lesson.query("MarkdownFence Label"), blocks, strict=True):
+            assert label.size.height == len(block.split("\n")), block
 
 
 async def test_a_level_without_texts_says_so_and_another_brings_a_program(data_dir: Path) -> None:
