@@ -61,6 +61,11 @@ def most_important(diagnostics: Iterable[Diagnostic], excess: int = 0) -> tuple[
     return tuple(visible)
 
 
+def errors_in(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Return those that keep a program from running."""
+    return [diagnostic for diagnostic in diagnostics if diagnostic.severity == "error"]
+
+
 def count_words(diagnostics: Sequence[Diagnostic]) -> str:
     """Return how many there are by severity, such as ``1 error, 24 warnings``, or ""."""
     messages = [d.message for d in diagnostics if d.hint == _OTHERS_HINT]
@@ -88,7 +93,7 @@ class ProgramError(LogicalRobotsError):
     @property
     def first(self) -> Diagnostic:
         """The first error; there may be warnings before it."""
-        return next(d for d in self.diagnostics if d.severity == "error")
+        return errors_in(self.diagnostics)[0]
 
 
 class QueryError(LogicalRobotsError):

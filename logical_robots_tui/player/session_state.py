@@ -158,11 +158,6 @@ class ProgramState(NamedTuple):
             return self.tried, self.mistakes
         return self.checked, self.diagnostics
 
-    @property
-    def error_line(self) -> int:
-        """The line of the first error, from 1, or 0."""
-        return next((m.line for m in self.mistakes if m.severity == "error"), 0)
-
     def for_text(self, text: str) -> ProgramState:
         """Return the state for an editor's text; errors vanish once the robots' text is back."""
         if self.checked is not None and text in (self.tried, self.applied):

@@ -275,6 +275,8 @@ class MainScreen(Screen[None], SessionListener):
         name = f"{team}: {source.name}" if team else source.name
         self.program.show(session.state, name, saved=self.program.text == source.text)
         self.program.teams.show(session.level, session.sources.team)
+        if (news := self.program_controller.news()) and self.arrangement.covers(self.program):
+            self.arrangement.note(news)
         is_read = session.running and not self.scheduler.rate.is_hurried
         if not is_read or session.clock.now() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()

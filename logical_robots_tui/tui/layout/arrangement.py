@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import ClassVar, NamedTuple, Self
 
+from rich.cells import cell_len
 from textual import events
 from textual.containers import Container
 from textual.content import Content
@@ -108,10 +109,16 @@ class Pane(Container):
         """Focus the main widget at once, because the next key belongs to it."""
         raise NotImplementedError
 
+    def on_resize(self) -> None:
+        self._set_border_title()
+
     def _set_border_title(self) -> None:
-        self.border_title = Content(self.label)
+        """Leave out the heading where it would cut what is beside it."""
+        has_room = cell_len(self.label) <= self.outer_size.width - _TITLE_EDGES
+        self.border_title = Content(self.label if has_room or not self._note else self._note)
 
 
+_TITLE_EDGES = 6  # columns of the border beside its title
 LEAST_WIDTH, LEAST_HEIGHT = 40, 12
 _WIDE_FROM = (100, 24)
 _TALL_FROM = 46

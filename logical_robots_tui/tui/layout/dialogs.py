@@ -124,8 +124,8 @@ class ScrollingText(VerticalScroll):
 
     def _fit(self) -> None:
         if isinstance(box := self.parent, Vertical):
-            others = box.virtual_size.height - self.outer_size.height
-            room = max(self.screen.size.height * 9 // 10 - box.gutter.height - others, 1)
+            rest_height = box.virtual_size.height - self.outer_size.height + box.gutter.height
+            room = max(self.screen.size.height * 9 // 10 - rest_height, 1)
             self.styles.max_height = room
             has_more = self.display and self.virtual_size.height > room
             box.border_subtitle = "↑↓ scroll" if has_more else ""

@@ -17,6 +17,7 @@ from textual.widgets.text_area import Selection
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.language.diagnostics import count_words, errors_in
 from logical_robots_tui.language.services.completion import definitions
 from logical_robots_tui.language.services.editing import find_after, rename
 from logical_robots_tui.mind.limits import Limits
@@ -26,6 +27,7 @@ from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.wording import clip, count_of, one_line
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind import Diagnostic
     from logical_robots_tui.player.opening import Permissions
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.app.ui import Dialogs
@@ -51,6 +53,7 @@ class ProgramController:
         self._has_told_copy = False
         self._check: asyncio.TimerHandle | None = None
         self._noted = ("", "")
+        self._seen_errors: list[Diagnostic] = []
 
     def edited(self) -> None:
         """Check the text soon after the last key."""
@@ -70,15 +73,29 @@ class ProgramController:
         if state.applied in (None, text) or (is_tried and state.phase == "compiling"):
             return ""
         note = with_keys("Runs the applied version; {apply} applies yours.")
-        if is_tried and state.phase == "mistake":
-            note = f"Runs the applied version; yours has an error in line {state.error_line}."
+        if errors := self._errors:
+            advice = f"{count_words(errors)}, {_way_to(errors[0])}"
+            note = f"Runs the applied version; yours has {advice}."
         previous, self._noted = self._noted, (text, note)
         return "" if previous == self._noted else note
 
     def complaint(self) -> str:
         state = self._session.state
         adjective = "" if state.applied is None else "new "
-        return f"The {adjective}program has an error in line {state.error_line}."
+        error, *_ = self._errors or errors_in(state.mistakes)
+        return f"The {adjective}program has an error, {_way_to(error)}: {error.message}"
+
+    def news(self) -> str:
+        """Return what to say of errors of the text that have arrived since the last call."""
+        previous_errors, self._seen_errors = self._seen_errors, self._errors
+        return self.complaint() if self._errors not in ([], previous_errors) else ""
+
+    @property
+    def _errors(self) -> list[Diagnostic]:
+        """The errors of the text in the editor, as far as it has been compiled or checked."""
+        text = self._pane.text
+        tried, diagnostics = self._session.state.for_text(text).newest
+        return errors_in(diagnostics) if text == tried else []
 
     def keep_copy(self, text: str) -> None:
         """Also write copied text to a file, because terminals don't confirm a copy."""
@@ -200,6 +217,10 @@ def edit_outside(text: str, environ: Mapping[str, str]) -> str:
         if edited_text == text:
             result.check_returncode()
         return edited_text
+
+
+def _way_to(error: Diagnostic) -> str:
+    return with_keys(f"{{error}} goes to line {error.line}")
 
 
 _PAUSE = 0.25  # seconds between two checks

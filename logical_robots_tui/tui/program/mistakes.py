@@ -64,8 +64,8 @@ class MistakeStrip(Static):
         self._shown: tuple[Diagnostic, ...] = ()
 
     def show(self, mistakes: tuple[Diagnostic, ...], row: int) -> None:
-        if len(mistakes) > _MOST_SHOWN:
-            mistakes = tuple(sorted(mistakes, key=lambda mistake: mistake.line != row + 1))
+        # The one at the cursor comes first, as there may be no room for all.
+        mistakes = tuple(sorted(mistakes, key=lambda mistake: mistake.line != row + 1))
         if mistakes == self._shown:
             return
         self._shown = mistakes

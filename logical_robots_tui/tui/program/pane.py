@@ -10,7 +10,7 @@ from textual import on
 from textual.content import Content
 from textual.widgets import Static, TextArea
 
-from logical_robots_tui.language.diagnostics import count_words
+from logical_robots_tui.language.diagnostics import count_words, errors_in
 from logical_robots_tui.language.services.completion import (
     WordHelp,
     call_before,
@@ -229,13 +229,9 @@ class ProgramPane(Pane):
         if state.phase in ("fresh", "compiling"):
             compiled, total = state.compiled
             return f"compiling… {compiled} of {total}" if total else "compiling…"
-        text = self.text
-        if state.phase == "mistake" and text == state.tried:
-            counts = count_words(state.mistakes)
-            is_new = state.applied is None
-            return counts if is_new else f"{counts}, the old version is still running"
-        if text != state.applied:
-            if text != state.checked or not state.diagnostics:
-                return "not applied"
-            return f"not applied, {count_words(state.diagnostics)}"
-        return ", ".join(filter(None, ["applied", count_words(state.mistakes)]))
+        text, (newest_text, diagnostics) = self.text, state.newest
+        if text == newest_text and (errors := errors_in(diagnostics)):
+            return count_words(errors)  # and no more, so that the program's name fits
+        applied = "applied" if text == state.applied else "not applied"
+        counts = count_words(diagnostics) if text == newest_text else ""
+        return ", ".join(filter(None, [applied, counts]))

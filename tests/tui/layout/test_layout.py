@@ -120,7 +120,7 @@ async def test_in_80_columns_panes_are_tabs(data_dir: Path) -> None:
         for width in (80, 60, 44):
             await game.resize(width, 24)
             game.main.arrangement.panes[1].note(
-                "1 error, the old version is still running · a-name-of-24-characters*"
+                "not applied, 500 errors, 1,000 warnings · a-name-of-24-characters*"
             )
             await game.until(lambda: tabs.size.width == game.app.size.width)
             title = tabs.render()

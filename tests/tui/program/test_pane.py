@@ -42,13 +42,27 @@ async def test_a_message_of_an_error_never_covers_it_and_goes_with_it(
 ) -> None:
     async with opened(data_dir, text=WRONG, size=size) as game:
         await game.until(lambda: game.session.state.phase == "mistake")
-        message = "The program has an error in line 3."
+        message = "The program has an error, ^G goes to line 3: "
         await game.press("space", "space", sees=message)
         assert game.screen().count(message) == 1
         await game.press("2", "f5", sees="never closed")
         rows = [line for line in game.screen().splitlines() if "right_engine: ;" in line]
         assert rows, "it covers the line"
         await game.press("x", sees_no=message)
+
+
+async def test_an_error_that_is_noticed_late_is_told_beside_the_map(data_dir: Path) -> None:
+    name, size = "a-name-of-24-characters-", (80, 24)
+    async with opened(data_dir, text=STILL, size=size, name=name, ready=True) as game:
+        await game.press("2")
+        game.editor.put(WRONG)
+        await game.press("f5", sees=("Runs the applied version; ^R", "^R applies yours."))
+        await game.sees("The new program has an error, ^G goes to line 3: ")
+        await game.press("space", "space", sees="yours has 1 error, ^G goes to line 3.")
+        await game.press("ctrl+g", sees="✗ line 3, column", until=lambda: is_at(game, 2))
+        await game.press("escape", sees_no="goes to line 3")
+        await game.resize(100, 30, sees=f"─ 1 error · {name}* ─")
+        await game.resize(120, 40, sees=f"─ Program · 1 error · {name}* ─")
 
 
 async def test_what_is_typed_goes_into_the_editor_and_is_applied_when_asked(data_dir: Path) -> None:
@@ -87,7 +101,7 @@ async def test_a_mistake_is_marked_there_and_the_last_good_program_runs_on(data_
         mistake = game.session.state.mistakes[0]
         assert mistake.line == 3
         await game.sees("✗ line 3", "3✗")
-        assert title(game) == "Program · 1 error, the old version is still running · mine*"
+        assert title(game) == "Program · 1 error · mine*"
         assert mistake.hint
         await game.sees(mistake.hint.split(".")[0][:30])
         await game.press("ctrl+home", *"# so", "enter", sees=("4✗", "✗ line 4"))
@@ -100,7 +114,7 @@ async def test_a_mistake_is_marked_there_and_the_last_good_program_runs_on(data_
         game.editor.put(WRONG)
         await game.sees("3✗")
         await game.press("escape", "n", tick=1)
-        await game.sees("Runs the applied version; yours has an error in line 3.")
+        await game.sees("Runs the applied version; yours has 1 error, ^G goes to line 3.")
         assert game.session.state.applied == PAPER
         await game.press("n", tick=2, sees_no="Runs the applied version")
         await game.press("2", "end", "a", "f8", tick=3)
@@ -109,10 +123,10 @@ async def test_a_mistake_is_marked_there_and_the_last_good_program_runs_on(data_
         await game.press("backspace", sees_no="Runs the applied version")
         await game.press("space", "f8", tick=4, sees="^R applies yours.")
         await game.press("f4", until=lambda: game.session.state.phase == "mistake")
-        await game.press("f8", tick=5, sees="yours has an error in")
+        await game.press("f8", tick=5, sees="yours has 1 error")
         game.session.apply(game.editor.text)
         game.session.toggle_run()  # before it is compiled
-        await game.sees("The new program has an error in line 3.")
+        await game.sees("The new program has an error, ^G goes to line 3: ")
         assert not game.session.busy
         assert game.session.frame.memories == {"Solo": "I am a robot"}
         game.editor.text = PAPER  # as undoing all of it does
@@ -124,7 +138,7 @@ async def test_a_mistake_is_marked_there_and_the_last_good_program_runs_on(data_
 async def test_a_key_or_a_click_goes_to_the_mistake_until_it_is_mended(data_dir: Path) -> None:
     async with opened(data_dir, text=WRONG, size=(80, 24), ready=True) as game:
         await game.until(lambda: title(game) == "Program · 1 error · mine")
-        await game.press("space", sees="an error in line 3")
+        await game.press("space", sees="goes to line 3: ")
         assert not game.session.busy
         await game.press("ctrl+g", until=lambda: game.editor.cursor_location[0] == 2)
         assert game.main.focused is game.editor
@@ -231,13 +245,17 @@ async def test_long_lines_are_wrapped_unless_the_player_wants_them_cut(data_dir:
         await game.write(f"A(1);\nB({'1, ' * 80}1) :- ;\n")
         await game.until(lambda: game.session.state.phase == "mistake" and game.shows("2✗"))
         assert game.screen().count("2✗") == 1
-        assert title(game).startswith("Program · 1 error, the old version")
+        assert title(game).startswith("Program · 1 error · ")
 
 
 def underlined(game: Opened, row: int) -> list[str]:
     line = game.editor.get_line(row)
     styles = {str(game.editor._syntax[kind]) for kind in ("mistake", "odd")}
     return [line.plain[s.start : s.end] for s in line.spans if str(s.style) in styles]
+
+
+def is_first(game: Opened, line: int) -> bool:
+    return f" line {line}, column" in next(s for s in game.screen().splitlines() if " column " in s)
 
 
 def is_at(game: Opened, row: int) -> bool:
@@ -249,7 +267,7 @@ async def test_mistakes_are_marked_when_the_keys_rest_and_can_be_reached(data_di
         await game.press("2")
         game.editor.move_cursor((1, len("  Sens")))
         await game.press("delete")
-        await game.until(lambda: title(game).startswith("Program · not applied, 1 error"))
+        await game.until(lambda: title(game).startswith("Program · 1 error · "))
         assert underlined(game, 1) == ["Sensr"]
         await game.sees("✗ line 2, column 3")
         assert game.session.state.applied == STILL
@@ -257,9 +275,7 @@ async def test_mistakes_are_marked_when_the_keys_rest_and_can_be_reached(data_di
         assert not game.shows("✗")
         game.editor.put(WRONG)  # what was checked is applied at once
         await game.sees("✗ line 3")
-        await game.press("f4")
-        told = "Program · 1 error, the old version is still running"
-        await game.until(lambda: title(game).startswith(told))
+        await game.press("f4", until=lambda: game.session.state.phase == "mistake")
         misspelt = STILL.replace("Sensor(", "Sensr(")
         game.editor.put(misspelt)
         await game.until(lambda: game.session.state.checked == misspelt)
@@ -279,7 +295,10 @@ async def test_mistakes_are_marked_when_the_keys_rest_and_can_be_reached(data_di
         assert checked == [game.editor.text]
         game.editor.put(f"{ODD}A(x) :- Nothing(x);\nB(x) :- Nowhere(x);\n")
         await game.sees("2 errors, 1 warning   ^G", "! line 3", "✗ line 6")
-        assert title(game).startswith("Program · not applied, 2 errors, 1 warning · ")
+        assert title(game).startswith("Program · 2 errors · ")
+        for row in (5, 2):  # the message of the cursor's line is the first
+            game.editor.move_cursor((row, 0))
+            await game.until(partial(is_first, game, row + 1))
         lines = game.screen().splitlines()
         row = next(row for row, line in enumerate(lines) if "✗ line 6" in line)
         await game.click(offset=(lines[row].index("✗ line 6") + 3, row))
