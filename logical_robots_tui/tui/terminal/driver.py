@@ -49,6 +49,7 @@ _STRING_END = re.compile(r"\x07|\x1b\\|\x1b(?=.)|[\x00-\x1a\x1c-\x1f]", re.DOTAL
 
 _PASTE_BEGIN, _PASTE_END = "\x1b[200~", "\x1b[201~"
 
+_CONTINUATIONS = tuple("[]OP^_X")  # of an escape sequence
 _SEQUENCE = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]\Z")
 
 
@@ -156,8 +157,18 @@ class TolerantParser(XTermParser):
     """Textual's key parser, changed to drop what it does not understand.
 
     Textual's raises an error for a key beyond Unicode, and for a mouse event without terminal
-    size.
+    size. It takes a letter within 100 ms of escape for one with Alt, which terminals send at once.
     """
+
+    _is_escape_last = False
+
+    def feed(self, typed: str) -> Iterable[Message]:
+        awaits_more = self._is_escape_last and self._timeout_time is not None
+        if awaits_more and not typed.startswith(_CONTINUATIONS):
+            self._timeout_time = 0.0
+            yield from self.tick()
+        self._is_escape_last = typed.endswith("\x1b")
+        yield from super().feed(typed)
 
     def parse_mouse_code(self, code: str) -> Message | None:
         try:

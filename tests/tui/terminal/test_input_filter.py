@@ -61,6 +61,8 @@ def test_keys_are_what_they_were() -> None:
     sent = (b"\x1b[A", b"\x1b[[A", b"\x1b[1;5A", b"\x1b[3~", b"\x1b[97;5u", b"\x1bOP", "ü".encode())
     keys = ["up", "f1", "ctrl+up", "delete", "ctrl+a", "f1", "ü"]
     assert [Input().take(key).keys for key in sent] == [[key] for key in keys]
+    for rest, keys in ((b"n", ["escape", "n"]), (b"[A", ["up"]), (b"OP", ["f1"]), (b"", [])):
+        assert Input().take(b"\x1b").take(rest).keys == keys
 
 
 def test_what_a_terminal_says_in_several_parts_is_no_typing() -> None:
