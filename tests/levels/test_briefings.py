@@ -31,9 +31,11 @@ def the_fire_stays_out() -> bool:
     return any(fires) and not any(fires[900:])
 
 
-def all_follow_amber() -> bool:
-    *_, last = moments("08-formation", step("08-formation", "briefing"), 1500)
-    return {memory["leader"] for memory in last.memories.values()} == {"Amber"}
+def all_hear_of_amber_and_two_only_from_each_other() -> bool:
+    *_, last = moments("08-formation", step("08-formation", "briefing"), 800)
+    guides = {name: memory["guide"] for name, memory in last.memories.items()}
+    circle = (guides["Coral"], guides["Olive"]) == ("Olive", "Coral")
+    return circle and {memory["leader"] for memory in last.memories.values()} == {"Amber"}
 
 
 def ada_sees_the_key() -> bool:
@@ -99,7 +101,7 @@ TRIED = {
     "04-everybody-home": ("steer to the beacon", each_comes_home_at_some_time),
     "05-lighthouse": ("keep wreckers out", no_ship_stays_at_a_wreckers_light),
     "07-station-management": ("Firefighter := Worker", the_fire_stays_out),
-    "08-formation": ("adopt the leader", all_follow_amber),
+    "08-formation": ("hear of the leader", all_hear_of_amber_and_two_only_from_each_other),
     "11-the-gate": ('begin phase "fetch" and seek only the key', ada_sees_the_key),
     "10-distributed-mapping": ("let Atlas put all", atlas_has_a_map),
     "12-power-line": ("drive to a station in sight", volta_gets_home),
