@@ -63,8 +63,8 @@ HAVE_THE_IDEA = {
     ),
     # A hand on the wall.
     "03-the-long-hall": ("station-management-starter", "steering", "wall-crawler"),
-    # They stop at a beacon that is called "Home", too.
-    "04-everybody-home": ("power-line", "power-line-starter"),
+    # They stop at a beacon that is called "Home", too, or drive through it one behind another.
+    "04-everybody-home": ("formation-starter", "power-line", "power-line-starter"),
 }
 """Programs of other levels that win a level, because they have its idea."""
 
