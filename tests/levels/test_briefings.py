@@ -44,13 +44,15 @@ def ada_sees_the_key() -> bool:
     return not gate.active and min(moment.to("Key", "Ada") for moment in found) < 40
 
 
-def atlas_has_a_map() -> bool:
+def all_remember_roads_of_true_lengths() -> bool:
     name = "10-distributed-mapping"
-    *_, last = moments(name, step(name, "briefing"), 1200)
-    far = {place["label"]: place["far"] for place in last.memories["Atlas"]["places"]}
-    level = load_level(name)
-    base, near = ((b.x, b.y) for b in level.beacons if b.name in ("Base", "B15"))
-    return len(far) > 40 and far["B15"] == pytest.approx(dist(base, near), rel=0.1)
+    *_, last = moments(name, step(name, "briefing"), 200)
+    places = {beacon.name: (beacon.x, beacon.y) for beacon in load_level(name).beacons}
+    roads = [memory["roads"] for memory in last.memories.values()]
+    return min(map(len, roads)) > 50 and all(
+        road["length"] == pytest.approx(dist(places[road["start"]], places[road["finish"]]), abs=12)
+        for road in roads[0]
+    )
 
 
 def volta_gets_home() -> bool:
@@ -103,7 +105,7 @@ TRIED = {
     "07-station-management": ("Firefighter := Worker", the_fire_stays_out),
     "08-formation": ("hear of the leader", all_hear_of_amber_and_two_only_from_each_other),
     "11-the-gate": ('begin phase "fetch" and seek only the key', ada_sees_the_key),
-    "10-distributed-mapping": ("let Atlas put all", atlas_has_a_map),
+    "10-distributed-mapping": ("let all remember the roads", all_remember_roads_of_true_lengths),
     "12-power-line": ("drive to a station in sight", volta_gets_home),
     "13-swarm": ("once settled, stay settled", more_settle_and_all_stay_settled),
     "09-doors": ("a predicate Reach has the archive", reach_grows_from_the_archive),

@@ -16,9 +16,6 @@ TICKS = (1, 40, 300)
 ROBOTS = 3
 """No more are compared: DuckDB is asked for each alone, compiling included."""
 
-NO_TYPE_FOUND = {"distributed-mapping-starter"}
-"""The package's inference of types, which its SQLite does without, gives up on it."""
-
 ANY_OF_EQUAL_ONES = {"lighthouse-starter", "breadcrumbs-starter"}
 """Go for the nearest of several things; of equally near ones DuckDB may take any."""
 
@@ -36,8 +33,7 @@ def pairs() -> list[tuple[str, str]]:
     return [
         (level, name)
         for level, name in found
-        if name not in ANY_OF_EQUAL_ONES | NO_TYPE_FOUND
-        and "Memory(" not in load_program(name).text
+        if name not in ANY_OF_EQUAL_ONES and "Memory(" not in load_program(name).text
     ]
 
 
