@@ -17,6 +17,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from logical_robots_tui.tui.app.ui import widget_at
+from logical_robots_tui.tui.commands.keymap import key_of
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.wording import visible
 
@@ -113,9 +114,10 @@ class Pane(Container):
         self._set_border_title()
 
     def _set_border_title(self) -> None:
-        """Leave out the heading where it would cut what is beside it."""
+        """Put the pane's key for its heading where that would cut what is beside it."""
         has_room = cell_len(self.label) <= self.outer_size.width - _TITLE_EDGES
-        self.border_title = Content(self.label if has_room or not self._note else self._note)
+        short = f"{key_of(self.command_id)} · {self._note}"
+        self.border_title = Content(self.label if has_room or not self._note else short)
 
 
 _TITLE_EDGES = 6  # columns of the border beside its title

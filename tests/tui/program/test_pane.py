@@ -52,7 +52,7 @@ async def test_a_message_of_an_error_never_covers_it_and_goes_with_it(
 
 
 async def test_an_error_that_is_noticed_late_is_told_beside_the_map(data_dir: Path) -> None:
-    name, size = "a-name-of-24-characters-", (80, 24)
+    name, size = "a-name-of-23-characters", (80, 24)
     async with opened(data_dir, text=STILL, size=size, name=name, ready=True) as game:
         await game.press("2")
         game.editor.put(WRONG)
@@ -61,7 +61,7 @@ async def test_an_error_that_is_noticed_late_is_told_beside_the_map(data_dir: Pa
         await game.press("space", "space", sees="yours has 1 error, ^G goes to line 3.")
         await game.press("ctrl+g", sees="✗ line 3, column", until=lambda: is_at(game, 2))
         await game.press("escape", sees_no="goes to line 3")
-        await game.resize(100, 30, sees=f"─ 1 error · {name}* ─")
+        await game.resize(100, 30, sees=f"─ 2 · 1 error · {name}* ─")
         await game.resize(120, 40, sees=f"─ Program · 1 error · {name}* ─")
 
 
