@@ -41,12 +41,14 @@ MEASURES: dict[str, Callable[[Result], float | None]] = {
     "distance": lambda result: result.distance,
     "size": lambda result: result.size or None,
     "steps": lambda result: result.steps and result.steps / result.ticks,
+    "home": lambda result: result.home,
+    "time_home": lambda result: result.time_home,
     "rules": lambda result: result.rules or None,  # in folders of earlier versions
 }
 """Measures of a run that need no query."""
 
 BUILT_IN = tuple(MEASURES)[:4]
-"""Those of gradings, and of sweeps that choose none."""
+"""Those of sweeps that choose none."""
 
 Digest: TypeAlias = Annotated[str, msgspec.Meta(pattern="^([0-9a-f]{64})?$")]
 Ticks: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10**9)]

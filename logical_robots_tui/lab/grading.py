@@ -37,6 +37,7 @@ from logical_robots_tui.world.levels.load import read_level
 _LONGEST_FILE = 60
 _MOST_ENDS = 8  # robots of a level of which feedback tells the end
 NOT_RUN = "not run yet"
+_UNMEASURED = "an earlier version ran it and did not measure this; grade into another folder"
 _NO_PROGRAM = "no program for this level was found"
 _MISSING = (NOTHING, UNMATCHED, UNCLEAR, _NO_PROGRAM)
 
@@ -68,6 +69,15 @@ Draw: TypeAlias = Callable[[Level, Mapping[str, Sequence[tuple[float, float]]]],
 """Draws a level with the paths of robots as SVG."""
 
 
+_PURPOSES = {
+    "won": "winning",
+    "starts": "varied starts",
+    "home": "robots home",
+    "time_home": "time home",
+    "best_start": "the best start",
+}
+
+
 class PointsPart(msgspec.Struct, frozen=True):
     """A part of a level's points, such as that for its ticks, and the reason for them."""
 
@@ -77,7 +87,7 @@ class PointsPart(msgspec.Struct, frozen=True):
     said: str
 
     def __str__(self) -> str:
-        purpose = {"won": "winning", "starts": "varied starts"}.get(self.name, self.name)
+        purpose = _PURPOSES.get(self.name, self.name)
         return f"{self.points:g} of {self.most:g} points for {purpose}: {self.said}."
 
 
@@ -145,7 +155,7 @@ class Grade(msgspec.Struct, frozen=True):
 def grades_of(records: RunRecords) -> list[Grade]:
     manifest = records.manifest
     assignment = _assignment_of(manifest)
-    cells = {(cell.student, cell.level_name) for cell in manifest.cells}
+    cells = {(cell.student, cell.level_name): cell for cell in manifest.cells}
     runs: dict[tuple[str, str], list[RunRecord]] = defaultdict(list)
     for run in records.finished:
         runs[run.cell.student, run.cell.level_name].append(run)
@@ -163,8 +173,9 @@ def grades_of(records: RunRecords) -> list[Grade]:
                 missing = NOTHING if student.remarks[0] == NOTHING else UNMATCHED
             elif missing and student.is_unclear:
                 missing = UNCLEAR
-            level = _level(manifest, assignment, name, level_table.points, missing, results)
-            failure = failed.get(key, "")
+            ticks = cells[key].ticks if key in cells else 0
+            level = _level(manifest, assignment, name, level_table.points, ticks, missing, results)
+            failure = failed.get(key, level.failure)
             levels.append(msgspec.structs.replace(level, file=file, failure=failure))
         kept_share, _ = assignment.late.rule(student)
         maximum = sum(level_table.points for level_table in assignment.level)
@@ -201,6 +212,7 @@ def _level(
     assignment: Assignment,
     name: str,
     maximum: float,
+    ticks: int,
     missing: str,
     results: dict[int, Result],
 ) -> LevelGrade:
@@ -215,10 +227,16 @@ def _level(
     )
     points: float | None = 0.0
     parts: tuple[PointsPart, ...] = ()
-    if missing in (UNMATCHED, UNCLEAR) or not (missing or is_over):
+    points_split = assignment.points
+    needs_home = points_split.home or points_split.time_home or points_split.best_start
+    is_unmeasured = any(
+        result.home is None and result.outcome != "does not compile" for result in results.values()
+    )
+    failure = _UNMEASURED if needs_home and is_unmeasured else ""
+    if missing in (UNMATCHED, UNCLEAR) or not (missing or is_over) or failure:
         points = None
     elif is_run:
-        parts = tuple(_parts(assignment, name, maximum, first, wins, manifest.starts, bool(varied)))
+        parts = tuple(_parts(assignment, name, maximum, ticks, results, manifest.starts))
         points = sum(part.points for part in parts)
     messages = [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes]
     if first.first is not None:
@@ -247,6 +265,7 @@ def _level(
         tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
         tuple(questions),
         first.ticks,
+        failure=failure,
     )
 
 
@@ -261,14 +280,15 @@ def _parts(
     assignment: Assignment,
     name: str,
     maximum: float,
-    first: Result,
-    wins: int,
+    ticks: int,
+    results: Mapping[int, Result],
     starts: int,
-    is_tried: bool,
 ) -> Iterator[PointsPart]:
     """Yield the parts of a level's points that count, not rounded."""
     reference = next(iter(reference_table().get(name, {}).values()), None)  # the solution
+    first, is_tried = results[0], len(results) > 1
     is_won = first.outcome == "won"
+    wins = sum(bool(start) and result.outcome == "won" for start, result in results.items())
     split: dict[str, float] = msgspec.to_builtins(assignment.points)
     for part in [part for part, share in split.items() if share]:
         share, text = float(is_won), f"{'' if is_won else 'not '}won from the given start"
@@ -283,6 +303,16 @@ def _parts(
             text = (
                 f"{count_of(count, unit)}; the reference program has {best:,}" if is_won else text
             )
+        elif part == "time_home":
+            # The reference is home with all robots from its victory on, and was with some before.
+            best = max(0.0, 1 - (reference.ticks - 1) / ticks) if reference else 1.0
+            share = first.time_home or 0.0
+            text = f"{share:.1%} of the time; the reference program has at least {best:.1%}"
+            share = min(1.0, share / best) if best else float(is_won)
+        elif part in ("home", "best_start"):
+            considered = [first] if part == "home" else results.values()
+            share = max(result.home or 0.0 for result in considered)
+            text = f"{share:.0%} of the robots at once; the reference program has 100%"
         worth = maximum * split[part] / sum(split.values())
         yield PointsPart(part, worth * share, _round(worth), text)
 

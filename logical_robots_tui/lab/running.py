@@ -18,7 +18,7 @@ import msgspec
 from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.game.debugging.breakpoints import matching_rows, number_of
 from logical_robots_tui.game.diagnosing import diagnose_history
-from logical_robots_tui.game.frame import Frame, standing
+from logical_robots_tui.game.frame import Frame, goals, standing
 from logical_robots_tui.game.history.history import History
 from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.lab.tasks import (
@@ -44,7 +44,7 @@ from logical_robots_tui.mind import (
     ResultTable,
     Stopped,
 )
-from logical_robots_tui.world import Level, WorldState
+from logical_robots_tui.world import AreaState, Level, WorldState
 from logical_robots_tui.world.levels.load import read_level
 
 T = TypeVar("T")
@@ -154,6 +154,8 @@ class _TaskRunner:
             paths=_paths(history) if history else {},
             findings=self._findings(history, monitor) if history else (),
             steps=monitor.steps,
+            home=monitor.home(),
+            time_home=monitor.time_home(),
         )
 
     def _record_frame(self, history: History, is_over: IsOver, frame: Frame, mind: Mind) -> bool:
@@ -235,6 +237,8 @@ class _RunMonitor:
         self._slow: Counter[str] = Counter()  # by team: ticks with too many steps
         self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
         self._cells = self.steps = 0
+        self._areas: tuple[AreaState, ...] | None = None
+        self._first_share = self._share = self._most_share = self._sum_of_shares = 0.0
         self._places = [(robot.x, robot.y, 0) for robot in level.robots]
         self._deadline = thread_time() + runner.task.seconds
         self._answers = {measure: _Answers() for measure in (*questions, _UNTIL)}
@@ -258,6 +262,9 @@ class _RunMonitor:
             x, y, _ = self._places[number]
             if robot.x != x or robot.y != y:
                 self._places[number] = robot.x, robot.y, frame.tick
+        if frame.after.areas != self._areas:
+            self._note_home(frame.after)
+        self._sum_of_shares += self._share
         self.steps += mind.steps
         if self.steps > self._task.run_steps > 0:
             self.outcome = self.outcome or "too slow"
@@ -287,6 +294,19 @@ class _RunMonitor:
     def points(self) -> dict[str, float]:
         return {} if self._state is None else standing(self._level, self._state)
 
+    def home(self) -> float:
+        return float(self._has_won) or self._most_share
+
+    def time_home(self) -> float:
+        tick = self._state.tick if self._state is not None else 0
+        last_share = float(self._has_won) or self._share * (self.outcome == "nothing changes")
+        ticks = self._task.ticks
+        return (self._sum_of_shares + (ticks - tick) * last_share) / max(ticks, 1)
+
+    @property
+    def _has_won(self) -> bool:
+        return self._state is not None and self._state.won_at is not None
+
     def ends(self) -> tuple[End, ...]:
         pairs = zip(self._level.robots, self._places, strict=True)
         return tuple(End(bot.name, round(x, 1), round(y, 1), since) for bot, (x, y, since) in pairs)
@@ -295,6 +315,14 @@ class _RunMonitor:
         ticks = self._state.tick if self._state is not None else 0
         teams = [team.name for team in self._level.teams]
         return tuple(t for t in teams if self._slow[t] >= _SLOW_TICKS or self._failed[t] == ticks)
+
+    def _note_home(self, state: WorldState) -> None:
+        if self._areas is None:
+            self._first_share = _share_home(self._level, state, is_open=True)
+        self._areas = state.areas
+        gain = max(0.0, _share_home(self._level, state) - self._first_share)
+        self._share = gain and gain / (1 - self._first_share)
+        self._most_share = max(self._most_share, self._share)
 
     def _note(self, frame: Frame) -> None:
         notices = [(d.robot_name, notice) for d in frame.decisions for notice in d.notices]
@@ -354,6 +382,21 @@ class _RunMonitor:
 
 
 _UNTIL = QueryMeasure("until", "", 0)
+
+
+def _share_home(level: Level, state: WorldState, *, is_open: bool = False) -> float:
+    """Return the share of a goal's robots that are in it while it is active, or if `is_open`.
+
+    It is that of the best goal, or of all goals together where all are needed.
+    """
+    counts = [
+        (len(goal.inside) * (goal.active or is_open), len(goal.robots))
+        for goal in goals(level, state)
+    ]
+    if level.all_goals and counts:
+        inside, robots = map(sum, zip(*counts, strict=True))
+        return inside / robots
+    return max((inside / robots for inside, robots in counts), default=0.0)
 
 
 def _exact_state(frame: Frame) -> str:

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple, TypeAlias, TypeVar
+from typing import Annotated, Literal, NamedTuple, TypeAlias, TypeVar, get_args
 
 import msgspec
 
@@ -68,6 +68,9 @@ class Split(msgspec.Struct, frozen=True):
 
     won: Share = 1.0
     starts: Share = 0.0
+    home: Share = 0.0
+    time_home: Share = 0.0
+    best_start: Share = 0.0
     ticks: Share = 0.0
     size: Share = 0.0
 
@@ -122,6 +125,11 @@ class Columns(msgspec.Struct, frozen=True):
     points: str = ""
 
 
+Shown: TypeAlias = Literal[
+    "won", "starts", "home", "time_home", "best_start", "ticks", "size", "distance"
+]
+
+
 class AssignmentTable(msgspec.Struct, frozen=True):
     title: str = ""
     pattern: str = ""
@@ -132,9 +140,7 @@ class AssignmentTable(msgspec.Struct, frozen=True):
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = True
     roster: str = ""
-    show: list[Literal["won", "starts", "ticks", "size", "distance"]] = msgspec.field(
-        default_factory=lambda: ["won", "starts", "ticks", "size"]
-    )
+    show: list[Shown] = msgspec.field(default_factory=lambda: [*get_args(Shown)[:-1]])
 
 
 class GradeLimit(RunLimit, frozen=True):
@@ -251,7 +257,7 @@ def _levels(
         levels[level.name] = text, last
         if starter := shipped_texts().get(level.starter):
             starters[level.name] = normalise(starter)
-        for key in ("ticks", "size"):
+        for key in ("time_home", "ticks", "size"):
             if getattr(assignment.points, key) and reference_for(level) is None:
                 message = f"{level.name} has no reference program to compare {key} with"
                 spec.problem(("points", key), message)
@@ -461,7 +467,7 @@ def _manifest(
         spec.text,
         table.starts,
         table.given_first,
-        BUILT_IN,
+        (*BUILT_IN, "home", "time_home"),
         (),
         limits.steps,
         limits.seconds,

@@ -19,7 +19,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.measuring import patience_for
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.game.victory import reference_for
-from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, digest
+from logical_robots_tui.lab.folder import BUILT_IN, MEASURES, Cell, Manifest, digest
 from logical_robots_tui.lab.tasks import QueryMeasure, Reduction
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.toml_files import Bounds, Given, Path_, TomlFile
@@ -170,7 +170,7 @@ def read_experiment(spec: TomlFile) -> Experiment:
     return draft
 
 
-_AT_END = (*BUILT_IN, "steps")
+_AT_END = tuple(name for name in MEASURES if name != "rules")
 
 _COLUMNS = {
     *("run", "level", "program", "start", "outcome", "last_tick", "notices", "first_notice"),

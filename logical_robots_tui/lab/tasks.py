@@ -112,7 +112,9 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     earlier versions counted instead, `steps` those of all thoughts together, `notices` the number
     of ticks with a notice of each kind, `first` the first one (tick, robot, message). Teams in
     `forfeit` have lost because their programs failed. `peak` tells how many robots were home at
-    once, `paths` are points in map units by robot.
+    once, `paths` are points in map units by robot. `home` is the largest share of a goal's robots
+    that were in it at once, beyond those that began there, and `time_home` the mean share over all
+    ticks that the run may take, after a victory 1; None in results of earlier versions.
     """
 
     outcome: Outcome
@@ -131,6 +133,8 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     paths: dict[str, tuple[tuple[int, int], ...]] = {}
     findings: tuple[RunFinding, ...] = ()
     steps: int | None = None
+    home: float | None = None
+    time_home: float | None = None
 
 
 class WorkerAnswer(msgspec.Struct, frozen=True):

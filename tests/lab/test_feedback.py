@@ -62,6 +62,7 @@ def test_points_are_told_part_by_part(assignment: tuple[Path, Path], command: Co
     assert "logical-robots play 01-first-steps YOUR-PROGRAM" in lost
     # Each part of the points is told with its number and the reference.
     text = ASSIGNMENT.replace("by_hand", "#") + "[points]\nwon = 5\nticks = 3\nsize = 2\n"
+    text = text.replace("points = 10", "points = 20") + "home = 4\ntime_home = 3\nbest_start = 3\n"
     assignment[0].write_text(text.replace("keep = 0.5", ""))
     assert command("grade", *assignment, "-o", out, *TIMES).status == 0
     won, lost = ((out / f"feedback/{name}.md").read_text() for name in ("ben", "cem"))
@@ -74,6 +75,14 @@ def test_points_are_told_part_by_part(assignment: tuple[Path, Path], command: Co
     symbols = f"{size} symbols; the reference program has {first.size}.\n"
     assert f"- {points} of 2 points for size: {symbols}" in won
     assert "- 0 of 3 points for ticks: not won from the given start.\n" in lost
+    for share, part, words in (("100%", 1, won), ("0%", 0, lost)):
+        told = f"{share} of the robots at once; the reference program has 100%.\n"
+        assert f"- {4 * part} of 4 points for robots home: {told}" in words
+        assert f"- {3 * part} of 3 points for the best start: {told}" in words
+    best = 100 * (1 - (first.ticks - 1) / (2 * first.ticks + 200))
+    told = f"of the time; the reference program has at least {best:.1f}%.\n"
+    assert f"- 3 of 3 points for time home: {best:.1f}% {told}" in won
+    assert f"- 0 of 3 points for time home: 0.0% {told}" in lost
 
 
 HOUR = 3600

@@ -70,6 +70,45 @@ def test_stopping_early_says_nothing_else_than_the_whole_run() -> None:
     assert later.distance == at_end.distance
 
 
+ROBOT = '[[robots]]\nname = "{}"\nx = {}\ny = 50\nheading = {}\n'
+HOME = lane("Three").replace('["Ada"]', '["Ada", "Ben", "Cem"]').replace("x = 30", "x = 40")
+HOME += ROBOT.format("Ben", 90, 0) + ROBOT.format("Cem", 140, 180)
+CLOSED = HOME.replace("goal_for", 'on_beacon = "Lamp"\ngoal_for').replace("180", "0")
+CLOSED += '[[beacons]]\nname = "Lamp"\nx = 22\ny = 50\n'  # behind everybody
+TWO_GOALS = "all_goals = true\n" + HOME.replace('"Ben", "Cem"]', '"Ben"]')
+TWO_GOALS += '[[areas]]\nname = "Start"\nx = 140\ny = 50\nradius = 20\ngoal_for = ["Cem"]\n'
+
+
+@pytest.mark.parametrize(
+    ("level", "drivers", "home", "is_brief"),
+    [
+        (HOME, "", 0, False),  # Ben began in the goal
+        (HOME, '"Ada"', 1 / 2, True),
+        (HOME, '"Ben"', 0, False),
+        (HOME, '"Ada", "Ben"', 0, False),  # one came, but the other left
+        (HOME, '"Ada", "Cem"', 1, False),
+        (CLOSED, '"Ada"', 0, False),
+        (TWO_GOALS, "", 0, False),
+        (TWO_GOALS, '"Cem"', 0, False),
+        (TWO_GOALS, '"Ada"', 1, False),
+        (HOME.replace("goal_for", "# "), '"Ada"', 0, False),
+    ],
+)
+def test_progress_is_measured_beyond_those_who_began_in_the_goal(
+    level: str, drivers: str, home: float, is_brief: bool
+) -> None:
+    program = f"""
+        Robot(robot_name:, desire: {{left_engine: power, right_engine: power}}, memory: "") :-
+          Sensor(robot_name:), power == (if robot_name in ["", {drivers}] then 1 else 0);
+    """.replace(", ]", "]")
+    result = only(execute(task(program, level=level)))
+    assert (result.outcome == "won") == (home == 1)
+    assert result.home == pytest.approx(home)
+    assert result.time_home is not None
+    share = (1 - result.ticks / 300) if home == 1 else 0.1 if is_brief else 0
+    assert result.time_home == pytest.approx(share, abs=0.1 * bool(home))
+
+
 def test_a_program_with_too_many_steps_in_each_tick_is_ended() -> None:
     text = "N(x) :- x in Range(2000);\n" + STILL.format(
         "Sum{x * y :- N(x), N(y)} + sensor.clock", '""', SENSOR
