@@ -12,7 +12,7 @@ from textwrap import wrap
 from typing import NamedTuple
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.source import shipped_texts
+from logical_robots_tui.game.source import reference_names, shipped_texts
 from logical_robots_tui.lab.exporting import (
     ResultTable,
     Row,
@@ -27,7 +27,7 @@ from logical_robots_tui.lab.folder import Cell, Folder, Manifest, Student
 from logical_robots_tui.lab.grading import NOT_RUN, LevelGrade, duplicates, grades_of
 from logical_robots_tui.lab.submissions import account_of
 from logical_robots_tui.language.reference import REFERENCE
-from logical_robots_tui.language.source_text import symbols_of
+from logical_robots_tui.language.source_text import PUNCTUATION, lexemes_of
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.schema import INPUTS, MAIN, RECORDS
 from logical_robots_tui.world.levels.load import read_level
@@ -36,7 +36,9 @@ ALIKE = 0.7
 """The score from which two programs are reported as similar."""
 
 _GRAM = 4  # symbols in a row that are compared
-_FEWEST = 12  # grams of one's own that make a program comparable
+_FEWEST = 6  # grams of one's own that make a program comparable
+_MOST_INLINED = 20_000  # lexemes looked at or written where helpers are inlined
+_MOST_HELPERS = 20  # within each other
 _LONGEST = 20_000  # characters of a program that are compared
 _MOST_TEXTS = 20  # pairs whose texts are in the report
 
@@ -171,18 +173,23 @@ def ungraded_lines(records: RunRecords) -> list[str]:
 
 
 class SimilarPair(NamedTuple):
-    """Two programs of a level that are similar; the score of equal ones is 1."""
+    """Two programs of a level that are similar; the score of equal ones is 1.
+
+    The other one is of students, or the game's `reference` program.
+    """
 
     level: str
     score: float
     first: tuple[Cell, ...]
-    second: tuple[Cell, ...]
+    second: tuple[Cell, ...] = ()
+    reference: str = ""
 
 
 def similar_pairs(folder: Folder, manifest: Manifest) -> list[SimilarPair]:
     """Return programs whose `likeness` is at least `ALIKE`, the most similar first.
 
-    What the level's starter has does not count. Raises InputError.
+    They are compared with each other and with the solution and the reference programs of the
+    level. What its starter has does not count. Raises InputError.
     """
     owners: dict[str, dict[str, list[Cell]]] = defaultdict(lambda: defaultdict(list))
     for cell in manifest.cells:
@@ -191,22 +198,27 @@ def similar_pairs(folder: Folder, manifest: Manifest) -> list[SimilarPair]:
     pairs = []
     for level, texts in owners.items():
         first_cell = next(iter(texts.values()))[0]
-        starter = read_level(folder.text(first_cell.level), level).starter
-        starter_shape = _shape(shipped_texts().get(starter or "", ""))
+        parsed_level = read_level(folder.text(first_cell.level), level)
+        starter_shape = _shape(shipped_texts().get(parsed_level.starter, ""))
         own_shapes = {text: shapes[text] - starter_shape for text in texts}
         for first, second in combinations(own_shapes, 2):
             score = _score(own_shapes[first], own_shapes[second])
             if score >= ALIKE:
                 pairs.append(SimilarPair(level, score, tuple(texts[first]), tuple(texts[second])))
+        for name in reference_names(parsed_level.solution):
+            reference_shape = _shape(shipped_texts().get(name, "")) - starter_shape
+            for text, shape in own_shapes.items():
+                if (score := _score(shape, reference_shape)) >= ALIKE:
+                    pairs.append(SimilarPair(level, score, tuple(texts[text]), reference=name))
     return sorted(pairs, key=lambda pair: -pair.score)
 
 
 def likeness(first: str, second: str, starter: str = "") -> float:
     """Return how alike two programs are, 0 to 1, without the code of a starter.
 
-    The score is the share of symbols in a row that both have, in any order of statements: once
-    with numbers and texts, once without. Own names of predicates, variables and fields do not
-    count. Programs with too little of their own have 0.
+    The score is the share of symbols in a row that both have, in any order of statements. Numbers,
+    texts, and own names of predicates, variables and fields do not count, and helpers are
+    inlined. Programs with too little of their own have 0.
     """
     return _score(_shape(first) - _shape(starter), _shape(second) - _shape(starter))
 
@@ -220,7 +232,7 @@ def _score(first: Counter[tuple[str, ...]], second: Counter[tuple[str, ...]]) ->
 
 @cache
 def _names() -> frozenset[str]:
-    """Return the names of the language and of its inputs, fields as in `symbols_of`."""
+    """Return the names of the language and of its inputs, fields as in `_symbols`."""
     fields = [name for names in INPUTS.values() for name in names]
     fields += ["desire", *(name for record in RECORDS for name in record.names)]
     names = [MAIN, *INPUTS, "if", "in", "true", "false", "null", *(f.name for f in REFERENCE)]
@@ -230,12 +242,85 @@ def _names() -> frozenset[str]:
 def _shape(text: str) -> Counter[tuple[str, ...]]:
     """Count the sequences of symbols, with own names replaced by their order."""
     counts: Counter[tuple[str, ...]] = Counter()
-    for symbols in symbols_of(text[:_LONGEST]):
-        masked = ["#" if re.match(r"[\d\"'`]", symbol) else symbol for symbol in symbols]
-        for sequence in (symbols, masked):
-            for start in range(max(1, len(sequence) - _GRAM + 1)):
-                counts[_without_names(sequence[start : start + _GRAM])] += 1
+    for statement in _inlined([*lexemes_of(text[:_LONGEST])]):
+        symbols = _symbols(statement)
+        for start in range(max(1, len(symbols) - _GRAM + 1)):
+            counts[_without_names(symbols[start : start + _GRAM])] += 1
     return counts
+
+
+def _symbols(lexemes: Sequence[str]) -> list[str]:
+    """Return the symbols of a statement, fields as ``.x`` or ``x:``, literals as ``#``."""
+    symbols = []
+    for last, lexeme, follower in _neighbours(lexemes):
+        if lexeme.isidentifier() and lexeme not in PUNCTUATION:
+            symbols.append("." * (last == ".") + lexeme + ":" * (follower == ":"))
+        elif lexeme not in PUNCTUATION:
+            symbols.append("#" if re.match(r"[\d\"'`]", lexeme) else lexeme)
+    return symbols
+
+
+def _neighbours(lexemes: Sequence[str]) -> Iterator[tuple[str, str, str]]:
+    """Return lexemes between the one to the left of each and the one to the right."""
+    return zip(["", *lexemes], lexemes, [*lexemes[1:], ""], strict=False)
+
+
+def _inlined(statements: Sequence[list[str]]) -> list[list[str]]:
+    """Return a program's statements with predicates of one rule where they are called."""
+    heads = Counter(lexemes[0] for lexemes in statements)
+    helpers: dict[str, tuple[list[str], list[str]]] = {}
+    for lexemes in statements:
+        parameters, end = _arguments(lexemes, 1)
+        is_rule = lexemes[end : end + 1] in ([":-"], ["="]) and heads[lexemes[0]] == 1
+        is_plain = all(parameter[1:] in ([], [":"]) for parameter in parameters)
+        if is_rule and is_plain and lexemes[0] != MAIN:
+            helpers[lexemes[0]] = [parameter[0] for parameter in parameters], lexemes[end + 1 :]
+    called: set[str] = set()
+    budget = _MOST_INLINED
+
+    def inline(lexemes: list[str], path: tuple[str, ...]) -> list[str]:
+        nonlocal budget
+        result, index = lexemes[:1], 1
+        while index < len(lexemes):
+            name = lexemes[index]
+            result.append(name)
+            index += 1
+            if name not in helpers or name in path or len(path) > _MOST_HELPERS or budget < 0:
+                continue
+            arguments, end = _arguments(lexemes, index)
+            parameters, body = helpers[name]
+            values = dict(zip(parameters, arguments, strict=False))
+            values |= {a[0]: a[2:] or a[:1] for a in arguments if a[1:2] == [":"]}
+            budget -= end - index + sum(len(values.get(lexeme, "-")) for lexeme in body)
+            if end == index or budget < 0:
+                continue
+            bound = [name]
+            for last, lexeme, follower in _neighbours(body):
+                is_field = last == "." or follower == ":"
+                bound += [lexeme] if is_field else values.get(lexeme, [lexeme])
+            called.add(name)
+            result[-1:] = inline(bound, (*path, name))[1:]
+            index = end
+        return result
+
+    results = [inline(lexemes, (lexemes[0],)) for lexemes in statements]
+    return [lexemes for lexemes in results if lexemes[0] not in called]
+
+
+def _arguments(lexemes: Sequence[str], start: int) -> tuple[list[list[str]], int]:
+    """Return what is between commas in the bracket at an index, if there is one, and its end."""
+    arguments: list[list[str]] = [[]]
+    depth = 0
+    for index in range(start, len(lexemes)):
+        lexeme = lexemes[index]
+        depth += (lexeme in "([{") - (lexeme in ")]}")
+        if not depth:
+            return [a for a in arguments if a], index + (index > start)
+        if depth == 1 and lexeme == ",":
+            arguments.append([])
+        elif index > start:
+            arguments[-1].append(lexeme)
+    return [], len(lexemes)
 
 
 def _without_names(symbols: Sequence[str]) -> tuple[str, ...]:
@@ -248,12 +333,17 @@ def _without_names(symbols: Sequence[str]) -> tuple[str, ...]:
     )
 
 
+_REFERENCE = "the game's program"
+
+
 def similar_table(folder: Folder, manifest: Manifest) -> ResultTable:
     rows: list[Row] = []
     names = {student.id: student.name for student in manifest.students}
-    for level, score, *pair in similar_pairs(folder, manifest):
+    for level, score, *pair, reference in similar_pairs(folder, manifest):
         sides = [[cell.student for cell in cells] for cells in pair]
         labels = [*map(", ".join, sides), *(", ".join(names[s] for s in side) for side in sides)]
+        if reference:
+            labels[1::2] = reference, _REFERENCE
         rows.append((level, round(score, 2), *labels))
     return ResultTable(("level", "score", "one", "other", "one_name", "other_name"), rows)
 
@@ -310,16 +400,24 @@ def _similar_parts(folder: Folder, manifest: Manifest, names: Mapping[str, str])
     if not pairs:
         return
     intro = (
-        "The share that is the same but for own names and the order of rules, without the level's "
-        "starter. It is a reason to look, not a proof."
+        "The share that is the same but for own names, numbers, helpers and the order of rules, "
+        "without the level's starter. It is a reason to look, not a proof."
     )
-    labels = [[", ".join(names[c.student] for c in side) for side in pair[2:]] for pair in pairs]
+    labels = [
+        [
+            ", ".join(names[cell.student] for cell in side) or f"{_REFERENCE} {pair.reference}"
+            for side in (pair.first, pair.second)
+        ]
+        for pair in pairs
+    ]
     rows = [(as_percent(p.score), p.level, *sides) for p, sides in zip(pairs, labels, strict=True)]
     yield table_section("Similar programs", ("alike", "level", "students", "and"), rows, intro)
     for pair, sides in list(zip(pairs, labels, strict=True))[:_MOST_TEXTS]:
         title = f"{as_percent(pair.score)}, {pair.level}: {sides[0]} and {sides[1]}"
         yield f"<details><summary>{escape_html(title)}</summary><div class=beside>"
-        for cells, label in zip(pair[2:], sides, strict=True):
+        for cells, label in zip((pair.first, pair.second), sides, strict=True):
+            if not cells:
+                continue  # a reference program is a secret
             text = folder.text(cells[0].own or cells[0].program)
             lines = "\n".join(map(escape_html, text.splitlines()))
             yield f"<div><p>{escape_html(label)}</p><pre>{lines}</pre></div>"

@@ -35,13 +35,13 @@ _TOKEN = re.compile(
     r"|(?P<sign>[(){}\[\];])|[^#/\"'`(){}\[\];]+|.",
     re.DOTALL,
 )
-_SYMBOL = re.compile(
-    r"(?P<none>:-|\b(?:then|else|distinct)\b)"
-    r'|"{3}.*?"{3}|"[^"]*"|`[^`]*`|\d+\.\d+|is\s+not\b|\w+'
-    r"|[-:=!<>]=|[-=]>|&&|\|\||\+\+|[-+*/%^=<>!~|]",
+_LEXEME = re.compile(
+    r':-|"{3}.*?"{3}|"[^"]*"|`[^`]*`|\d+\.\d+|is\s+not\b|\w+'
+    r"|[-:=!<>]=|[-=]>|&&|\|\||\+\+|[][(){},.:?]|[-+*/%^=<>!~|]",
     re.DOTALL,
 )
-_COLON = re.compile(r"\s*:(?![-=])")
+PUNCTUATION = frozenset([*"()[]{},.:?", ":-", "then", "else", "distinct"])
+"""Lexemes that are no symbols."""
 
 # Substitutes in texts for the parser, which knows no single quotes.
 _INNER_QUOTE = "\ue022"
@@ -133,23 +133,15 @@ def size_of(text: str) -> int:
     These are the leaves and operators of its tree, counted as tokens, which takes no parser.
     Punctuation, ``:-``, ``then``, ``else``, ``distinct``, comments and annotations don't count.
     """
-    return sum(map(len, symbols_of(text)))
+    return sum(lexeme not in PUNCTUATION for line in lexemes_of(text) for lexeme in line)
 
 
-def symbols_of(text: str) -> Iterator[list[str]]:
-    """Yield the symbols of each statement, as `size_of` counts them; fields as ``.x`` or ``x:``."""
+def lexemes_of(text: str) -> Iterator[list[str]]:
+    """Yield names, literals, operators and punctuation of each statement but annotations."""
     source = prepare(text)
     for start, stop in statements(source):
         if source.text[start] != "@":
-            matches = _SYMBOL.finditer(source.text, start, stop)
-            yield [_as_field(source.text, match) for match in matches if match.lastgroup is None]
-
-
-def _as_field(text: str, symbol: re.Match[str]) -> str:
-    start, stop = symbol.span()
-    dot = "." if text[start - 1 : start] == "." else ""
-    colon = ":" if _COLON.match(text, stop) and symbol.group().isidentifier() else ""
-    return f"{dot}{symbol.group()}{colon}"
+            yield _LEXEME.findall(source.text, start, stop)
 
 
 def with_whole_brackets(skeleton: str, start: int, stop: int) -> tuple[int, int]:

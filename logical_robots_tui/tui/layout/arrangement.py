@@ -115,9 +115,10 @@ class Pane(Container):
 
     def _set_border_title(self) -> None:
         """Put the pane's key for its heading where that would cut what is beside it."""
-        has_room = cell_len(self.label) <= self.outer_size.width - _TITLE_EDGES
-        short = f"{key_of(self.command_id)} · {self._note}"
-        self.border_title = Content(self.label if has_room or not self._note else short)
+        title = self.label
+        if self._note and cell_len(title) > self.outer_size.width - _TITLE_EDGES:
+            title = f"{key_of(self.command_id)} · {self._note}"
+        self.border_title = Content(title)
 
 
 _TITLE_EDGES = 6  # columns of the border beside its title

@@ -73,7 +73,7 @@ def test_where_the_locale_is_not_utf_8_all_is_drawn_in_ascii_and_the_game_says_s
         terminal.wait_for("This locale is not UTF-8")
         assert terminal.everything.isascii()
         assert "\\u" not in terminal.everything
-        assert "| Bring Ada through" in terminal.text
+        terminal.wait_for("| Bring Ada through")
         terminal.send("q")
         assert terminal.finish() == 0
         begun = re.findall(r"\x1b\[>\d+u", terminal.everything)
