@@ -74,7 +74,11 @@ def _sweep(options: argparse.Namespace) -> int:
     _path("assignment", "a TOML file"),
     _path("submissions", "a folder or an archive with one entry per student"),
     _OUTPUT,
-    command.option("--student", "ID", "run only this student, and print their feedback"),
+    command.option(
+        "--student",
+        "STUDENT",
+        "run only this one (an id, a name or a part), and print the feedback",
+    ),
     command.flag("--file-times", "late by the times of files, where a platform says nothing"),
     command.flag("--late-anyway", "grade even if more than half are late"),
     *_ENGINE,
