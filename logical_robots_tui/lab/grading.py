@@ -69,15 +69,6 @@ Draw: TypeAlias = Callable[[Level, Mapping[str, Sequence[tuple[float, float]]]],
 """Draws a level with the paths of robots as SVG."""
 
 
-_PURPOSES = {
-    "won": "winning",
-    "starts": "varied starts",
-    "home": "robots home",
-    "time_home": "time home",
-    "best_start": "the best start",
-}
-
-
 class PointsPart(msgspec.Struct, frozen=True):
     """A part of a level's points, such as that for its ticks, and the reason for them."""
 
@@ -87,7 +78,8 @@ class PointsPart(msgspec.Struct, frozen=True):
     said: str
 
     def __str__(self) -> str:
-        purpose = _PURPOSES.get(self.name, self.name)
+        purposes = {"won": "winning", "starts": "varied starts", "home": "robots home"}
+        purpose = purposes.get(self.name, self.name.replace("_", " "))
         return f"{self.points:g} of {self.most:g} points for {purpose}: {self.said}."
 
 
@@ -184,16 +176,8 @@ def grades_of(records: RunRecords) -> list[Grade]:
         if student.added and not assignment.assignment.over:
             so_far = min(so_far, maximum)
         ungraded = sum(level.points is None for level in levels)
-        grades.append(
-            Grade(
-                student,
-                tuple(levels),
-                None if ungraded else so_far,
-                so_far,
-                maximum,
-                ungraded,
-            )
-        )
+        points = None if ungraded else so_far
+        grades.append(Grade(student, tuple(levels), points, so_far, maximum, ungraded))
     return grades
 
 
@@ -300,9 +284,8 @@ def _parts(
             count, best = getattr(first, part), getattr(reference, part, 0)
             share = min(1.0, best / max(count, 1)) if is_won else 0.0
             unit = "tick" if part == "ticks" else "symbol"
-            text = (
-                f"{count_of(count, unit)}; the reference program has {best:,}" if is_won else text
-            )
+            if is_won:
+                text = f"{count_of(count, unit)}; the reference program has {best:,}"
         elif part == "time_home":
             # The reference is home with all robots from its victory on, and was with some before.
             best = max(0.0, 1 - (reference.ticks - 1) / ticks) if reference else 1.0

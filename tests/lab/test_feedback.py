@@ -80,7 +80,7 @@ def test_points_are_told_part_by_part(assignment: tuple[Path, Path], command: Co
     for share, part, words in (("100%", 1, won), ("0%", 0, lost)):
         told = f"{share} of the robots at once; the reference program has 100%.\n"
         assert f"- {4 * part} of 4 points for robots home: {told}" in words
-        assert f"- {3 * part} of 3 points for the best start: {told}" in words
+        assert f"- {3 * part} of 3 points for best start: {told}" in words
     best = 100 * (1 - (first.ticks - 1) / (2 * first.ticks + 200))
     told = f"of the time; the reference program has at least {best:.1f}%.\n"
     assert f"- 3 of 3 points for time home: {best:.1f}% {told}" in won
