@@ -153,8 +153,7 @@ class Goal(NamedTuple):
 class Peak(NamedTuple):
     """The most robots that were in their goals at once, of how many, and the first such tick.
 
-    That is in all goals, or in the one with the most if one is enough. None is in a goal that is
-    switched off.
+    That is in all goals, or in the one with the most if one is enough.
     """
 
     inside: int = 0
@@ -163,14 +162,7 @@ class Peak(NamedTuple):
 
     def with_tick(self, level: Level, state: WorldState) -> Peak:
         """Return the peak up to a tick after those of this one."""
-        counts = [
-            (area_state.active * len({*robots}.intersection(area_state.visitors)), len(robots))
-            for area, area_state in zip(level.areas, state.areas, strict=True)
-            if (robots := area.victory_robots)
-        ]
-        if level.all_goals and counts:
-            counts = [(sum(count for count, _ in counts), sum(total for _, total in counts))]
-        inside, total = max(counts, default=(0, 0))
+        inside, total = max(count_home(level, state), default=(0, 0))
         return Peak(inside, total, state.tick) if inside > self.inside else self
 
     @property
@@ -179,6 +171,24 @@ class Peak(NamedTuple):
         if not self.inside or self.total == 1:
             return ""
         return f"most at once: {self.inside} of {self.total}, tick {self.tick}"
+
+
+def count_home(level: Level, state: WorldState, *, is_open: bool = False) -> list[tuple[int, int]]:
+    """Return how many robots of a goal are in it, and of how many, by goal.
+
+    Where all goals are needed, they count together. None is in a goal that is switched off, unless
+    `is_open`.
+    """
+    counts = [
+        (len({*robots}.intersection(area_state.visitors)), len(robots))
+        if area_state.active or is_open
+        else (0, len(robots))
+        for area, area_state in zip(level.areas, state.areas, strict=True)
+        if (robots := area.victory_robots)
+    ]
+    if not level.all_goals:
+        return counts
+    return [(sum(inside for inside, _ in counts), sum(total for _, total in counts))]
 
 
 def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:

@@ -18,7 +18,7 @@ import msgspec
 from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.game.debugging.breakpoints import matching_rows, number_of
 from logical_robots_tui.game.diagnosing import diagnose_history
-from logical_robots_tui.game.frame import Frame, goals, standing
+from logical_robots_tui.game.frame import Frame, count_home, standing
 from logical_robots_tui.game.history.history import History
 from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.lab.tasks import (
@@ -385,18 +385,9 @@ _UNTIL = QueryMeasure("until", "", 0)
 
 
 def _share_home(level: Level, state: WorldState, *, is_open: bool = False) -> float:
-    """Return the share of a goal's robots that are in it while it is active, or if `is_open`.
-
-    It is that of the best goal, or of all goals together where all are needed.
-    """
-    counts = [
-        (len(goal.inside) * (goal.active or is_open), len(goal.robots))
-        for goal in goals(level, state)
-    ]
-    if level.all_goals and counts:
-        inside, robots = map(sum, zip(*counts, strict=True))
-        return inside / robots
-    return max((inside / robots for inside, robots in counts), default=0.0)
+    """Return the share of its robots that are in the best goal, as `count_home` counts them."""
+    counts = count_home(level, state, is_open=is_open)
+    return max((inside / total for inside, total in counts if total), default=0.0)
 
 
 def _exact_state(frame: Frame) -> str:

@@ -44,7 +44,7 @@ def listed(game: Opened) -> list[str]:
 
 async def inspect(game: Opened, name: str, **awaited: Unpack[Awaited]) -> None:
     options = choice(game)
-    await game.until(lambda: any(name in entry for entry in listed(game)))
+    await game.until(lambda: name in [option.id for option in options.options])
     options.highlighted = options.get_option_index(name)
     await game.wait(**awaited)
 

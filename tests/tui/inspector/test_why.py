@@ -121,7 +121,7 @@ async def test_one_goes_deeper_and_back_and_sees_the_place_in_the_program(data_d
         assert list(game.session.breakpoints) == [Breakpoint("change", "Robot", "Solo")]
         game.inspector.open("Speed")
         await game.press("w", "asterisk")
-        await game.sees("Choose a predicate with rows, or type a query first.")
+        await game.sees("Choose a predicate with rows")
         assert len(game.session.breakpoints) == 1
         await game.sees("Speed is a function of d: give a value for it.")
 
