@@ -15,6 +15,7 @@ import msgspec
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import (
     SPREADSHEET_MARK,
+    Parts,
     ResultTable,
     Row,
     RunRecord,
@@ -140,6 +141,8 @@ class Grade(msgspec.Struct, frozen=True):
     def points_text(self) -> str:
         if self.points is not None:
             return f"{self.points:g} of {self.most:g} points"
+        if self.ungraded == len(self.levels) and not self.so_far:
+            return "not graded yet"
         pending = count_of(self.ungraded, "level")
         return f"{self.so_far:g} of {self.most:g} points so far, {pending} not graded yet"
 
@@ -346,15 +349,15 @@ def export_grades(folder: Folder, records: RunRecords, draw: Draw | None = None)
             f"feedback/{name}.md": parts_as_markdown(manifest.title, parts),
             f"feedback/{name}.html": page,
             f"feedback/{name}.json": _json(record),
-            f"gradescope/{name}.json": _json(_gradescope(grade, show)),
+            f"gradescope/{name}.json": _json(_gradescope(grade, parts)),
         }
+        if len(grades) == 1:
+            files["results.json"] = files[f"gradescope/{name}.json"]
         for file, content in files.items():
             folder.put(folder.path / file, content)
     for old_file in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
         if old_file.stem not in names:
             old_file.unlink()  # of an earlier class list
-    if len(grades) == 1:
-        folder.put(folder.path / "results.json", _json(_gradescope(grades[0], show)))
     name_of = {student.id: student.name for student in manifest.students}
     duplicate_rows: list[Row] = [
         (level, len(ids), ", ".join(ids), ", ".join(name_of[s] for s in ids), text)
@@ -495,18 +498,16 @@ def _level_feedback(level: LevelGrade, show: Sequence[str]) -> list[str]:
     return sentences + list(level.messages)
 
 
-def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
-    tests = []
-    for level in grade.levels:
-        test: dict[str, Any] = {"name": level.level, "max_score": level.most}
-        if level.points is not None:
-            test["score"] = level.points
-        test["output"] = "\n".join(map(harmless_text, _level_feedback(level, show)))
-        tests.append(test)
-    sentences = [grade.points_text] * (grade.points is None) + grade.remarks
-    remarks = "\n".join(map(harmless_text, sentences))
+def _gradescope(grade: Grade, parts: Parts) -> dict[str, Any]:
+    """Return results in Gradescope's format; without any score while a level is ungraded."""
+    texts = ["\n".join(map(harmless_text, (head, *sentences))) for head, sentences in parts]
+    tests: list[dict[str, Any]] = []
+    for level, text in zip(grade.levels, texts[1:], strict=True):
+        score = {} if grade.points is None else {"score": level.points}
+        test = {"name": level.level, **score, "max_score": level.most, "output": text}
+        tests.append({**test, "output_format": "text", "visibility": "visible"})
     score = {} if grade.points is None else {"score": grade.points}
-    return {**score, "output": remarks, "output_format": "text", "tests": tests}
+    return {**score, "output": texts[0], "output_format": "text", "tests": tests}
 
 
 def _json(document: Any) -> bytes:

@@ -119,9 +119,9 @@ def test_grading_ends_with_a_gradebook_of_what_there_is(graded: Path, command: C
     assert ben["02-open-space"] == "0.0"
     scope = json.loads((out / "gradescope/2.json").read_text())
     assert "score" not in scope
-    assert ["score" in test for test in scope["tests"]] == [False, True]
+    assert not any("score" in test for test in scope["tests"])  # they would be added up
     said = "0 of 20 points so far, 1 level not graded yet"
-    assert scope["output"] == said
+    assert scope["output"] == f"Ben: {said}"
     feedback = (out / "feedback/2.md").read_text()
     assert said in feedback
     assert "- Not graded yet, because a run could not be finished: its worker" in feedback
