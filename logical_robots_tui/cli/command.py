@@ -63,6 +63,7 @@ def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], n
 
     Errors are reported as JSON where `wants_json` says so: by default with ``--json``.
     """
+    first, _, member = name.partition(" ")
     if name in _GROUPS:
         summary, epilog = _GROUPS[name]
         description = f"{summary[0].upper()}{summary[1:]}."
@@ -71,7 +72,7 @@ def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], n
         summary, _, body = (start.__doc__ or "").partition("\n\n")
         description, _, epilog = dedent(body).partition("\n\n")
     parser = commands.add_parser(
-        name.rpartition(" ")[2],
+        member if member and first in _GROUPS else name,
         help=summary,
         description=description,
         epilog=epilog,
@@ -79,9 +80,9 @@ def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], n
     )
     if name in _GROUPS:
         inner = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-        for member in _COMMANDS:
-            if member.startswith(f"{name} "):
-                add_command(inner, member)
+        for other_name in _COMMANDS:
+            if other_name.startswith(f"{name} "):
+                add_command(inner, other_name)
         return
     parser.set_defaults(start=start, wants_json=lambda options: getattr(options, "json", False))
     for part in parts:

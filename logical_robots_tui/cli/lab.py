@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.coordinating import Coordinator
     from logical_robots_tui.lab.exporting import RunRecords
     from logical_robots_tui.lab.folder import Folder, Manifest
+    from logical_robots_tui.toml_files import TomlFileError
 
 COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
 
@@ -105,6 +106,54 @@ def _grade(options: argparse.Namespace) -> int:
 
 
 @command.declare(
+    "grade kit",
+    command.option(
+        "platform", "PLATFORM", "gradescope or github", choices=("gradescope", "github")
+    ),
+    _path("assignment", "a TOML file"),
+    command.option("-o --output", "PATH", "a zip archive or a folder", type=Path, required=True),
+    command.FORCE,
+)
+def _kit(options: argparse.Namespace) -> int:
+    """let a platform grade what is handed in
+
+    Write what Gradescope or GitHub Classroom needs to grade each submission at once.
+
+    examples:
+      logical-robots grade kit gradescope assignment.toml -o autograder.zip
+      logical-robots grade kit github assignment.toml -o template
+
+    Gradescope takes the archive as an autograder. The folder for GitHub Classroom is
+    the template of the students' repositories. Neither names any student.
+
+    exit status: 0 written, 2 wrong input, or it can't be written
+    """
+    from logical_robots_tui.cli.level import refuse_existing, write
+    from logical_robots_tui.lab.platforms.kits import is_script, kit_of, pack
+    from logical_robots_tui.toml_files import TomlFileError
+
+    try:
+        texts, omitted = kit_of(options.platform, options.assignment)
+    except TomlFileError as error:
+        return _refuse(error)
+    is_archive = options.output.suffix.lower() == ".zip"
+    files = {} if is_archive else {options.output / name: text for name, text in texts.items()}
+    for path in files or [options.output]:
+        refuse_existing(path, force=options.force)
+    for path, text in files.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(path, text)
+        if is_script(text):
+            path.chmod(0o755)
+    if is_archive:
+        write(options.output, pack(texts))
+    print(harmless(f"Written to {options.output}: {', '.join(texts)}"))
+    if omitted:
+        print(f"Not in it, because they are about single students: {', '.join(omitted)}")
+    return COMPLETE
+
+
+@command.declare(
     "tournament",
     _path("specification", "a TOML file"),
     _path("players", "a folder with one entry per player"),
@@ -129,6 +178,11 @@ def _tournament(options: argparse.Namespace) -> int:
     return _plan(options, lambda: plan_tournament(options.specification, options.players))
 
 
+def _refuse(error: TomlFileError) -> int:
+    print(*map(harmless, error.problems), sep="\n", file=sys.stderr)
+    return WRONG
+
+
 def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[str, str]]]) -> int:
     from logical_robots_tui.lab.folder import Folder
     from logical_robots_tui.toml_files import TomlFileError
@@ -136,9 +190,7 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
     try:
         manifest, inputs = plan()
     except TomlFileError as error:
-        for problem in error.problems:
-            print(harmless(problem), file=sys.stderr)
-        return WRONG
+        return _refuse(error)
     if manifest.kind == "grade":
         from logical_robots_tui.lab.submissions import account_of
 

@@ -41,13 +41,13 @@ _MODULES = (
     ("replay", "replay"),
     ("progress", "progress"),
     ("level", "level"),
-    ("lab", "sweep grade tournament lab"),
+    ("lab", "sweep grade grade-kit tournament lab"),
     ("doctor", "doctor"),
     ("main", "completion"),
 )
 """The modules of the commands, in the order of the help."""
 
-_HOMES = {name: module for module, names in _MODULES for name in names.split()}
+_HOMES = {name.replace("-", " "): module for module, names in _MODULES for name in names.split()}
 
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 PIPE_CLOSED = 141  # 128 + SIGPIPE
@@ -106,6 +106,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     first = words[0] if words else ""
     if not first or (first.startswith("-") and first not in {"-h", "--help", "--version"}):
         words.insert(0, "play")
+    if (name := " ".join(words[:2])) in _HOMES:  # it looks like an argument of the first word
+        words[:2] = [name]
     options = parser(words[0]).parse_args(words)
     try:
         status = _start(options)

@@ -191,7 +191,7 @@ def plan_grading(
         )
     spec = TomlFile(file)
     assignment = read_assignment(spec)
-    levels, starters = _levels(spec, assignment)
+    levels, starters = read_levels(spec, assignment)
     roster, late, extensions, by_hand = tables = [_table(spec, assignment, p) for p in _TABLES]
     rows = extensions.rows
     longer = extensions._replace(rows=[row for row in rows if row.cells.get("days")])
@@ -242,7 +242,7 @@ def plan_grading(
     return manifest, inputs
 
 
-def _levels(
+def read_levels(
     spec: TomlFile, assignment: Assignment
 ) -> tuple[dict[str, tuple[str, int]], dict[str, str]]:
     """Return texts and ticks of levels, and their starters as they are compared, by name."""
