@@ -40,6 +40,7 @@ from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.paths import did_you_mean, read_ordinary
 from logical_robots_tui.toml_files import Bounds, Given, TomlFile
 from logical_robots_tui.wording import count_of
+from logical_robots_tui.world.levels.load import SUFFIXES
 
 T = TypeVar("T")
 
@@ -168,10 +169,6 @@ def read_assignment(spec: TomlFile) -> Assignment:
         spec.problem(("points", "starts"), "There are points for starts, but starts = 0")
     if problem := pattern_problem(assignment.assignment.pattern):
         spec.problem(("assignment", "pattern"), problem)
-    names = [level.name for level in assignment.level]
-    for number, name in enumerate(names):
-        if name in names[:number]:
-            spec.problem(("level", number, "name"), f'The level "{name}" is there twice')
     return assignment
 
 
@@ -254,6 +251,8 @@ def read_levels(
         if level_run is None:
             continue
         level, text, last = level_run
+        if level.name in levels:
+            spec.problem(path, f'The level "{level.name}" is there twice')
         levels[level.name] = text, last
         if starter := shipped_texts().get(level.starter):
             starters[level.name] = normalise(starter)
@@ -461,6 +460,11 @@ def _manifest(
                 Cell(digest(level_text), program, level, name, ticks, {}, student.id, variant)
             )
     table, limits = assignment.assignment, assignment.limits
+    document = msgspec.to_builtins(assignment)
+    for level_table, name in zip(document["level"], levels, strict=True):
+        # Shipped levels may go by a number or a part of their names.
+        suffix = Path(level_table["name"]).suffix
+        level_table["name"] = name + (suffix if suffix in SUFFIXES else "")
     manifest = Manifest(
         "grade",
         table.title or spec.file.stem,
@@ -473,7 +477,7 @@ def _manifest(
         limits.seconds,
         tuple(cells),
         tuple(students),
-        msgspec.to_builtins(assignment),
+        document,
         run_steps=limits.run_steps,
     )
     return manifest, inputs

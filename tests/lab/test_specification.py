@@ -165,6 +165,10 @@ def test_programs_are_the_same_but_for_comments_and_space() -> None:
             '[[level]]\nname = "01-first-steps"\n[points]\nstarts = 1\n',
             r"a\.toml:7: There are points for starts",
         ),
+        (
+            '[assignment]\n[[level]]\nname = "1"\n[[level]]\nname = "first-steps"\n',
+            'a\\.toml:5: The level "01-first-steps" is there twice',
+        ),
     ],
 )
 def test_what_is_wrong_with_an_assignment_is_said(tmp_path: Path, text: str, problems: str) -> None:
