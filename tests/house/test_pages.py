@@ -23,7 +23,12 @@ from tests.mind.hostile.programs import PROGRAMS
 from tests.world.hostile import FILES
 
 EXPERIMENT, ENDS = "What an experiment can say", "How a run ends"
-COMMAND_PAGES = {"level": "level-editor.md", "lab": "lab.md", "lab play": "grading.md"}
+COMMAND_PAGES = {
+    "level": "level-editor.md",
+    "lab": "lab.md",
+    "lab play": "grading.md",
+    "grade kit": "autograders.md",
+}
 """Where commands with such a beginning are told of; the others are in commands.md."""
 
 
