@@ -55,6 +55,8 @@ SUBMISSIONS: dict[str, tuple[dict[str, str], str, float | None, str]] = {
 }
 """What is handed in and when, the points, and a part of what is said of it."""
 
+QUICK = ("nested folders", "a program in a document")
+
 
 def run_bash(words: Sequence[object], folder: Path, **variables: object) -> None:
     """Run as in a container without a network, in which pip finds everything installed."""
@@ -90,7 +92,10 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "source"
 
 
-@pytest.mark.parametrize("case", SUBMISSIONS)
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, marks=[pytest.mark.slow] * (case not in QUICK)) for case in SUBMISSIONS],
+)
 def test_gradescope_gets_points_or_the_reason_why_there_are_none(
     case: str, source: Path, tmp_path: Path
 ) -> None:
@@ -109,9 +114,13 @@ def test_gradescope_gets_points_or_the_reason_why_there_are_none(
 @pytest.mark.parametrize(
     ("files", "pushed", "points", "states"),
     [
-        ({"lane.l": FIRST_STEPS, "1.l": STANDING}, "1769860799", 10, ["pass", "fail"]),
         ({"lane.l": FIRST_STEPS}, "2026-01-31T12:00:01Z", 5, ["pass", "fail", "fail"]),
-        ({"README.md": "-"}, "1769860799", None, ["error"]),
+        pytest.param(
+            {"lane.l": FIRST_STEPS, "1.l": STANDING},
+            *("1769860799", 10, ["pass", "fail"]),
+            marks=pytest.mark.slow,
+        ),
+        pytest.param({"README.md": "-"}, "1769860799", None, ["error"], marks=pytest.mark.slow),
     ],
 )
 def test_github_classroom_gets_points_and_a_summary(
