@@ -76,6 +76,7 @@ class Submission:
         self.remarks: list[str] = []
         self.mtime = 0.0
         self.time: datetime | None = None
+        self.stamp: datetime | None = None  # what a file says
         self.is_late: bool | None = None
         self.is_unclear = False
         self.students: list[str] = []  # of the roster, by id
@@ -121,7 +122,7 @@ class Submission:
             is_text = name.casefold().endswith(_TEXT)
             level, rank = _level_of(_level_stem(name), stems)
             if name == TIMESTAMP:
-                self.time = self.time or parse_date(text_of(file.content).strip())
+                self.stamp = parse_date(text_of(file.content).strip())
             elif file.problem and not (is_text and not level):
                 self.remarks.append(f"{path}: {file.problem}")
                 self.is_unclear = True
@@ -266,6 +267,9 @@ def entries_of(
     for name, entry in entries.items():
         entry.ties = matches.ties.get(name, [])
         entry.read(stems, starters or {})
+    if all(entry.stamp for entry in entries.values()):  # else one of a student's own
+        for entry in entries.values():
+            entry.time = entry.time or entry.stamp
     return entries
 
 

@@ -144,6 +144,18 @@ def test_suspicious_times_stop_it(
         assert "".join(s.id for s in manifest.students if s.late) == late
 
 
+def test_a_time_that_one_student_wrote_does_not_count(tmp_path: Path) -> None:
+    text = ASSIGNMENT.replace("by_hand", "#").replace("roster", "#").replace("extensions", "#")
+    write_files(tmp_path, {"a.toml": text, **{f"all/{name}/a.l": STANDING for name in "abc"}})
+    for name, moment in zip("abc", ("12:00", "13:00", "11:00"), strict=True):
+        with pytest.raises(InputError, match="When the submissions were handed in is not known"):
+            plan_grading(tmp_path / "a.toml", tmp_path / "all")
+        stamp = f"2026-01-31 {moment}:00.000000 UTC"
+        write_files(tmp_path, {f"all/{name}/timestamp.txt": stamp})
+    manifest, _ = plan_grading(tmp_path / "a.toml", tmp_path / "all")
+    assert [s.id for s in manifest.students if s.late] == ["b"]
+
+
 def test_a_loss_is_asked_about_and_drawn(assignment: tuple[Path, Path], command: Command) -> None:
     out = assignment[1].parent / "out"
     text = "Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 0;\n"

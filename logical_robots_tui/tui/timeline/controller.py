@@ -15,7 +15,6 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import MARK_KINDS, NoSuchTickError, Superseded, compile_program
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.player.session_state import SessionListener
-from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
@@ -68,6 +67,8 @@ class TimelineController(SessionListener):
             self.go_to(mark_tick)
         else:
             side = "after" if steps > 0 else "before"
+            from logical_robots_tui.tui.commands.keymap import with_keys
+
             self._ui.tell(f"No event {side} tick {tick}. {with_keys(_EVENTS)}")
 
     async def ask_for_tick(self) -> None:

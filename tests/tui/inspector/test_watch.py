@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from textual.widgets import Tree
+from textual.widgets import OptionList, Tree
 
 from logical_robots_tui.game import Pin
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
@@ -62,7 +62,8 @@ def view(game: Opened) -> WatchView:
 
 
 async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
-    await game.until(lambda: name in [p.name for p in game.session.predicates])
+    choice = game.main.query_one("#choice", OptionList)
+    await game.until(lambda: name in [option.id for option in choice.options])
     game.inspector.open(name)
     await game.sees(counted)
     await game.press("enter")
