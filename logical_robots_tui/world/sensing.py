@@ -87,7 +87,7 @@ class Senses:
         self._has_switches = any(beacon.name in switches for beacon in level.beacons)
         self._last: _Reading | None = None
         names = [robot.name for robot in level.robots]
-        self._by_name = np.argsort(names) if level.teams else None
+        self._by_name, self._has_teams = np.argsort(names), bool(level.teams)
 
     def sense(
         self, robots: Sequence[RobotState], areas: Sequence[AreaState], clock: int
@@ -127,7 +127,7 @@ class Senses:
             if not is_active:
                 x[number] = np.inf
         hits = self._hits(rays, Circles(self._numbers, x, y, self._radius))
-        if self._by_name is not None:
+        if self._has_teams:
             self._settle(hits, rays, robots, self._by_name)
         distance, code = np.divmod(hits, self._codes)
         if self._sensors.noise:
@@ -146,12 +146,14 @@ class Senses:
     def _noisy(self, distance: _Hits, clock: int) -> _Hits:
         """Return distances with the noise of a tick, the same on every machine.
 
-        That is nearly Gaussian: the sum of twelve uniform numbers, whose variance is 1.
+        A robot's noise does not depend on its place in the file, but on that of its name in the
+        alphabet. It is nearly Gaussian: the sum of twelve uniform numbers, whose variance is 1.
         """
         raw = np.random.Philox(key=self._sensors.seed, counter=[0, 0, 0, clock])
         numbers = np.asarray(raw.random_raw(_SUMMANDS * distance.size) >> np.uint64(32), np.int64)
         sums = numbers.reshape(_SUMMANDS, *distance.shape).sum(axis=0)
-        noise = (sums / 2**32 - _SUMMANDS / 2) * self._sensors.noise
+        noise = np.empty(distance.shape)
+        noise[self._by_name] = (sums / 2**32 - _SUMMANDS / 2) * self._sensors.noise
         distances = np.rint(distance + noise).astype(np.int64)
         noisy: _Hits = np.minimum(np.maximum(distances, 1), self._sensors.reach - 1)
         return noisy

@@ -150,8 +150,8 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
             return editor.text, editor.selection, editor.completion.display, game.app.clipboard
 
         async def leave() -> None:
-            editor.move_cursor(editor.cursor_location)  # the first escape clears a selection
-            await game.press("escape", until=lambda: not editor.has_focus)
+            game.main.set_focus(game.main.labyrinth)  # the selection stays
+            await game.until(lambda: not editor.has_focus)
 
         async def begin(entry: Command) -> tuple[object, ...]:
             await game.press("2", until=lambda: editor.has_focus)
