@@ -116,7 +116,7 @@ class Senses:
         """Return what robots see; only robots whose reading may have changed look again."""
         last, indices = None if self._sensors.noise else self._last, list(range(len(robots)))
         if last is not None and last.active == active and len(robots) <= _FEW_ROBOTS:
-            indices = _may_have_changed(robots, last, self._codes)
+            indices = self._may_have_changed(robots, last)
             if not indices:
                 return last._replace(robots=robots)
         rays = rays_of(robots, indices, self._layout)
@@ -142,6 +142,30 @@ class Senses:
             views = [new_views.get(index, view) for index, view in enumerate(last.views)]
             hits = all_hits
         return _Reading(robots, active, hits, views)
+
+    def _may_have_changed(self, robots: Sequence[RobotState], last: _Reading) -> list[int]:
+        """Return the indices of robots that moved, or had a moving robot in view, then or now."""
+        positions: list[tuple[float, float]] = []
+        indices: list[int] = []
+        unmoved: list[int] = []
+        for index, (robot, old_robot) in enumerate(zip(robots, last.robots, strict=True)):
+            if robot.x != old_robot.x or robot.y != old_robot.y:
+                positions += ((robot.x, robot.y), (old_robot.x, old_robot.y))
+                indices.append(index)
+            elif robot.angle != old_robot.angle:
+                indices.append(index)
+            else:
+                unmoved.append(index)
+        for index in unmoved:
+            robot, radius = robots[index], ROBOT_RADIUS + _MARGIN
+            cos, sin = math.cos(robot.angle), math.sin(robot.angle)
+            offsets = [(x - robot.x, y - robot.y) for x, y in positions]
+            # Circles that are entirely behind the robot don't matter, unless a ray points there.
+            nearest = -math.inf if self._sensors.view > 180 else -radius
+            near = [math.hypot(dx, dy) for dx, dy in offsets if dx * cos + dy * sin > nearest]
+            if near and min(near) < last.hits[index].max().item() // self._codes + radius:
+                indices.append(index)
+        return sorted(indices)
 
     def _noisy(self, distance: _Hits, clock: int) -> _Hits:
         """Return distances with the noise of a tick, the same on every machine.
@@ -217,27 +241,3 @@ _SELF = [(name, name in RobotState.__slots__) for name in SELF.names]
 
 _MARGIN = 1.0
 """Map units; far more than any rounding error."""
-
-
-def _may_have_changed(robots: Sequence[RobotState], last: _Reading, codes: int) -> list[int]:
-    """Return the indices of robots that moved, or had a moving robot in view, then or now."""
-    positions: list[tuple[float, float]] = []
-    indices: list[int] = []
-    unmoved: list[int] = []
-    for index, (robot, old_robot) in enumerate(zip(robots, last.robots, strict=True)):
-        if robot.x != old_robot.x or robot.y != old_robot.y:
-            positions += ((robot.x, robot.y), (old_robot.x, old_robot.y))
-            indices.append(index)
-        elif robot.angle != old_robot.angle:
-            indices.append(index)
-        else:
-            unmoved.append(index)
-    for index in unmoved:
-        robot, radius = robots[index], ROBOT_RADIUS + _MARGIN
-        cos, sin = math.cos(robot.angle), math.sin(robot.angle)
-        offsets = [(x - robot.x, y - robot.y) for x, y in positions]
-        # Circles that are entirely behind the robot don't matter.
-        near = [math.hypot(dx, dy) for dx, dy in offsets if dx * cos + dy * sin > -radius]
-        if near and min(near) < last.hits[index].max().item() // codes + radius:
-            indices.append(index)
-    return sorted(indices)
