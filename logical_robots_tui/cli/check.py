@@ -1,15 +1,16 @@
-"""``logical-robots check``, ``programs``, ``help``: programs, their mistakes, their functions."""
+"""``logical-robots check``, ``programs``, ``help``, ``lsp``: programs, mistakes, functions."""
 
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Iterator
 from dataclasses import asdict
 
 from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import columns, harmless, own_programs, print_json
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.errors import InputError, check_installed
 
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
@@ -138,4 +139,24 @@ def print_help(options: argparse.Namespace) -> int:
     article = "an" if entry.kind[0] in "ao" else "a"
     print(entry.signature, f"  {entry.summary} ({article} {entry.kind})", "", sep="\n")
     print(f"  {entry.example}", f"  gives {entry.result}", sep="\n")
+    return 0
+
+
+@command.declare("lsp")
+def serve(_options: argparse.Namespace) -> int:
+    """answer a text editor about programs
+
+    Answer a text editor about programs, in the Language Server Protocol on standard
+    input and output: errors while typing, completion, help, references, renaming.
+    Editors start it themselves; docs/editors.md says how to tell yours.
+
+    It needs pygls: pip install 'logical-robots-tui[lsp]'
+
+    exit status: 0 the editor has ended it, 2 pygls is missing
+    """
+    check_installed("pygls", "The language server", "'logical-robots-tui[lsp]'")
+    from logical_robots_tui.lsp.server import SERVER
+
+    # It closes its streams; ours stay open for what prints at the end.
+    SERVER.start_io(os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb"))
     return 0

@@ -234,6 +234,7 @@ def write(path: Path, content: str | bytes) -> None:
     command.LEVEL,
     command.option("--svg", "FILE", "write an SVG file instead", type=Path),
     command.flag("--ascii", "draw with ASCII characters"),
+    command.flag("--json", "print its robots, beacons and areas as JSON"),
 )
 def _show(options: argparse.Namespace) -> int:
     """draw a level
@@ -249,7 +250,11 @@ def _show(options: argparse.Namespace) -> int:
     exit status: 0 drawn, 2 the level can't be read or the file can't be written
     """
     level = world.load_level(options.level)
-    if options.svg is not None:
+    if options.json:
+        kinds = ("robots", "beacons", "areas", "teams")
+        entities = {kind: [asdict(entity) for entity in getattr(level, kind)] for kind in kinds}
+        print_json({"name": level.name, "title": level.title, **entities})
+    elif options.svg is not None:
         from logical_robots_tui.tui.labyrinth.svg import svg
 
         write(options.svg, svg(level))

@@ -37,6 +37,7 @@ _MODULES = (
     ("check", "help"),
     ("level", "levels"),
     ("check", "programs"),
+    ("check", "lsp"),
     ("doctor", "config"),
     ("replay", "replay"),
     ("progress", "progress"),

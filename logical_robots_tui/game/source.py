@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import re
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -42,6 +43,7 @@ DEFAULT_PROGRAM = "obstacle-avoider"
 T = TypeVar("T")
 
 SUFFIX = ".l"
+_STDIN = Path("/dev/stdin")
 MAX_PROGRAM_BYTES = 1_000_000
 
 
@@ -128,9 +130,10 @@ def load_program(
 ) -> ProgramSource:
     """Read a program by path, or by name from the player's own and the shipped ones.
 
-    With `pipes` it may block. Raises InputError unless it is a visible text that is not too long.
+    With `pipes` it may block, and "-" is standard input. Raises InputError unless it is a visible
+    text that is not too long.
     """
-    path = Path(path_or_name)
+    path = _STDIN if pipes and path_or_name == "-" else Path(path_or_name)
     try:
         check_mine(path)
         if path.exists():
@@ -221,7 +224,8 @@ def _text_of(path: Path, *, pipes: bool = False) -> str:
         raise InputError("is not a regular file", place=place, hint="A program is a text file.")
     try:
         if pipes:
-            with path.open("rb") as file:
+            # Where standard input is a socket, its name can't be opened.
+            with os.fdopen(os.dup(0), "rb") if path == _STDIN else path.open("rb") as file:
                 raw = file.read(MAX_PROGRAM_BYTES + 1)
         else:
             raw = read_ordinary(path, MAX_PROGRAM_BYTES + 1)
@@ -314,7 +318,7 @@ async def compile_program(text: str | Texts, report: Report | None = None) -> Pr
 
 
 def warnings_in(
-    program: Program, level: Level | None, *, web: bool = False
+    program: Program, level: Level | LevelNames | None, *, web: bool = False
 ) -> tuple[Diagnostic, ...]:
     """Return a program's warnings in text order.
 
@@ -322,13 +326,17 @@ def warnings_in(
     """
     warnings = [*program.warnings, *(program.web if web else ())]
     if level is not None:
-        solid = (area.name for area in level.areas if area.impenetrable)
-        names = LevelNames(
-            frozenset(robot.name for robot in level.robots),
-            frozenset([*(beacon.name for beacon in level.beacons), *solid]),
-        )
+        names = level if isinstance(level, LevelNames) else names_in(level)
         warnings += unknown_names(program.mentions, names)
     return tuple(sorted(warnings, key=lambda d: (d.line, d.column)))
+
+
+def names_in(level: Level) -> LevelNames:
+    solid = (area.name for area in level.areas if area.impenetrable)
+    return LevelNames(
+        frozenset(robot.name for robot in level.robots),
+        frozenset([*(beacon.name for beacon in level.beacons), *solid]),
+    )
 
 
 async def mistake_in_question(program: Program, query: str) -> str:

@@ -76,9 +76,14 @@ class Prepared(NamedTuple):
     excess: int = 0
 
 
+def with_newlines(text: str) -> str:
+    """Return a text of the same length whose lines are ended by newlines alone."""
+    return text.replace("\r\n", " \n").replace("\r", "\n")
+
+
 def prepare(source: str) -> Prepared:
     """Blank comments, check brackets and quotes, allow a space between an aggregate and ``{``."""
-    source = source.replace("\r\n", " \n").replace("\r", "\n")
+    source = with_newlines(source)
     texts: list[str] = []
     skeleton: list[str] = []
     brackets = _Brackets(source)
@@ -254,6 +259,11 @@ def place_of(source: str, offset: int) -> tuple[int, int]:
     """Return line and column of an offset, from 1."""
     line = bisect_right(_line_starts(source), offset)
     return line, offset - _line_starts(source)[line - 1] + 1
+
+
+def line_of(source: str, line: int) -> int:
+    """Return the offset at which a line begins; lines count from 1."""
+    return _line_starts(source)[line - 1]
 
 
 @lru_cache(maxsize=4)

@@ -50,11 +50,20 @@ class Task(msgspec.Struct, frozen=True, tag=True):
 
     parts: ClassVar[tuple[str, ...]] = ()
     """Parts of the package on whose code the result depends, besides language and mind."""
+    is_stored: ClassVar[bool] = True
+    """Whether to keep the result on disk: not if it is found in less time than it takes to read."""
 
 
 class CompileProgram(Task, frozen=True):
     """Gives a `Program`."""
 
+    text: str
+
+
+class CheckProgram(Task, frozen=True):
+    """Gives a `Program` without statements: its text was checked, but not compiled."""
+
+    is_stored: ClassVar = False
     text: str
 
 
@@ -147,10 +156,11 @@ class _Compiler:
                 self._cache.move_to_end(key)
             else:
                 _raise_if_stopped(stop)
-                result = find_result(task, kind)
+                result = find_result(task, kind) if task.is_stored else None
                 if result is None:
                     result = self._compute(request, kind, limits, deadline, stop, report)
-                    keep_result(task, result)
+                    if task.is_stored:
+                        keep_result(task, result)
                 self._cache[key] = result
                 while len(self._cache) > _CACHED_RESULTS:
                     self._cache.popitem(last=False)

@@ -27,7 +27,7 @@ from tests.processes import run_command
 from tests.terminal import Terminal
 
 COMMANDS = (
-    *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "help"),
+    *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "lsp", "help"),
     *("levels", "programs", "progress", "level", "config", "doctor", "completion"),
 )
 SUBCOMMANDS = ("new", "check", "convert", "show")

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 from itertools import compress, count
 from operator import ne
 
+from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.services.lexer import LineStates, pieces
 
 WIDTH = 2
 """Columns of an indentation step."""
 
+_WORD = re.compile(r"\w+")
 _OPENS = (":-", "(", "[", "{")
 
 
@@ -68,6 +70,15 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
                 changed[number] = changed[number][:start] + new + changed[number][end:]
                 occurrences += 1
     return "\n".join(changed), occurrences
+
+
+def width_of(diagnostic: Diagnostic, line: str) -> tuple[int, int]:
+    """Return the columns of a diagnostic: its excerpt if it is there, or a word or a character."""
+    start = min(diagnostic.column - 1, max(len(line) - 1, 0))
+    if diagnostic.excerpt and line.startswith(diagnostic.excerpt, start):
+        return start, start + len(diagnostic.excerpt)
+    word = _WORD.match(line, start)
+    return start, word.end() if word else start + 1
 
 
 def follow_rows(

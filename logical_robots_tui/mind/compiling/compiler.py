@@ -50,11 +50,7 @@ _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 
 def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict[str, exp.Query]]:
     """Compile a program; return it and its statements' trees by text; raise ProgramError."""
-    parsed = parse(prepare(text))
-    model = Model(parsed.statements, parsed.source, parsed.doubtful)
-    diagnostics, mentions = check(model, parsed.problems, runs)
-    visibility, visibility_problems = _visibility(model)
-    _refuse([*diagnostics, *visibility_problems], parsed.excess)
+    program, model, diagnostics = check_text(text)
     remaining = without_visibility(model)
     try:
         compiled = compile_statements(remaining.statements, model.source)
@@ -72,14 +68,10 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         name: {column: dump_kind(kind) for column, kind in compiled.kinds[name].items()}
         for name in statements
     }
-    program = Program(
-        text,
-        (*inputs, *sorted(predicates, key=lambda p: p.line or len(text))),
-        statements,
-        **visibility,
-        warnings=most_important(diagnostics),
-        web=tuple(web_remarks(model)),
-        mentions=mentions,
+    program = replace(
+        program,
+        predicates=(*inputs, *sorted(predicates, key=lambda p: p.line or len(text))),
+        statements=statements,
         needed=needed,
         uses=uses,
         truths={name: truths for name in statements if (truths := compiled.truths(name))},
@@ -88,6 +80,18 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         recursions=compiled.growth_checks({name: statements[name] for name in needed}),
     )
     return program, compiled.trees
+
+
+def check_text(text: str) -> tuple[Program, Model, list[Diagnostic]]:
+    """Check a program without compiling it; return it and its warnings; raise ProgramError."""
+    parsed = parse(prepare(text))
+    model = Model(parsed.statements, parsed.source, parsed.doubtful)
+    diagnostics, mentions = check(model, parsed.problems, runs)
+    visibility, visibility_problems = _visibility(model)
+    _refuse([*diagnostics, *visibility_problems], parsed.excess)
+    warnings, web = most_important(diagnostics), tuple(web_remarks(model))
+    program = Program(text, (), {}, **visibility, warnings=warnings, web=web, mentions=mentions)
+    return program, model, diagnostics
 
 
 @lru_cache(maxsize=1)  # callers decompose one predicate after the other

@@ -36,6 +36,7 @@ from logical_robots_tui.language.pitfalls import CALLED_AGGREGATE
 from logical_robots_tui.mind.asking import in_plain_words
 from logical_robots_tui.mind.compilation import (
     NO_MEMORY,
+    CheckProgram,
     CompileProgram,
     CompileProgress,
     CompileQuestion,
@@ -190,6 +191,7 @@ def _compile_question(task: CompileQuestion) -> CompiledQuery:
 
 
 JOBS: Mapping[type[Task], Job] = {
+    CheckProgram: lambda task: compiler.check_text(task.text)[0],
     CompileProgram: _compile,
     SetConstants: lambda task: with_constants(task.text, task.constants),
     CompileQuestion: _compile_question,

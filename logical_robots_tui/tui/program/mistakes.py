@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,6 +14,7 @@ from textual.style import Style
 from textual.widgets import Static
 
 from logical_robots_tui.language.diagnostics import count_words
+from logical_robots_tui.language.services.editing import width_of
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 _MOST_SHOWN = 3
 _LONGEST = 400
-_WORD = re.compile(r"\w+")
 
 
 class Underline(NamedTuple):
@@ -36,14 +35,7 @@ class Underline(NamedTuple):
 
 
 def underline_of(mistake: Diagnostic, line: str) -> Underline:
-    """Return the place of an error: its excerpt if it is there, or else a word or a character."""
-    start = min(mistake.column - 1, max(len(line) - 1, 0))
-    if mistake.excerpt and line.startswith(mistake.excerpt, start):
-        length = len(mistake.excerpt)
-    else:
-        word = _WORD.match(line, start)
-        length = len(word.group()) if word else 1
-    return Underline(start, start + length, mistake.severity == "error")
+    return Underline(*width_of(mistake, line), mistake.severity == "error")
 
 
 class MistakeStrip(Static):

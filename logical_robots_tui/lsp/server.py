@@ -1,0 +1,160 @@
+"""The server: what an editor asks, and what `language/` answers."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from lsprotocol import types
+from pygls.lsp.server import LanguageServer
+
+from logical_robots_tui import __version__
+from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.services.editing import width_of
+from logical_robots_tui.lsp.checking import Checker
+from logical_robots_tui.lsp.documents import Document
+from logical_robots_tui.lsp.levels import LevelFacts, facts_of, level_of
+
+_SEVERITY = {
+    "error": types.DiagnosticSeverity.Error,
+    "warning": types.DiagnosticSeverity.Warning,
+}
+_OTHER_LINE = re.compile(r"\bline (\d+)")
+_NO_EFFECT = re.compile(r"\bnever holds\b|\bhas no effect\b|\bis used only once\b")
+
+
+class Server(LanguageServer):
+    """The documents that are open, each with its level and its latest diagnostics."""
+
+    def __init__(self) -> None:
+        # Whole texts: pygls counts other line separators than editors do when it applies changes.
+        sync = types.TextDocumentSyncKind.Full
+        super().__init__("logical-robots", __version__, text_document_sync_kind=sync)
+        self.documents: dict[str, Document] = {}
+        self.diagnostics: dict[str, tuple[Diagnostic, ...]] = {}
+        self.level = ""
+        self._facts: dict[tuple[str, Path, int], asyncio.Task[LevelFacts]] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def begin(self) -> None:
+        self.checker = Checker(self.facts, self._publish)
+        self._work = asyncio.create_task(self.checker.run())
+
+    def open(self, uri: str) -> None:
+        """Take in the current version of a document."""
+        source = self.workspace.get_text_document(uri)
+        codec = self.workspace.position_codec
+        document = Document(uri, source.source, source.version, codec)
+        if uri in self.documents:
+            document.program = self.documents[uri].program
+        self.documents[uri] = document
+        self.checker.submit(document)
+
+    def close(self, uri: str) -> None:
+        self.checker.withdraw(uri)
+        for table in (self.documents, self.diagnostics):
+            table.pop(uri, None)
+        self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
+
+    def configure(self, settings: Any) -> None:
+        """Use settings such as ``{"level": "05-lighthouse"}``."""
+        if isinstance(settings, dict):
+            level = settings.get("logical-robots", settings)
+            level = level.get("level") if isinstance(level, dict) else None
+            self.level = level if isinstance(level, str) else ""
+            for document in self.documents.values():
+                self.checker.submit(document)
+
+    def level_of(self, document: Document) -> str:
+        return level_of(document.text, document.path, self.level)
+
+    def facts(self, document: Document) -> LevelFacts:
+        """Return what is in a document's level, or nothing yet; then it is checked once more."""
+        level, folder = self.level_of(document), document.path.parent
+        if not level:
+            return LevelFacts()
+        try:
+            changed = (folder / level).stat().st_mtime_ns
+        except (OSError, ValueError):
+            changed = 0  # it is the name of a shipped level, or nothing
+        key = level, folder, changed
+        if key not in self._facts:
+            self._facts[key] = asyncio.create_task(facts_of(level, folder))
+            self._facts[key].add_done_callback(lambda _: self._check_again(document.uri))
+        task = self._facts[key]
+        return task.result() if task.done() and not task.cancelled() else LevelFacts()
+
+    def _check_again(self, uri: str) -> None:
+        if document := self.documents.get(uri):
+            self.checker.submit(document)
+
+    def _publish(self, document: Document, diagnostics: tuple[Diagnostic, ...]) -> None:
+        uri = document.uri
+        if self.documents.get(uri) is not document:
+            return
+        self.diagnostics[uri] = diagnostics
+        entries = [_published(document, diagnostic) for diagnostic in diagnostics]
+        self.text_document_publish_diagnostics(
+            types.PublishDiagnosticsParams(uri, entries, document.version)
+        )
+
+
+def _published(document: Document, diagnostic: Diagnostic) -> types.Diagnostic:
+    message = diagnostic.message
+    return types.Diagnostic(
+        range_of(document, diagnostic),
+        f"{message}. {diagnostic.hint}" if diagnostic.hint else message,
+        severity=_SEVERITY[diagnostic.severity],
+        source="logical-robots",
+        tags=[types.DiagnosticTag.Unnecessary] if _NO_EFFECT.search(message) else None,
+        related_information=[*_related(document, message)] or None,
+    )
+
+
+def range_of(document: Document, diagnostic: Diagnostic) -> types.Range:
+    row = min(diagnostic.line, len(document.lines)) - 1
+    start, stop = width_of(diagnostic, document.lines[row])
+    return types.Range(document.position(row, start), document.position(row, stop))
+
+
+def _related(document: Document, message: str) -> Iterator[types.DiagnosticRelatedInformation]:
+    """Yield the lines that a message names."""
+    for number in map(int, _OTHER_LINE.findall(message)):
+        if number <= len(document.lines):
+            line = document.lines[number - 1]
+            stop = document.position(number - 1, len(line))
+            place = types.Range(types.Position(number - 1, 0), stop)
+            location = types.Location(document.uri, place)
+            yield types.DiagnosticRelatedInformation(location, f"line {number}: {line.strip()}")
+
+
+SERVER = Server()
+
+
+@SERVER.feature(types.INITIALIZE)
+def initialize(ls: Server, params: types.InitializeParams) -> None:
+    ls.begin()
+    ls.configure(params.initialization_options)
+
+
+@SERVER.feature(types.WORKSPACE_DID_CHANGE_CONFIGURATION)
+def configure(ls: Server, params: types.DidChangeConfigurationParams) -> None:
+    ls.configure(params.settings)
+
+
+@SERVER.feature(types.TEXT_DOCUMENT_DID_OPEN)
+def opened(ls: Server, params: types.DidOpenTextDocumentParams) -> None:
+    ls.open(params.text_document.uri)
+
+
+@SERVER.feature(types.TEXT_DOCUMENT_DID_CHANGE)
+def changed(ls: Server, params: types.DidChangeTextDocumentParams) -> None:
+    ls.open(params.text_document.uri)
+
+
+@SERVER.feature(types.TEXT_DOCUMENT_DID_CLOSE)
+def closed(ls: Server, params: types.DidCloseTextDocumentParams) -> None:
+    ls.close(params.text_document.uri)
