@@ -22,7 +22,7 @@ from logical_robots_tui.lab.sweeping import read_experiment
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.services import completion
 from logical_robots_tui.language.services.completion import words_for
-from logical_robots_tui.language.services.editing import rename
+from logical_robots_tui.language.services.symbols import sections, symbol_at
 from logical_robots_tui.language.source_text import prepare, size_of
 from logical_robots_tui.mind.compiling.compiler import compile_text
 from logical_robots_tui.mind.sqlite import casting
@@ -205,7 +205,7 @@ TEXT_READERS: dict[str, Read] = {
     "a text cast": cast,
     "a text shown": lambda text, _: casting.to_text(text),
     "a text completed": completed,
-    "a name changed": lambda text, _: rename(text, "A", "B"),
+    "a name changed": lambda text, _: (symbol_at(text, 0), [*sections(text)]),
 }
 CASES = [*product(READERS, SIGNS | FILES), *product(TEXT_READERS, SIGNS | PROGRAMS)]
 

@@ -23,7 +23,7 @@ _CLOSES = {")": "(", "}": "{", "]": "["}
 _NESTING = dict.fromkeys(_CLOSES, -1) | dict.fromkeys(_CLOSES.values(), 1)
 _BRACKET = re.compile(r"[(){}\[\]]")
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
-_QUOTED_NAME = re.compile(r"`[^`\n]*`?")
+QUOTED_NAME = re.compile(r"`[^`\n]*`?")
 _MOST_FOREIGN = 25  # pieces that are reported
 _LONGEST_EXCERPT = 1_000  # characters that are looked at
 _WIDE_SPACE = re.compile(r"[^\S\x00-\x7f]")  # such as U+00A0, and line separators
@@ -103,7 +103,7 @@ def prepare(source: str) -> Prepared:
         skeleton.append(blank if is_blank else token)
     brackets.end_statement()
     bare = "".join(skeleton)
-    unquoted = _QUOTED_NAME.sub(lambda name: " " * len(name[0]), "" if bare.isascii() else bare)
+    unquoted = QUOTED_NAME.sub(lambda name: " " * len(name[0]), "" if bare.isascii() else bare)
     for match in islice(_FOREIGN.finditer(unquoted), _MOST_FOREIGN):
         brackets.report(match.start(), len(match.group()), *_complaint(match.group()))
     for match in _IMPORT.finditer(bare):

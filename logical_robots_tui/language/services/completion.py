@@ -50,13 +50,18 @@ NAMES = tuple(word.name for word in (*_FUNCTIONS, *_INPUTS, *_FIELDS))
 """Words without a definition in the program: functions, inputs, fields."""
 
 _LOOKED_BACK = 2_000  # characters before the cursor that are looked at for what it is in
+_LINES_BACK = 40  # of the text before the cursor that may begin the call that it is in
 _AROUND = 10_000  # characters before and after the cursor that are read to complete a word
 
 _HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]{0,500}\)?)|:=)", re.MULTILINE)
 _STATEMENT = re.compile(r"^(?=[A-Z@])", re.MULTILINE)
 _WORD_AT_END = re.compile(r"(?:([A-Za-z_]\w*)\.)?(\w*)$")
-_BRACKET = re.compile(r"(?:(?<!\w)[^\WA-Z]*+([A-Z]\w*+)\s*+)?([(){}\[\]])")
-_VARIABLE = re.compile(r"(?<![\w.])[a-z_]\w*\b(?!\s*:(?!-)\s*[^\s,)}])(?!\s*\()")
+_BRACKET = re.compile(r"(?:(?<!\w)[^\WA-Z]*+([A-Z]\w*+)\s*+)?([(){}\[\],])")
+VARIABLE = re.compile(
+    r"(?:(?<![\w.])|(?<=\.\.))[a-z_]\w*\b(?!\s*:(?![-=])\s*[^\s,)}\]])(?!\s*[(?])"
+)
+"""A variable, which may also be the column of ``name:``; or a keyword."""
+_ACCESS = re.compile(r"\b(\w+)(?=\.(\w+))")
 _FIELD = re.compile(r"\.([a-z_]\w*)|\b([a-z_]\w*)\s*:(?!-)")
 
 
@@ -120,7 +125,7 @@ def _names(
     rule_start = max((end + 1 for end in source.ends if end < start), default=0)
     rule_stop = min((end for end in source.ends if end >= stop), default=len(skeleton))
     rule = f"{skeleton[rule_start:start]} {skeleton[stop:rule_stop]}"
-    variables = {*_VARIABLE.findall(rule)}.difference(KEYWORDS)
+    variables = {*VARIABLE.findall(rule)}.difference(KEYWORDS)
     yield [WordHelp(name, name, "a variable of this rule") for name in variables]
     if start < stop:
         yield [
@@ -149,6 +154,19 @@ def _fields(skeleton: str, owner: str, typed: str) -> Iterator[list[WordHelp]]:
         yield [WordHelp(name, f".{name}", meanings[name]) for name in names]
 
 
+def help_at(text: str, cursor: tuple[int, int]) -> WordHelp | None:
+    """Return help on the name at a place, or else on the innermost call around it."""
+    lines = text.split("\n", cursor[0] + 1)[: cursor[0] + 1]
+    line, column = lines[-1], cursor[1]
+    word = word_around(line, column)
+    owners = [owner for owner, name in _ACCESS.findall(line) if name == word]
+    for field in _FIELDS:
+        if field.name == word and field.shape.split(".")[-2] in owners:
+            return field
+    prefix = "\n".join([*lines[-_LINES_BACK:-1], line[:column]])
+    return help_on(text, word, call_before(prefix)[0])
+
+
 def help_on(text: str, *names: str) -> WordHelp | None:
     """Return help on the first of some names that is a predicate of a program or of the game."""
     names = tuple(name for name in names if name[:1].isupper())
@@ -164,15 +182,17 @@ def _help_on_predicate(name: str, definition: Definition) -> WordHelp:
     return WordHelp(name, definition.head, f"defined in line {definition.line + 1}")
 
 
-def call_before(text: str) -> str:
-    """Return the innermost call or aggregate that the end of a text is in, or ""."""
-    calls: list[str] = []
-    for name, bracket in _BRACKET.findall(text[-_LOOKED_BACK:]):
-        if bracket in "({[":
-            calls.append(name)
-        else:
+def call_before(text: str) -> tuple[str, int]:
+    """Return the innermost call or aggregate at the end of a text, or "", and its commas."""
+    calls: list[tuple[str, int]] = []
+    for name, sign in _BRACKET.findall(text[-_LOOKED_BACK:]):
+        if sign in "({[":
+            calls.append((name, 0))
+        elif sign != ",":
             del calls[-1:]
-    return next(filter(None, reversed(calls)), "")
+        elif calls:
+            calls[-1] = calls[-1][0], calls[-1][1] + 1
+    return next((call for call in reversed(calls) if call[0]), ("", 0))
 
 
 def word_around(line: str, column: int) -> str:

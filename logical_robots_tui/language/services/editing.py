@@ -1,4 +1,4 @@
-"""Changes of a program's text as text: indentation, searching, renaming, and lines that move."""
+"""Changes of a program's text as text: indentation, searching, and lines that move."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from itertools import compress, count
 from operator import ne
 
 from logical_robots_tui.language.diagnostics import Diagnostic
-from logical_robots_tui.language.services.lexer import LineStates, pieces
 
 WIDTH = 2
 """Columns of an indentation step."""
@@ -58,18 +57,6 @@ def find_after(
     if offset < 0:
         return None
     return text.count("\n", 0, offset), offset - (text.rfind("\n", 0, offset) + 1)
-
-
-def rename(text: str, old: str, new: str) -> tuple[str, int]:
-    """Rename a predicate outside comments and texts; return the program and the count."""
-    lines, states, occurrences = text.split("\n"), LineStates(), 0
-    changed = list(lines)
-    for number, line in enumerate(lines):
-        for start, end, kind in reversed(pieces(line, states.at(number, lines.__getitem__))):
-            if kind == "predicate" and line[start:end] == old:
-                changed[number] = changed[number][:start] + new + changed[number][end:]
-                occurrences += 1
-    return "\n".join(changed), occurrences
 
 
 def width_of(diagnostic: Diagnostic, line: str) -> tuple[int, int]:

@@ -90,8 +90,9 @@ programs.add("external_editor", "External editor", "E",
 programs.add("wrap", "Wrap lines", "",
     lambda s: general.toggle(s.program.editor, "soft_wrap"),
     "Wrap lines of the program that are too long for the pane, or cut them.")
-programs.add("rename", "Rename the predicate", "", lambda s: s.program_controller.rename(),
-    "Rename the predicate under the cursor wherever it is used.", worker="dialog")
+programs.add("rename", "Rename a name", "", lambda s: s.program_controller.rename(),
+    "Rename the predicate under the cursor everywhere, or the variable in its rule.",
+    worker="dialog")
 programs.add("level", "Choose a level", "l", lambda s: s.library_controller.choose_level(),
     "Show all levels and what you have won, or type the path of a level file.",
     bar="Level", spare=2, worker="dialog", also="open map labyrinth")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import re
 import subprocess
 import tempfile
 from collections.abc import Callable, Mapping
@@ -18,8 +17,9 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.language.diagnostics import count_words, errors_in
-from logical_robots_tui.language.services.completion import definitions
-from logical_robots_tui.language.services.editing import find_after, rename
+from logical_robots_tui.language.services.editing import find_after
+from logical_robots_tui.language.services.symbols import changed, renaming
+from logical_robots_tui.language.source_text import line_of
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.tui.commands.keymap import with_keys
@@ -155,24 +155,21 @@ class ProgramController:
         editor.selection = Selection((place[0], place[1] + len(self._pattern)), place)
 
     async def rename(self) -> None:
-        old = self._pane.editor.word
-        if old not in definitions(self._pane.text):
-            self._ui.tell("Put the cursor on a predicate of this program first.")
+        editor, old = self._pane.editor, self._pane.text
+        row, column = editor.cursor_location
+        offset = line_of(old, row + 1) + column
+        try:
+            renaming(old, offset, name := editor.word)
+            typed = await self._ui.ask(LinePrompt(f"Rename {name}", name))
+            changes = renaming(old, offset, (typed or "").strip() or name)
+        except InputError as error:
+            self._ui.warn(error.message)
             return
-        typed = await self._ui.ask(LinePrompt("Rename the predicate", old))
-        new = (typed or "").strip()
-        if not new or new == old:
-            return
-        if re.fullmatch(r"[A-Z]\w*", new) is None:
-            self._ui.warn("A predicate's name starts with a capital letter.")
-            return
-        if new in definitions(self._pane.text):
-            self._ui.warn(f"{clip(new, _LONGEST)} is the name of another predicate here.")
-            return
-        text, count = rename(self._pane.text, old, new)
-        self._pane.put(text)
-        if self._pane.text == text:
-            self._ui.tell(f"Renamed in {count_of(count, 'place')}.")
+        text = changed(old, changes)
+        if changes and self._pane.text == old:
+            self._pane.put(text)
+        if changes and self._pane.text == text:
+            self._ui.tell(f"Renamed in {count_of(len(changes), 'place')}.")
 
     def edit_elsewhere(self) -> None:
         if not self._permissions.programs:

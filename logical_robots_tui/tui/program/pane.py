@@ -11,12 +11,7 @@ from textual.content import Content
 from textual.widgets import Static, TextArea
 
 from logical_robots_tui.language.diagnostics import count_words, errors_in
-from logical_robots_tui.language.services.completion import (
-    WordHelp,
-    call_before,
-    definitions,
-    help_on,
-)
+from logical_robots_tui.language.services.completion import WordHelp, definitions, help_at
 from logical_robots_tui.language.services.editing import follow_rows
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.layout.command_bar import Labels, RobotChosen
@@ -215,8 +210,7 @@ class ProgramPane(Pane):
     @on(TextArea.SelectionChanged)
     def _show_help(self) -> None:
         self._strip.show(self._untouched(), self.editor.cursor_location[0])
-        call = call_before(self.editor.before_cursor)
-        word = help_on(self.text, self.editor.word, call)
+        word = help_at(self.text, self.editor.cursor_location)
         if word != self._word:
             self._word = word
             help_line = "" if word is None else f"{word.shape}  {word.meaning}"

@@ -80,7 +80,7 @@ def test_the_call_is_the_innermost_that_is_open() -> None:
         ("x = (1 + ", ""),
         ("A(b: [c, {d: ", "A"),
     ]:
-        assert call_before(before) == name
+        assert call_before(before)[0] == name
 
 
 @given(st.text(), st.integers(0, 20))

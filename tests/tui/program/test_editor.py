@@ -18,9 +18,9 @@ from logical_robots_tui.language.services.editing import (
     find_after,
     follow_rows,
     indentation_after,
-    rename,
     shift_lines,
 )
+from logical_robots_tui.language.services.symbols import changed, renaming
 from logical_robots_tui.mind import Diagnostic
 from logical_robots_tui.player.settings import Settings
 from logical_robots_tui.tui.program.controller import edit_outside
@@ -197,10 +197,10 @@ async def test_a_text_is_found_replaced_and_renamed_as_one_edit(data_dir: Path) 
         await game.until(lambda: game.app.focused and game.app.focused.id == "instead")
         await game.press("enter", sees="Nothing was replaced")
         editor.move_cursor((0, 0))
-        await ask("rename", "Rename the predicate", "ctrl+u", *"Free", "enter")
+        await ask("rename", "Rename FreedomMotion", "ctrl+u", *"Free", "enter")
         await game.until(lambda: editor.text == PAPER.replace("FreedomMotion", "Free"))
-        await ask("rename", "Rename the predicate", "ctrl+u", *"Robot", "enter")
-        await game.sees("is the name of another predicate")
+        await ask("rename", "Rename Free", "ctrl+u", *"Robot", "enter")
+        await game.sees("is the name of another predicate here")
         editor.move_cursor(editor.document.end)
         await ask("rename", "Put the cursor on a predicate of this program")
         editor.move_cursor((5, 15))
@@ -292,9 +292,8 @@ def test_what_is_wrong_is_underlined() -> None:
 
 def test_a_predicate_is_renamed_where_it_is_used_and_nowhere_else() -> None:
     text = 'A(x) :- B(x), x == "A";\n# A\nAB(x) :- ~A(x); /* A\nA */ C := A(B: A);\n'
-    assert rename(text, "A", "New") == (
-        'New(x) :- B(x), x == "A";\n# A\nAB(x) :- ~New(x); /* A\nA */ C := New(B: New);\n',
-        4,
+    assert changed(text, renaming(text, 0, "New")) == (
+        'New(x) :- B(x), x == "A";\n# A\nAB(x) :- ~New(x); /* A\nA */ C := New(B: New);\n'
     )
 
 
