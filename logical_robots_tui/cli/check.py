@@ -155,8 +155,8 @@ def serve(_options: argparse.Namespace) -> int:
     exit status: 0 the editor has ended it, 2 pygls is missing
     """
     check_installed("pygls", "The language server", "'logical-robots-tui[lsp]'")
-    from logical_robots_tui.lsp.server import SERVER
+    from logical_robots_tui.lsp import features, server  # noqa: F401 - features join the server
 
     # It closes its streams; ours stay open for what prints at the end.
-    SERVER.start_io(os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb"))
+    server.SERVER.start_io(os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb"))
     return 0

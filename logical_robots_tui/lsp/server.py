@@ -37,7 +37,7 @@ class Server(LanguageServer):
         self.diagnostics: dict[str, tuple[Diagnostic, ...]] = {}
         self.level = ""
         self._facts: dict[tuple[str, Path, int], asyncio.Task[LevelFacts]] = {}
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._run: asyncio.Task[Any] | None = None
 
     def begin(self) -> None:
         self.checker = Checker(self.facts, self._publish)
@@ -53,6 +53,11 @@ class Server(LanguageServer):
         self.documents[uri] = document
         self.checker.submit(document)
 
+    def place(self, params: Any) -> tuple[Document, tuple[int, int], int]:
+        """Return the document that a request is about, its row and column, and its offset."""
+        document = self.documents[params.text_document.uri]
+        return document, document.cursor(params.position), document.offset(params.position)
+
     def close(self, uri: str) -> None:
         self.checker.withdraw(uri)
         for table in (self.documents, self.diagnostics):
@@ -67,6 +72,16 @@ class Server(LanguageServer):
             self.level = level if isinstance(level, str) else ""
             for document in self.documents.values():
                 self.checker.submit(document)
+
+    def make_cancellable(self) -> None:
+        """Cancel the current task when its request is cancelled, or at the next call."""
+        if self._run is not None:
+            self._run.cancel()
+        task = self._run = asyncio.current_task()
+        # pygls cancels the request of a command, but not what works on it.
+        request = self.protocol._request_futures.get(self.protocol.msg_id or "")
+        if request is not None and task is not None:
+            request.add_done_callback(lambda request: request.cancelled() and task.cancel())
 
     def level_of(self, document: Document) -> str:
         return level_of(document.text, document.path, self.level)

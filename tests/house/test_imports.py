@@ -43,7 +43,8 @@ MUST_NOT_LOAD = {
     },
     "logical_robots_tui.tui.app.app": {CLI, LAB, f"{MIND}.sqlite"},
     f"{CLI}.play": {LAB, "msgspec", "multiprocessing"},
-    "logical_robots_tui.lsp.server": {CLI, TUI, LAB, WORLD, "numpy", "logica", "sqlglot"} | SCREEN,
+    "logical_robots_tui.lsp.features": {CLI, TUI, LAB, WORLD, "numpy", "logica", "sqlglot"}
+    | SCREEN,
     f"{CLI}.plain": {TUI, LAB, "logica", "sqlglot"} | SCREEN,
     f"{CLI}.lab": {LAB, WORLD, MIND, GAME, "msgspec", "multiprocessing"} | SCREEN | EXTRAS,
     **{

@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.language.services.fixes import fixes
 from logical_robots_tui.language.services.symbols import changed, renaming, sections, symbol_at
 from tests.language.test_tree import FORMS, parsed
+from tests.mind.test_broken import PROGRAMS, diagnostics
 
 TEXTS = [FORMS, *(load_program(name).text for name in list_programs())]
 SPAN = re.compile(r"span=(None|Span\(start=\d+, stop=\d+\))")
@@ -83,6 +85,17 @@ def test_any_text_has_sections_in_order_and_names_where_they_stand(text: str, of
         assert text.replace("\r", "\n")[start:stop].startswith(name)
     if symbol := symbol_at(text, offset):
         assert all(text.startswith(symbol.name, place) for place in symbol.places)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_what_a_hint_proposes_corrects_the_mistake(name: str) -> None:
+    text = PROGRAMS[name][0]
+    mistakes = diagnostics(text)
+    for mistake in mistakes:
+        for _, change in fixes(text, mistake):
+            others = diagnostics(changed(text, [change]))
+            assert len(others) <= len(mistakes)
+            assert mistake not in others
 
 
 def test_a_missing_semicolon_hides_no_statement() -> None:

@@ -23,6 +23,7 @@ _HEAD = re.compile(r"@?\w+")
 _LINE_HEAD = re.compile(r"^(?=[A-Z@])", re.MULTILINE)
 _COLON = re.compile(r"\s*:(?![-=])")
 _LONGEST = 30
+_LOOKED_BACK = 1_000  # characters before a head that tell whether a statement ends there
 
 
 class Symbol(NamedTuple):
@@ -127,12 +128,18 @@ def changed(text: str, changes: Sequence[TextChange]) -> str:
 
 
 def sections(text: str) -> Iterator[Section]:
-    """Yield the statements of a program; also of one in which a ``;`` is missing."""
+    """Yield the statements of a program; also where the ``;`` before a head is missing."""
     source = prepare(text)
     for start, stop in statements(source):
         piece = source.skeleton[start:stop]
-        heads = [head.start() for head in _LINE_HEAD.finditer(piece)]
-        cuts = heads if piece.count(":-") > 1 and heads[:1] == [0] else [0]
+        heads = [head.start() for head in _LINE_HEAD.finditer(piece, 1)]
+        cuts = [0, *(head for head in heads if _is_whole(source.text, start, start + head))]
         for first, end in zip(cuts, [*cuts[1:], len(piece)], strict=True):
             if head := _HEAD.match(piece, first):
                 yield Section(head[0], start + first, start + len(piece[:end].rstrip()))
+
+
+def _is_whole(text: str, start: int, stop: int) -> bool:
+    """Return whether a statement may end there, because a text ends with no operator or comma."""
+    *_, last = ["", *text[max(start, stop - _LOOKED_BACK) : stop].split()[-1:]]
+    return re.search(r"[\w)\]}\"`]$", last) is not None and last not in KEYWORDS
