@@ -13,6 +13,7 @@ from logical_robots_tui.cli.command import columns, harmless, own_programs, prin
 from logical_robots_tui.errors import InputError, check_installed
 
 FINE, WRONG = 0, 2
+FORMATS = ("text", "json", "github")
 WIDEST = 100  # columns of an excerpt
 
 
@@ -21,7 +22,16 @@ WIDEST = 100  # columns of an excerpt
     command.option("programs", "PROGRAM", "a program's name or file", nargs="+"),
     command.flag("--web", "also print what would fail or mean something else on the web platform"),
     command.option("--level", "LEVEL", "warn about names that no robot can sense in a level"),
-    command.JSON,
+    command.one_of(
+        command.JSON,
+        command.option(
+            "--format",
+            None,
+            "text (the default), json, or github for annotations",
+            choices=FORMATS,
+            default="text",
+        ),
+    ),
     command.DATA_DIR,
     command.NO_SOLUTIONS,
 )
@@ -34,12 +44,15 @@ def check(options: argparse.Namespace) -> int:
       logical-robots check my-program.l          print errors and warnings
       logical-robots check *.l                   check several programs
       logical-robots check my-program.l --web    and what fails on the web platform
-      logical-robots check my-program.l --json   output for scripts and editors
+      logical-robots check my-program.l --json   output for scripts
+      logical-robots check *.l --format=github   annotations in a workflow of GitHub
+      cat my-program.l | logical-robots check -  check standard input
       logical-robots check my-program.l --level 05-lighthouse
                                                  and names that the level lacks
 
     exit status: 0 all programs can run (there may be warnings), 2 one can't
     """
+    is_json = options.json = options.json or options.format == "json"  # for errors, too
     level = world.load_level(options.level) if options.level else None
     results = []
     status = FINE
@@ -50,10 +63,10 @@ def check(options: argparse.Namespace) -> int:
         if any(diagnostic.severity == "error" for diagnostic in findings):
             status = WRONG
         results.append({"file": name, "diagnostics": [asdict(d) for d in findings]})
-        if not options.json:
-            for diagnostic in findings:
-                print(*map(harmless, _lines(name, text, diagnostic)), sep="\n")
-    if options.json:
+        as_lines = _annotation if options.format == "github" else _lines
+        for diagnostic in findings if not is_json else ():
+            print(*map(harmless, as_lines(name, text, diagnostic)), sep="\n")
+    if is_json:
         print_json({"ok": status == FINE, "programs": results})
     return status
 
@@ -67,6 +80,20 @@ def diagnostics(
     except mind.ProgramError as error:
         return error.diagnostics
     return game.warnings_in(program, level, web=web)
+
+
+def _annotation(file: str, _text: str, diagnostic: mind.Diagnostic) -> Iterator[str]:
+    """Yield a workflow command, by which GitHub shows a diagnostic beside the line."""
+    place = f"file={_escaped(file)},line={diagnostic.line},col={diagnostic.column}"
+    message = f"{diagnostic.message}. {diagnostic.hint}" if diagnostic.hint else diagnostic.message
+    yield f"::{diagnostic.severity} {place}::{message.replace('%', '%25')}"
+
+
+def _escaped(value: str) -> str:
+    """Escape a property of a workflow command."""
+    for sign in "%:,":  # the escape's own sign first
+        value = value.replace(sign, f"%{ord(sign):02X}")
+    return value
 
 
 def _lines(file: str, text: str, diagnostic: mind.Diagnostic) -> Iterator[str]:

@@ -1,10 +1,16 @@
 """Whatever is wrong gets a message that names the place; ``check`` prints as a compiler does."""
 
+import json
+import re
+import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.cli.running import Ask, Command
+from tests.installed import CHECKOUT
+from tests.processes import run_command
 from tests.short import AHEAD, LEVEL
 
 CHECKED = {
@@ -63,6 +69,23 @@ def test_one_mistake_of_several_is_enough(command: Command, program: Path, ahead
     words = {"message": "A sensor has no field clok", "hint": "Did you mean clock?"}
     place = {"line": 3, "column": 32, "excerpt": "clok", "severity": "error"}
     assert wrong["diagnostics"][0] == place | words
+
+
+def test_other_tools_get_their_formats_also_of_standard_input(program: Path) -> None:
+    text, words = CHECKED["broken"][0], [sys.executable, "-m", "logical_robots_tui", "check", "-"]
+    program.write_text(text)
+    told = run_command([*words, program, "--format=github"], input=text)
+    lines = [line for file in ("-", program) for line in (f"::error file={file},line=3,col=32::",)]
+    assert [line for line in told.stdout.splitlines() if line.startswith(tuple(lines))] == [
+        f"{line}A sensor has no field clok. Did you mean clock?" for line in lines
+    ]
+    data = json.loads(run_command([*words, "--format=json"], input=text).stdout)
+    assert data["programs"][0]["diagnostics"][0]["excerpt"] == "clok"
+    told = run_command([*words, "--format=json", "--level", "99"], input=text)
+    assert "99" in json.loads(told.stdout)["error"]["message"]
+    (hook,) = yaml.safe_load((CHECKOUT / ".pre-commit-hooks.yaml").read_text("utf-8"))
+    assert hook["entry"].split() == ["logical-robots", "check"]
+    assert re.search(hook["files"], program.name)
 
 
 def test_a_long_line_is_shown_around_its_mistake(command: Command, program: Path) -> None:
