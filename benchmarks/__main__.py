@@ -10,6 +10,7 @@ from benchmarks.breakpoints import breakpoints
 from benchmarks.classes import classes, large_classes
 from benchmarks.diagnosing import diagnosing
 from benchmarks.editing import editing
+from benchmarks.editors import editors
 from benchmarks.first_frame import first_frame
 from benchmarks.folding import folding
 from benchmarks.functions import functions
@@ -54,6 +55,7 @@ SUITE = Suite(
         "folding": folding,
         "answers": answers,
         "diagnosing": diagnosing,
+        "lsp": editors,
         "proofs": proofs,
         "screen": with_screen,
         "traffic": traffic,

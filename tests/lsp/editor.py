@@ -1,6 +1,7 @@
 """An editor that talks to a real server, as pygls' own client does."""
 
 import asyncio
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -44,11 +45,15 @@ class Editor:
         assert self.client._server is not None
         return self.client._server.pid
 
-    async def start(self, *words: str, settings: Any = None) -> types.InitializeResult:
-        await self.client.start_io(sys.executable, "-m", "logical_robots_tui", "lsp", *words)
-        return await self.client.initialize_async(
-            types.InitializeParams(types.ClientCapabilities(), initialization_options=settings)
-        )
+    async def start(self, **environ: str) -> None:
+        words = (sys.executable, "-m", "logical_robots_tui", "lsp")
+        await self.client.start_io(*words, env=os.environ | environ)
+        await self.client.initialize_async(types.InitializeParams(types.ClientCapabilities()))
+
+    def children(self) -> list[int]:
+        """Return the process numbers of the server's helpers."""
+        threads = Path(f"/proc/{self.pid}/task").glob("*/children")
+        return [int(child) for file in threads for child in file.read_text().split()]
 
     def open(self, text: str, path: Path | str = "/nowhere/program.l") -> None:
         self.uri, self.version = f"file://{path}", self.version + 1

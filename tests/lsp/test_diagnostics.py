@@ -102,15 +102,10 @@ async def test_a_long_text_and_one_that_is_too_long_are_answered(editor: Editor)
 async def test_a_compile_process_that_crashes_is_started_again(editor: Editor) -> None:
     editor.open(f"{FINE}\n# before")
     await editor.published()
-    for pid in children(editor.pid):
+    for pid in editor.children():
         os.kill(pid, signal.SIGKILL)
     editor.type(f"{FINE}\nA(x) :- x in [1], x == null;")
     assert len(await editor.published()) == 1
-
-
-def children(pid: int) -> list[int]:
-    threads = Path(f"/proc/{pid}/task").glob("*/children")
-    return [int(child) for file in threads for child in file.read_text().split()]
 
 
 async def test_it_ends_with_the_editor_even_while_it_compiles() -> None:
@@ -118,7 +113,7 @@ async def test_it_ends_with_the_editor_even_while_it_compiles() -> None:
     await editor.start()
     editor.open(f"{load_program('distributed-mapping').text}\n# {os.getpid()}")
     await editor.published()
-    pids = children(editor.pid)
+    pids = editor.children()
     server = editor.client._server
     assert server is not None
     assert server.stdin is not None

@@ -27,29 +27,27 @@ KEYWORDS = (
 )
 """Words that can't be variables."""
 
-_SWITCHES = r"""
-    (?P<line_comment>\#.*)
-  | (?P<block>/\*)
-  | (?P<long>\"\"\")
-  | (?P<string>"[^"]*"?|'(?:[^'\\]|\\.)*'?|`[^`]*`?)
-"""
-_SWITCH = re.compile(_SWITCHES, re.VERBOSE)
+TOKENS = {
+    "line_comment": r"#.*",
+    "block": r"/\*",
+    "long": r'"""',
+    "string": r""""[^"]*"?|'(?:[^'\\]|\\.)*'?|`[^`]*`?""",
+    "annotation": r"@\w+",
+    "number": r"\b\d+(?:\.\d+)?(?:[eE][+-]?\d+)?\b",
+    "keyword": rf"\b(?:{'|'.join(KEYWORDS)}|(?:limit|order_by)(?=\s*\())\b",
+    "predicate": r"\b[A-Z]\w*",
+    "field": r"\b[a-z_]\w*(?=\s*:(?![-=]))",
+    "operator": r":-|->|=>|:=|[-+*/^%=<>!&|~]+",
+}
+"""Patterns of tokens within a line, the first of which counts; `block` and `long` go on until
+what ends them."""
+
+_SWITCHES = tuple(f"(?P<{kind}>{pattern})" for kind, pattern in TOKENS.items())
+_SWITCH = re.compile("|".join(_SWITCHES[:4]))
 """What decides on the state of the next line; far fewer matches than all tokens."""
 
-_TOKEN = re.compile(
-    rf"""
-    {_SWITCHES}
-  | (?P<annotation>@\w+)
-  | (?P<number>\b\d+(?:\.\d+)?(?:[eE][+-]?\d+)?\b)
-  | (?P<keyword>\b(?:{"|".join(KEYWORDS)}|(?:limit|order_by)(?=\s*\())\b)
-  | (?P<predicate>\b[A-Z]\w*)
-  | (?P<field>\b[a-z_]\w*(?=\s*:(?![-=])))
-  | (?P<operator>:-|->|=>|:=|[-+*/^%=<>!&|~]+)
-  | \w+
-    """,
-    re.VERBOSE,
-)
-_ENDS = {"/*": "*/", '"""': '"""'}
+_TOKEN = re.compile("|".join([*_SWITCHES, r"\w+"]))
+ENDS = {"/*": "*/", '"""': '"""'}
 
 
 def pieces(line: str, state: State = "") -> list[Piece]:
@@ -65,8 +63,8 @@ def _scan(line: str, state: State, token: re.Pattern[str]) -> tuple[list[Piece],
     start = end = 0
     while True:
         if state:
-            closing = line.find(_ENDS[state], end)
-            end = len(line) if closing < 0 else closing + len(_ENDS[state])
+            closing = line.find(ENDS[state], end)
+            end = len(line) if closing < 0 else closing + len(ENDS[state])
             if end > start:
                 parts.append(Piece(start, end, "comment" if state == "/*" else "string"))
             if closing < 0:
