@@ -232,9 +232,9 @@ async def run(ls: Server, *arguments: Any) -> dict[str, Any]:
     level = ls.level_of(document)
     if not level:
         raise JsonRpcInvalidParams("Name a level in the first line: # level: 05-lighthouse")
-    ls.make_cancellable()
     words = ("run", level, "-", "--json", "--ticks", str(ticks))
-    result = await run_command(*words, folder=document.path.parent, text=document.text)
+    command = run_command(*words, folder=document.path.parent, text=document.text)
+    result = await ls.run_alone(command)
     outcome = _outcome(document, level, result)
     ls.window_show_message(types.ShowMessageParams(types.MessageType.Info, outcome["message"]))
     return outcome

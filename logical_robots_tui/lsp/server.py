@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Iterator
+from collections.abc import Coroutine, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -73,15 +73,22 @@ class Server(LanguageServer):
             for document in self.documents.values():
                 self.checker.submit(document)
 
-    def make_cancellable(self) -> None:
-        """Cancel the current task when its request is cancelled, or at the next call."""
+    async def run_alone(self, command: Coroutine[Any, Any, Any]) -> Any:
+        """Return what a command answers; it ends with its request, and when another begins."""
+        await self.end_run()
+        run = self._run = asyncio.create_task(command)
+        # pygls cancels the request of a command, but not what works on it.
+        if request := self.protocol._request_futures.get(self.protocol.msg_id or ""):
+            request.add_done_callback(lambda request: request.cancelled() and run.cancel())
+        try:
+            return await run
+        except asyncio.CancelledError:  # which pygls would not answer
+            return {"error": {"message": "The run was ended."}}
+
+    async def end_run(self) -> None:
         if self._run is not None:
             self._run.cancel()
-        task = self._run = asyncio.current_task()
-        # pygls cancels the request of a command, but not what works on it.
-        request = self.protocol._request_futures.get(self.protocol.msg_id or "")
-        if request is not None and task is not None:
-            request.add_done_callback(lambda request: request.cancelled() and task.cancel())
+            await asyncio.wait([self._run])
 
     def level_of(self, document: Document) -> str:
         return level_of(document.text, document.path, self.level)
@@ -173,3 +180,8 @@ def changed(ls: Server, params: types.DidChangeTextDocumentParams) -> None:
 @SERVER.feature(types.TEXT_DOCUMENT_DID_CLOSE)
 def closed(ls: Server, params: types.DidCloseTextDocumentParams) -> None:
     ls.close(params.text_document.uri)
+
+
+@SERVER.feature(types.SHUTDOWN)
+async def end(ls: Server, _: None) -> None:
+    await ls.end_run()

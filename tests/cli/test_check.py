@@ -88,6 +88,13 @@ def test_other_tools_get_their_formats_also_of_standard_input(program: Path) -> 
     assert re.search(hook["files"], program.name)
 
 
+def test_without_pygls_it_is_said_what_to_install(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("logical_robots_tui.errors.is_installed", lambda _module: False)
+    assert "pip install 'logical-robots-tui[lsp]'" in command("lsp").refusal
+
+
 def test_a_long_line_is_shown_around_its_mistake(command: Command, program: Path) -> None:
     program.write_text(f'A("{"x" * 300}", Wings(1), "{"x" * 300}");\n' + DOUBTFUL)
     lines = command("check", program).out.splitlines()

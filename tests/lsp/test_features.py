@@ -1,5 +1,6 @@
 """What an editor asks about a program, over the protocol."""
 
+import asyncio
 from typing import Any
 
 import pytest
@@ -9,6 +10,8 @@ from pygls.exceptions import JsonRpcException
 from logical_robots_tui.game import load_program
 from tests.lsp.editor import Editor
 from tests.mind.test_broken import FINE
+from tests.processes import is_running
+from tests.waiting import until
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -204,3 +207,30 @@ async def test_a_program_is_run_in_its_level(editor: Editor) -> None:
     editor.open(FINE)
     with pytest.raises(JsonRpcException, match="# level: 05-lighthouse"):
         await run(editor.uri)
+
+
+@pytest.mark.parametrize("ends", ["the request is cancelled", "another run begins"])
+async def test_a_run_blocks_nothing_and_ends_when(ends: str, editor: Editor) -> None:
+    def params(ticks: int) -> types.ExecuteCommandParams:
+        return types.ExecuteCommandParams("logical-robots.run", [editor.uri, ticks])
+
+    def start(ticks: int) -> Any:
+        return editor.client.protocol.send_request(
+            types.WORKSPACE_EXECUTE_COMMAND, params(ticks), msg_id=f"{ends}, {ticks}"
+        )
+
+    editor.open(FINE, "/nowhere/first-steps.l")
+    await editor.published()
+    helpers = {*editor.children()}
+    endless = start(1_000_000)
+    await asyncio.to_thread(until, lambda: {*editor.children()} - helpers)
+    (process,) = {*editor.children()} - helpers
+    assert await editor.client.text_document_hover_async(types.HoverParams(**editor.at(0, 0)))
+    if ends == "another run begins":
+        assert (await asyncio.wrap_future(start(1)))["ticks"] == 1
+        assert "The run was ended." in (await asyncio.wrap_future(endless))["message"]
+    else:
+        editor.client.cancel_request(types.CancelParams(f"{ends}, 1000000"))
+        with pytest.raises(JsonRpcException, match="canceled"):
+            await asyncio.wrap_future(endless)
+    await asyncio.to_thread(until, lambda: not is_running(process))
