@@ -29,7 +29,6 @@ from logical_robots_tui.language.services.symbols import (
     sections,
     symbol_at,
 )
-from logical_robots_tui.language.types import describe, load_kind
 from logical_robots_tui.lsp.documents import Document
 from logical_robots_tui.lsp.levels import run_command
 from logical_robots_tui.lsp.server import SERVER, Server, range_of
@@ -42,6 +41,7 @@ _KINDS = {
     **{kind: kind for kind in ("comment", "string", "keyword", "number", "operator")},
 }
 _TOKENS = [*_KINDS.values()]
+_NO_NUMBERS = ("Any", "Null", "Bool", "Str")
 _TICKS, _MOST_TICKS = 5_000, 1_000_000
 _STRING = re.compile(r'"([^"]*)"|\'([^\']*)\'')
 
@@ -112,9 +112,17 @@ def _columns(document: Document, name: str) -> Iterator[str]:
     kinds = json.loads(program.kinds).get(name) if program is not None else None
     if program is not None and kinds:
         yield "\n".join(
-            f"- {program.label(name, column)}: `{describe(load_kind(kind))}`"
-            for column, kind in kinds.items()
+            f"- {program.label(name, column)}: `{_type(kind)}`" for column, kind in kinds.items()
         )
+
+
+def _type(kind: Any) -> str:
+    """Return a type, as in ``Program.kinds``, as programs write it: [Num], {label: Str}."""
+    if isinstance(kind, list):
+        return f"[{_type(kind[0])}]"
+    if isinstance(kind, dict):
+        return f"{{{', '.join(f'{name}: {_type(inner)}' for name, inner in kind.items())}}}"
+    return kind if kind in _NO_NUMBERS else "Num"
 
 
 @SERVER.feature(types.TEXT_DOCUMENT_DEFINITION)

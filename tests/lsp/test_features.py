@@ -95,7 +95,7 @@ async def test_columns_are_those_of_the_last_text_that_compiled(editor: Editor) 
     editor.type(f'{FINE}\nA(x, name: "a") :- x in [1')
     await editor.published()
     answer = await editor.client.text_document_hover_async(params)
-    assert "- name: `a string`" in str(answer and answer.contents)
+    assert "- name: `Str`" in str(answer and answer.contents)
 
 
 @pytest.mark.parametrize(
