@@ -44,7 +44,10 @@ def test_the_solutions_get_all_points_of_a_week(
     week: str, tmp_path: Path, command: Command
 ) -> None:
     levels = write_week(tmp_path, week)
-    command("grade", tmp_path / "week.toml", tmp_path / "all", "-o", tmp_path / "out", status=0)
+    assignment = tmp_path / "week.toml"
+    text = assignment.read_text("utf-8")
+    assignment.write_text(re.sub("^starts = 4$", "starts = 1", text, count=1, flags=re.M), "utf-8")
+    command("grade", assignment, tmp_path / "all", "-o", tmp_path / "out", status=0)
     (ada,) = rows(tmp_path / "out/gradebook.csv")
     assert float(ada["points"]) == float(ada["most"]) == 10 * len(levels)
 
