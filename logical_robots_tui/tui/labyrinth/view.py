@@ -138,7 +138,7 @@ class LabyrinthView(Widget):
     def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
         """Show a frame; if `hurried`, the next one follows at once, so less must be sent."""
         if self._level is None or _place_of(level) != _place_of(self._level):
-            self.set_reactive(LabyrinthView.camera, Camera())
+            self._look(Camera())
             self._traces.forget()
         self._traces.record(frame)
         self._level, self._frame, self._hurried = level, frame, hurried

@@ -10,6 +10,7 @@ from textual import events
 
 from logical_robots_tui.tui.labyrinth.drawing import Viewport
 from logical_robots_tui.tui.labyrinth.drawing.viewport import ZOOMS, Camera, Sight
+from logical_robots_tui.world import load_level
 from tests.tui.conftest import Size, opened
 from tests.tui.labyrinth.drawing.scenes import room
 
@@ -148,6 +149,11 @@ async def test_keys_and_mouse_look_around(data_dir: Path, size: Size) -> None:
         await pilot.mouse_up(view, offset=(20, 8))
         await game.until(lambda: view.camera.x > before.x and view.camera.y > before.y)
         assert view.selected is None
+
+        # Another level is shown as a whole, and titled so.
+        await game.main.player.library.open_level(load_level("09-doors"))
+        await game.sees_no(", moved")
+        assert view.camera == Camera()
 
 
 async def test_a_robot_without_decision_says_so(data_dir: Path) -> None:
