@@ -6,14 +6,14 @@ import math
 from dataclasses import replace
 from html import escape
 from itertools import pairwise
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import DARK, RGB, mix, parse
 from logical_robots_tui.tui.labyrinth.drawing.cells import hex_colour as _hex
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
-from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour
+from logical_robots_tui.tui.labyrinth.drawing.lettering import names_once, robot_colour
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     Point = tuple[float, float]
     Pose = tuple[float, float, float]
-    Entity = TypeVar("Entity", Area, Beacon)
 
 _FONT = "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace"
 _FONT_SIZE = 12  # map units
@@ -108,12 +107,10 @@ def _objects(
     *trails: str,
 ) -> Iterator[str]:
     """Yield areas, beacons, trails and robots through frames, or in the only one."""
-    namesakes: dict[str, list[Area]] = {}
+    names = iter(names_once(level))
     for area, activity in zip(level.areas, zip(*activities, strict=True), strict=True):
-        yield _switched(_name_once(area, namesakes), activity, timing)
-        namesakes.setdefault(area.name, []).append(area)
-    for beacon in level.beacons:
-        yield _beacon(_name_once(beacon, namesakes))
+        yield _switched(replace(area, name=next(names)), activity, timing)
+    yield from map(_beacon, level.beacons, names)
     yield from trails
     for robot, motion in zip(level.robots, zip(*poses, strict=True), strict=True):
         yield _robot(robot, motion, timing)
@@ -190,21 +187,13 @@ def _switched(area: Area, activity: Sequence[bool], timing: str) -> str:
     return "".join(pieces)
 
 
-def _name_once(entity: Entity, namesakes: Mapping[str, Sequence[Area]]) -> Entity:
-    """Take the name from an entity in the middle of an area that shows the same one."""
-    for area in namesakes.get(entity.name, ()):
-        if math.hypot(entity.x - area.x, entity.y - area.y) <= area.radius:
-            return replace(entity, name="")
-    return entity
-
-
-def _beacon(beacon: Beacon) -> str:
+def _beacon(beacon: Beacon, name: str) -> str:
     colour = beacon_colour(beacon, DARK)
     size = _number(BEACON_RADIUS * 0.8)
     left, top = _number(beacon.x - BEACON_RADIUS * 0.8), _number(beacon.y)
     path = f"M{left} {top}l{size} -{size} {size} {size} -{size} {size}z"
     return f'<path d="{path}" fill="{_hex(colour)}"/>' + _name(
-        beacon.name, beacon.x, beacon.y - BEACON_RADIUS - 3, colour
+        name, beacon.x, beacon.y - BEACON_RADIUS - 3, colour
     )
 
 

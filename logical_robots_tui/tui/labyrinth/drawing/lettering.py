@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import unicodedata
 from collections.abc import Container, Iterator, Sequence
 from functools import lru_cache
@@ -26,7 +27,7 @@ from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, mark_ends
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Viewport
 from logical_robots_tui.world.dynamics import RobotState
-from logical_robots_tui.world.level import Level
+from logical_robots_tui.world.level import Area, Level
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -142,6 +143,18 @@ def robot_colour(color: str, palette: Palette) -> RGB:
     return palette.legible(parse(color))
 
 
+def names_once(level: Level) -> list[str]:
+    """Return the names of areas, then beacons, "" where an area around shows the same one."""
+    names, namesakes = [], dict[str, list[Area]]()
+    for entity in (*level.areas, *level.beacons):
+        areas = namesakes.setdefault(entity.name, [])
+        is_shown = any(math.hypot(entity.x - a.x, entity.y - a.y) <= a.radius for a in areas)
+        names.append("" if is_shown else entity.name)
+        if isinstance(entity, Area):
+            areas.append(entity)
+    return names
+
+
 class StaticLabels:
     """Beacons' symbols and names, areas' names, placed once; `ground` is (down, across, 3)."""
 
@@ -153,7 +166,9 @@ class StaticLabels:
         """The cells that the symbols of beacons, and small gates, leave free."""
         shining: list[tuple[tuple[int, int], str, RGB]] = []
         named: list[tuple[int, str, RGB, tuple[int, int], int, bool]] = []
-        for beacon in level.beacons:
+        names = names_once(level)
+        area_names, beacon_names = names[: len(level.areas)], names[len(level.areas) :]
+        for beacon, name in zip(level.beacons, beacon_names, strict=True):
             cell = viewport.cell(beacon.x, beacon.y)
             if cell is None:
                 continue
@@ -161,13 +176,13 @@ class StaticLabels:
             glyph = glyphs.charger if beacon.charging_station else glyphs.beacon
             shining.append((cell, glyph, colour))
             self.room.take(cell[0], cell[1], cell[1] + 1)
-            named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, 0, False))
-        for area, is_active in zip(level.areas, active, strict=False):
+            named.append((1, name, mix(colour, palette.bright, 0.25), cell, 0, False))
+        for area, name, is_active in zip(level.areas, area_names, active, strict=False):
             cell = viewport.cell(area.x, area.y)
             if cell is None:
                 continue
             goal = bool(area.victory_robots)
-            name = f"{glyphs.goal} {area.name}".rstrip() if goal else area.name
+            name = f"{glyphs.goal} {name}".rstrip() if goal else name
             colour = palette.strong(parse(area.color))
             if not is_active:
                 colour = mix(colour, palette.floor, 0.45)
