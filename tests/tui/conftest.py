@@ -6,10 +6,10 @@ from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import TypeAlias, TypedDict, Unpack
+from typing import Any, TypeAlias, TypedDict, Unpack
 
 import pytest
-from textual import _time, events
+from textual import _time, events, notifications
 from textual._compositor import Compositor
 from textual.css.model import RuleSet
 from textual.css.styles import RulesMap
@@ -324,7 +324,7 @@ def pytest_asyncio_loop_factories() -> dict[str, type[VirtualLoop]]:
 
 @pytest.fixture(autouse=True)
 def _time_of_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Textual's timers, events and undo steps go by the time of the loop, if one runs."""
+    """Textual's timers, events, messages and undo steps go by the time of the loop, if one runs."""
 
     def now() -> float:
         try:
@@ -332,7 +332,12 @@ def _time_of_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
         except RuntimeError:
             return monotonic()
 
+    def raised(*fields: Any, **more: Any) -> notifications.Notification:
+        return notifications.Notification(*fields, **more, raised_at=now())
+
     monkeypatch.setattr(_time, "get_time", now)
+    monkeypatch.setattr(notifications, "time", now)
+    monkeypatch.setattr("textual.app.Notification", raised)
     monkeypatch.setattr(EditHistory, "_get_time", lambda _: now())
     monkeypatch.setattr("textual.pilot.wait_for_idle", lambda *_: virtual_loop().handled())
 
