@@ -43,7 +43,7 @@ class Screen(Background, Dialogs):
     async def ask(self, *dialog: object) -> Any:
         raise AssertionError(dialog)
 
-    warn = tell
+    warn = withdraw = tell
     choose = ask  # type: ignore[assignment] # whatever it is asked
 
 

@@ -11,7 +11,7 @@ from textual.dom import NoScreen
 from textual.errors import NoWidget
 
 from logical_robots_tui.player.session_state import Ui, Work
-from logical_robots_tui.tui.terminal.textual_internals import is_being_removed
+from logical_robots_tui.tui.terminal.textual_internals import is_being_removed, withdraw_message
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
@@ -64,6 +64,9 @@ class Dialogs(Ui, Protocol):
     async def ask(self, dialog: Screen[Result]) -> Result | None:
         """Show a dialog and return its result; only for background work."""
 
+    def withdraw(self, message: str) -> None:
+        """Remove a message that was told, if it is still shown."""
+
 
 class ScreenUi(Dialogs):
     def __init__(self, screen: Screen[Any]) -> None:
@@ -74,6 +77,10 @@ class ScreenUi(Dialogs):
 
     def warn(self, message: str) -> None:
         self.screen.notify(one_line(message), markup=False, severity="warning", timeout=8)
+
+    def withdraw(self, message: str) -> None:
+        app = self.screen.app
+        app.call_later(withdraw_message, app, message)  # after the message has arrived
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
         in_background(self.screen, work, group, exclusive=exclusive)

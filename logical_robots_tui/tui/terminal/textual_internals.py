@@ -51,6 +51,12 @@ def mark_rendered_stale(widget: Widget, regions: Iterable[Region]) -> None:
     widget._styles_cache.set_dirty(*regions)
 
 
+def withdraw_message(app: App[object], message: str) -> None:
+    for notification in [*app._notifications]:
+        if notification.message == message:
+            app._unnotify(notification)
+
+
 def handle_exception(app: App[object], error: Exception) -> None:
     """End an app with an error, as if a message handler had raised it."""
     app._handle_exception(error)

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -159,6 +158,7 @@ class TimelineController(SessionListener):
 
 
 _PATIENCE = 0.5  # seconds of a search before a message
+_REPEAT = 4.0  # seconds until the next one
 
 
 class TickSearch:
@@ -211,15 +211,17 @@ class TickSearch:
             self._ui.tell(_NO_PROGRAM)
             return
         state_key, patient_until = self._state_key(game), session.clock.now() + _PATIENCE
-        inspected, self._ended = self._inspected(), None
+        inspected, self._ended, progress = self._inspected(), None, ""
 
         def report(tick: int) -> None:
-            nonlocal patient_until
+            nonlocal patient_until, progress
             if state_key != self._state_key(session.game):
                 raise Superseded  # the player has moved on
             if session.clock.now() > patient_until:
-                patient_until = inf
-                self._ui.tell(f"Searching, at tick {tick}… Go to any tick to stop.")
+                patient_until = session.clock.now() + _REPEAT
+                self._ui.withdraw(progress)
+                progress = f"Searching, at tick {tick}… Go to any tick to stop."
+                self._ui.tell(progress)
 
         from logical_robots_tui.game import search_ticks
 
@@ -231,6 +233,8 @@ class TickSearch:
             message = error.first.message
             self._ui.warn(f"{self._question} can't be asked: {message}.")
             return
+        finally:
+            self._ui.withdraw(progress)
         if state_key != self._state_key(session.game):
             return
         if outcome.tick is not None:

@@ -10,7 +10,7 @@ from logical_robots_tui.game import EVENTS, Breakpoint, Pin
 from logical_robots_tui.mind import Mind
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.timeline import breakpoints
+from logical_robots_tui.tui.timeline import breakpoints, controller
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointForm, BreakpointList, TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import load_level
@@ -234,9 +234,11 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
         await game.sees("Sensor has no column sensr.")
         game.app.screen.query_one(Input).value = AT
         await game.sees_no("Sensor has no column sensr.")
+        monkeypatch.setattr(controller, "_PATIENCE", -1.0)
         await game.press("enter", tick=3)
         await game.press("semicolon", tick=9)
         await game.press("semicolon", sees="No other tick after 9")
+        assert not any("Searching" in toast.message for toast in game.app._notifications)
         await game.press("colon", tick=4)
         await game.press("colon", sees="No other tick before 4")
         assert game.tick == 4
