@@ -12,6 +12,7 @@ from textual.content import Content
 from textual.message import Message
 
 from logical_robots_tui.game import MARK_KINDS, Mark, MarkKind, goals
+from logical_robots_tui.game.frame import count_home
 from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER
 from logical_robots_tui.tui.terminal.diff_app import OneLine
 from logical_robots_tui.tui.theme.themes import INK
@@ -111,10 +112,14 @@ _NOTE_WIDTHS = (18, 48)
 
 
 def _goal_note(session: Session) -> str:
-    """Return how many robots are in the goal with the most, or "" without shared goals."""
-    shared_goals = [g for g in goals(session.level, session.frame.after) if len(g.robots) > 1]
+    """Return how many robots are in the goals that count together, or "" without shared goals."""
+    all_goals = goals(session.level, session.frame.after)
+    shared_goals = [goal for goal in all_goals if len(goal.robots) > 1]
     if not shared_goals:
         return ""
+    if session.level.all_goals and len(all_goals) > 1:
+        (inside, total), *_ = count_home(session.level, session.frame.after, is_open=True)
+        return f" · {inside}/{total} in goals"
     goal = max(shared_goals, key=lambda goal: len(goal.inside))
     return f" · {len(goal.inside)}/{len(goal.robots)} in {one_line(goal.area_name)}"
 

@@ -105,6 +105,9 @@ async def test_a_swarm_without_choice_is_counted(data_dir: Path, short: Path, si
         game.main.labyrinth.view.selected = level.robots[0].name
         game.main.redraw_lines()
         await game.until(lambda: "/3 in" not in line(game))
+        # Where all goals are needed, they count together.
+        await game.app.main.player.library.open_level(load_level("14-right-of-way"))
+        await game.until(lambda: line(game).endswith(" · 0/6 in goals"))
 
 
 async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) -> None:
