@@ -74,11 +74,12 @@ class Superseded(Exception):  # noqa: N818 - not an error: the player did someth
 def events_between(level: Level, previous: Frame, frame: Frame) -> Iterator[str]:
     """Yield a sentence for each event between two consecutive ticks; names are not escaped."""
     obstacle = "a wall or a robot" if level.solid_robots else "a wall"
+    immobile = {robot.name for robot in level.robots if robot.is_immobile}
     for old_robot, robot in zip(previous.after.robots, frame.after.robots, strict=True):
         name = robot.name
         if robot.blocked != old_robot.blocked:
             yield f"{name} is blocked by {obstacle}." if robot.blocked else f"{name} moves again."
-        if robot.dead != old_robot.dead:
+        if robot.dead != old_robot.dead and name not in immobile:
             yield f"The battery of {name} is empty." if robot.dead else f"{name} has charge again."
     for old_area, area in zip(previous.after.areas, frame.after.areas, strict=True):
         if area.active is not old_area.active:

@@ -55,6 +55,11 @@ class Robot:
     battery_consumption_rate: float = 0.0
     team: str = ""
 
+    @property
+    def is_immobile(self) -> bool:
+        """Whether it needs charge and can hold none, so that nothing is wrong if it is empty."""
+        return self.has_battery and self.battery_capacity <= 0 < self.battery_consumption_rate
+
 
 @dataclass(frozen=True, slots=True)
 class Beacon:

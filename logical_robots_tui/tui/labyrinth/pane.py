@@ -162,7 +162,7 @@ class RobotCard(Static):
 
 
 def _trouble(robot: Robot, state: RobotState, decision: Decision | None) -> tuple[str, str]:
-    if state.dead:
+    if state.dead and not robot.is_immobile:
         return "battery empty", INK.bad
     if decision is not None and decision.desire is None:
         return "undecided", INK.warn

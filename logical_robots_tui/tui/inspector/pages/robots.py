@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -110,7 +111,7 @@ def _robots(level: Level, frame: Frame, palette: Palette) -> list[_RobotRow]:
         _RobotRow(
             start.name,
             robot_ink(start.color, palette),
-            state,
+            replace(state, dead=False) if start.is_immobile else state,
             sensors[start.name],
             frame.memories.get(start.name),
             desires.get(start.name),

@@ -131,9 +131,11 @@ class Picture:
         self._update_ground(level, frame, traces, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
         dead = look.palette.dead
+        immobile = {robot.name for robot in level.robots if robot.is_immobile}
         robots = [
             (robot, dead if robot.dead else colours.get(robot.name, dead))
-            for robot in frame.after.robots
+            for state in frame.after.robots
+            for robot in [replace(state, dead=False) if state.name in immobile else state]
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
         faint = [] if ghosts is None else _ghosts(ghosts, frame, level, colours, look.palette)

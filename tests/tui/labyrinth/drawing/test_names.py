@@ -5,11 +5,12 @@ from typing import Any
 
 from rich.cells import cell_len
 
+from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing, Look, Picture, Viewport
 from logical_robots_tui.tui.labyrinth.drawing.cells import luminance
 from logical_robots_tui.tui.labyrinth.drawing.lettering import fit_name
-from logical_robots_tui.world import Area, Beacon, Robot
-from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, apart, room, start, with_robot
+from logical_robots_tui.world import Area, Beacon, Robot, load_level
+from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, apart, room, run, start, with_robot
 
 NAMES = replace(BARE, names=True)
 LONE = room(1000, 500, robots=(Robot("Ann", 500, 250, color="#ff8040"),))
@@ -149,10 +150,15 @@ def test_from_near_the_body_is_a_disc_with_a_nose_ahead() -> None:
         assert "→" not in "".join(near.lines)
 
 
-def test_a_dead_robot_is_a_grey_cross() -> None:
+def test_a_dead_robot_is_a_grey_cross_unless_it_can_hold_no_charge() -> None:
     for view in (AFAR.centred(603, 303), NEAR):
         dead = drawn(view=view, dead=True)
         assert (dead.text(603, 303), dead.paper(603, 303)) == ("✕", DARK.dead)
+    doors = load_level("09-doors")
+    past, now = run(doors, 1)
+    assert any(robot.dead for robot in now.after.robots)
+    assert "✕" not in text(Drawn(doors, now, NAMES))
+    assert not [event for event in events_between(doors, past, now) if "battery" in event]
 
 
 def test_a_blocked_robot_is_reversed_from_afar_and_marked_from_near() -> None:
