@@ -202,9 +202,12 @@ class MeasuringError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
+    """How far the varied starts are; `waits_for` is the title of a level that is tried first."""
+
     tried: int = 0
     wins: int = 0
     of_all: int = STARTS
+    waits_for: str = ""
 
 
 def patience_for(ticks: int) -> int:

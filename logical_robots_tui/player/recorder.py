@@ -55,6 +55,7 @@ class ProgressRecorder(SessionListener):
         self._key = ""
         self._trials: dict[str, tuple[str, Trial]] = {}
         self._turn = asyncio.Lock()
+        self._title = ""
         self._has_begun = False
         self._is_closed = False
 
@@ -190,7 +191,7 @@ class ProgressRecorder(SessionListener):
         measures = await self.ask(lambda progress: progress.measures(key, text))
         later_goals = {goal.words for goal in level.second_goals if goal.is_tried_later}
         if measures is None or measures.wins is None or not later_goals.issubset(measures.goals):
-            entry = (text, Trial())
+            entry = (text, Trial(waits_for=self._title if self._turn.locked() else ""))
             self._trials[key] = entry
             self._on_change()
 
@@ -201,6 +202,8 @@ class ProgressRecorder(SessionListener):
 
             try:
                 async with self._turn:  # one at a time: there may be few processors
+                    self._title = level.title
+                    update(Trial())
                     measures = await measure(level, program, measures, update)
             except MeasuringError:
                 self._ui.warn("The robustness test failed.")

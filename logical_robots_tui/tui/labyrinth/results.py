@@ -18,7 +18,7 @@ from textual.widgets import Button, Static
 from logical_robots_tui.tui.commands.keymap import command, with_keys
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import one_line
+from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world.level import SecondGoal
 
 if TYPE_CHECKING:
@@ -32,10 +32,10 @@ _WIDTHS = (9, 7, 10, 11)
 _LABEL = 11
 
 
-def results_lines(recorder: ProgressRecorder) -> list[Content]:
+def results_lines(recorder: ProgressRecorder, seconds: int = 0) -> list[Content]:
     """Return lines of equal width: victory, bests (new ones marked), solution, scales, trial.
 
-    If several programs won together, the last one alone is measured, from the start.
+    `seconds` have passed since the trial's last step. If several programs won together, the last one alone is measured, from the start.
     """
     references, bests = recorder.references.values(), recorder.record.bests
     rows = [_row("", _TITLES, INK.dim)]
@@ -47,7 +47,11 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
         rows.append(_row("reference", _numbers(next(iter(references))), INK.dim))
     rows += scale_lines(references, bests)
     if recorder.trial is not None:
-        trial_line = f"varied starts tried: {recorder.trial.tried} …"
+        trial = recorder.trial
+        doing = f"tried: {trial.tried} of {trial.of_all}"
+        if trial.waits_for:
+            doing = f"wait for those of {clip(one_line(trial.waits_for), 18)}"
+        trial_line = f"varied starts {doing} … {seconds} s"
         rows.append(Content.styled(f"{trial_line:^{_LABEL + sum(_WIDTHS)}}", INK.dim))
     width = max(row.cell_length for row in rows)
     return [row.pad_right(width - row.cell_length) for row in rows]
@@ -213,6 +217,7 @@ class ResultsDialog(QuestionDialog):
         self._recorder, self._headline, self._seed = recorder, headline, seed
         self._note, self._story = with_keys(note), story
         self._picture, self._explains = picture, explains
+        self._trial, self._seconds = recorder.trial, 0
         self._rows = self._table()
         self._parts = [Static(id=name) for name in ("said", "goals", "table")]
 
@@ -230,8 +235,15 @@ class ResultsDialog(QuestionDialog):
     def on_mount(self) -> None:
         super().on_mount()
         self._tell()
+        self.set_interval(1.0, self._wait)
+
+    def _wait(self) -> None:
+        self._seconds += 1
+        self.follow()
 
     def follow(self) -> None:
+        if self._recorder.trial is not self._trial:
+            self._trial, self._seconds = self._recorder.trial, 0
         if self.is_active and (rows := self._table()) != self._rows:
             self._rows = rows
             self._tell()
@@ -243,7 +255,7 @@ class ResultsDialog(QuestionDialog):
         if challenge is not None:
             place = recorder.goals.index(challenge)
             goals[place] = goals[place].append(Content.styled(_CHALLENGE, INK.record))
-        rows = [*results_lines(recorder), *goals]
+        rows = [*results_lines(recorder, self._seconds), *goals]
         if recorder.latest is not None:
             return rows
         return [*(Content.styled(line, INK.warn) for line in wrap(self._note, STORY_WIDTH)), *rows]

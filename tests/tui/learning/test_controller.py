@@ -217,14 +217,19 @@ async def test_trials_are_told_after_the_results_are_closed_and_can_be_stopped(
         await game.apply(AHEAD)
         await game.press("1")
         await win(game)
-        await game.sees("│  Several programs drove on the way", "press r, then", "tried: ")
+        await game.sees("│  Several programs drove on the way", "press r, then")
+        await game.sees("varied starts tried: 0 of 20 … 3 s")
         await game.command("stop_measuring", until=lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"
         assert game.main.recorder.record.bests.wins is None
         await stay(game)
         await game.press("r", tick=0)
-        await win(game)
-        await game.sees("this run")
+        recorder = game.main.recorder
+        recorder._title = "Swarm"
+        async with recorder._turn:
+            await win(game)
+            await game.sees("this run", "varied starts wait for those of Swarm … 3 s")
+        await game.sees("varied starts tried: 0 of 20")
         assert not game.shows("Several programs")
         await stay(game)
         closed.set()
