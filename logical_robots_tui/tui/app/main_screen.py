@@ -304,7 +304,10 @@ class MainScreen(Screen[None], SessionListener):
         edits = self.editing.is_on and self.labyrinth.has_focus
         self._bar.show(typing=typing, running=busy, editing=edits, focus_keys=focus_keys)
         tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)
-        self._tabs.show(tabs, self.arrangement.active.command_id)
+        messages = (toast.region for toast in self.query("Toast"))
+        covered = [region.x for region in messages if region.overlaps(self._tabs.region)]
+        free = min(covered, default=self.size.width)
+        self._tabs.show(tabs, self.arrangement.active.command_id, free)
 
     def _beat(self) -> None:
         if self.session.busy and self.scheduler.rate.idle_seconds > _HEARTBEAT:

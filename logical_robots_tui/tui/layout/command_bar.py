@@ -42,12 +42,14 @@ class Labels(Widget):
         self.places: list[tuple[int, int, int, str]] = []
         """Row, first column, column after the last, and command of each label."""
 
-    def line(self, labels: list[tuple[Content, str]], gap: int) -> Content:
+    def line(
+        self, labels: list[tuple[Content, str]], gap: int, width: int | None = None
+    ) -> Content:
         content, self.places = Content(" "), []
         for label, command_id in labels:
             start = content.cell_length + (gap if self.places else 0)
             end = start + label.cell_length
-            if end > self.size.width:
+            if end > (self.size.width if width is None else width):
                 continue
             content = content.append(" " * (start - content.cell_length)).append(label)
             self.places.append((0, start, end, command_id))
@@ -143,10 +145,12 @@ class PaneTabs(Labels):
         super().__init__("tabs")
         self._tabs: tuple[tuple[str, str], ...] = ()
         self._active = ""
+        self._free = 0
 
-    def show(self, tabs: tuple[tuple[str, str], ...], active: str) -> None:
-        if (tabs, active) != (self._tabs, self._active):
-            self._tabs, self._active = tabs, active
+    def show(self, tabs: tuple[tuple[str, str], ...], active: str, free: int) -> None:
+        """Show tabs, but none that reaches beyond the first `free` columns."""
+        if (tabs, active, free) != (self._tabs, self._active, self._free):
+            self._tabs, self._active, self._free = tabs, active, free
             self.refresh()
 
     def render(self) -> Content:
@@ -164,4 +168,4 @@ class PaneTabs(Labels):
             key = INK.key if not is_active else f"bold {INK.key} on $tab-here"
             label = Content.assemble((f" {key_name} ", key), (f"{clip(text, limit)} ", style))
             labels.append((label, command_id))
-        return self.line(labels, gap=1)
+        return self.line(labels, gap=1, width=min(self._free, self.size.width))

@@ -196,6 +196,8 @@ async def test_messages_stand_apart_and_a_click_on_a_past_one_is_nothing(data_di
         await game.until(are_apart)
         for size in ((80, 24), (100, 30), (120, 60), (90, 50), (120, 40)):
             await game.resize(*size, until=are_apart)
+            if size == (80, 24):  # a tab is whole, or wholly under a message
+                await game.until(lambda: game.screen().splitlines()[1][:18].split() == ["1", "Map"])
         toast = game.main.query(Toast).first()
         x, y = toast.region.center
         holder = toast.parent
