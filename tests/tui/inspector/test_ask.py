@@ -36,6 +36,8 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         # It can be typed before the page for it is loaded.
         await game.press("slash", *"Robot", "enter", sees="Ask · tick 0 · 1 row")
+        line(game).value = ""
+        await ask(game, "Q(a, b) :- Robot(robot_name: a), b == a", sees="Ask · tick 0 · 1 row")
         await ask(game, "Sensor(sensor:), clock == 100 + sensor.clock", sees=" 100 ")
         await game.press("escape", "n", sees=("Ask · tick 1 · 1 row", " 101 "))
 
@@ -63,7 +65,7 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
 @at_both_sizes
 async def test_the_line_helps_and_says_what_is_wrong_in_a_query(data_dir: Path, size: Size) -> None:
     async with opened(data_dir, text="Lighthouse(1);\n" + AHEAD, size=size, ready=True) as game:
-        await game.press("slash", sees="sensor.forward_distance < 60")
+        await game.press("slash", sees="Robot, Q(a, b) :- …")
         bar = game.main.query_one(CommandBar)
         await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
         assert "F5 Run" in bar.render().plain

@@ -38,7 +38,7 @@ class QueryLine(Input):
         self._leave = leave
         self._completion = _WordSuggester()
         super().__init__(
-            placeholder="Ask, such as  sensor.forward_distance < 60  or  Robot",
+            placeholder="Ask, such as sensor.clock > 9, Robot, Q(a, b) :- …",
             suggester=self._completion,
             compact=True,
             id="query",
