@@ -14,6 +14,7 @@ from logical_robots_tui.game.frame import is_match_over, standing_words
 from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import robustness_line
 from logical_robots_tui.player.session_state import SessionListener
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level, LevelError, list_arenas
 
@@ -36,6 +37,8 @@ _AFTER_THE_LAST = (
 )
 _PAUSE = 1.0
 """Seconds without a key after which a text that is typed may be interrupted."""
+
+_DIAGNOSIS = " Diagnosis, in {palette}, says what stands out in the run."
 
 _NOTES: dict[Verdict, str] = {
     "counts": "Several programs drove on the way, so this run has no result: press {restart}, then "
@@ -73,13 +76,14 @@ class VictoryAnnouncer(SessionListener):
     _results: ResultsDialog | None = None
     _is_held: bool = False
     _has_explained: bool = False
+    _has_hinted: bool = False
     _tick: int = 0
 
     def level_opened(self, level: Level) -> None:
         self.restarted()
 
     def restarted(self) -> None:
-        self._waiting = None
+        self._waiting, self._has_hinted = None, False
         self._brief()
 
     def tick_shown(self, frame: Frame) -> None:
@@ -98,7 +102,9 @@ class VictoryAnnouncer(SessionListener):
             self.ui.tell(f"The match is over: {standing}.")
         for mark in history.marks.marks_at(frame.tick):
             if words := trouble(mark):
-                self.ui.tell(words)
+                hint = "" if self._has_hinted else with_keys(_DIAGNOSIS)
+                self._has_hinted = True
+                self.ui.tell(f"{words}{hint}")
 
     def _brief(self) -> None:
         self._tick = 0

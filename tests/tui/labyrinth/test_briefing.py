@@ -96,7 +96,7 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
     backwards = STILL.replace(": 0.0", ": -1.0")
     async with opened(data_dir, level=short, text=backwards, ready=True) as game:
         game.session.run_until(115)
-        await game.sees("Pip is stuck: blocked for 100 ticks.")
+        await game.sees("Pip is stuck: blocked for 100 ticks.", "Diagnosis, in ^P")
         await game.until(lambda: game.tick == 115)
         history = game.session.history
         assert history is not None
