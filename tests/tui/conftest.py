@@ -333,7 +333,7 @@ def _time_of_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
             return monotonic()
 
     def raised(*fields: Any, **more: Any) -> notifications.Notification:
-        return notifications.Notification(*fields, **more, raised_at=now())
+        return notifications.Notification(*fields, **(more | {"raised_at": now()}))
 
     monkeypatch.setattr(_time, "get_time", now)
     monkeypatch.setattr(notifications, "time", now)

@@ -35,7 +35,8 @@ _LABEL = 11
 def results_lines(recorder: ProgressRecorder, seconds: int = 0) -> list[Content]:
     """Return lines of equal width: victory, bests (new ones marked), solution, scales, trial.
 
-    `seconds` have passed since the trial's last step. If several programs won together, the last one alone is measured, from the start.
+    If several programs won together, the last one alone is measured, from the start. `seconds`
+    have passed since the trial's last step.
     """
     references, bests = recorder.references.values(), recorder.record.bests
     rows = [_row("", _TITLES, INK.dim)]

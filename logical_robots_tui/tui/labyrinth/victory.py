@@ -14,7 +14,6 @@ from logical_robots_tui.game.frame import is_match_over, standing_words
 from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import robustness_line
 from logical_robots_tui.player.session_state import SessionListener
-from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level, LevelError, list_arenas
 
@@ -102,6 +101,8 @@ class VictoryAnnouncer(SessionListener):
             self.ui.tell(f"The match is over: {standing}.")
         for mark in history.marks.marks_at(frame.tick):
             if words := trouble(mark):
+                from logical_robots_tui.tui.commands.keymap import with_keys
+
                 hint = "" if self._has_hinted else with_keys(_DIAGNOSIS)
                 self._has_hinted = True
                 self.ui.tell(f"{words}{hint}")

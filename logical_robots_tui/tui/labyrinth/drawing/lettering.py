@@ -27,7 +27,7 @@ from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, mark_ends
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Viewport
 from logical_robots_tui.world.dynamics import RobotState
-from logical_robots_tui.world.level import Area, Level
+from logical_robots_tui.world.level import Area, Beacon, Level
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -145,8 +145,9 @@ def robot_colour(color: str, palette: Palette) -> RGB:
 
 def names_once(level: Level) -> list[str]:
     """Return the names of areas, then beacons, "" where an area around shows the same one."""
-    names, namesakes = [], dict[str, list[Area]]()
-    for entity in (*level.areas, *level.beacons):
+    names, namesakes = list[str](), dict[str, list[Area]]()
+    entities: list[Area | Beacon] = [*level.areas, *level.beacons]
+    for entity in entities:
         areas = namesakes.setdefault(entity.name, [])
         is_shown = any(math.hypot(entity.x - a.x, entity.y - a.y) <= a.radius for a in areas)
         names.append("" if is_shown else entity.name)
