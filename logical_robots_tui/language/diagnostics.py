@@ -14,6 +14,9 @@ from logical_robots_tui.wording import count_of
 MOST_DIAGNOSTICS = 100
 """Most diagnostics of a program that are made and shown."""
 
+MULTIPLIES = "uses itself and is not distinct, so its rows can multiply in each round"
+"""The end of the message about a recursion, which its failures repeat."""
+
 _OTHERS_HINT = "Correct these first."
 _MOST_LISTED = 4
 _LONGEST = 60  # characters of a name in a message

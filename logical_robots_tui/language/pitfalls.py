@@ -11,14 +11,16 @@ from logical_robots_tui.language.definitions import (
     Model,
     calls,
     is_built_in,
+    reach,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import Diagnostic, Severity, distance
+from logical_robots_tui.language.diagnostics import MULTIPLIES, Diagnostic, Severity, distance
 from logical_robots_tui.language.source_text import with_whole_brackets
 from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
 from logical_robots_tui.schema import INPUTS, VALUE
 
 _CLOSED = re.compile(r"\s*\)")
+_MOST_ALTERNATIVES = 64  # of a body
 _LONGEST = 100  # characters of a piece of the program in a message or hint
 _SENSED_TEXTS = frozenset({"forward_label", "forward_object", "label", "object"})
 _UNEQUAL = ("/", "\\", "~")  # before a '=' in other languages
@@ -38,6 +40,7 @@ def pitfalls(model: Model) -> Iterator[Diagnostic]:
     for rule in model.rules:
         yield from finder.diagnose(rule)
     yield from _own_negations(model)
+    yield from _growing_recursions(model)
     yield from _stops_with_limits(model)
     yield from _ignored_types(model)
 
@@ -308,6 +311,49 @@ def _own_negations(model: Model) -> Iterator[Diagnostic]:
                     f"Negate only predicates that don't depend on {rule.name}."
                 )
                 yield model.diagnostic(call.name, message, hint, "warning")
+
+
+def _growing_recursions(model: Model) -> Iterator[Diagnostic]:
+    """Yield a warning for each recursion that may derive more and more copies of a row."""
+    plural = {
+        name: statements
+        for name, statements in model.definitions.items()
+        if name in model.reach(name) and not any(r.is_distinct for r in rules_of(statements))
+    }
+    reachable = {name: reach(statements, plural) for name, statements in plural.items()}
+    for name in plural:
+        circle = {n for n in reachable[name] if name in reachable.get(n, ())}
+        if name in circle and any(
+            _multiplies(rule.head, parts, circle, model)
+            for rule in rules_of(plural[name])
+            for parts, _ in tree.alternatives(tree.conjuncts(rule.body), _MOST_ALTERNATIVES)
+        ):
+            hint = "Write distinct in all of its heads."
+            yield model.diagnostic(name, f"{name} {MULTIPLIES}", hint, "warning")
+
+
+def _multiplies(head: tree.Head, parts: Sequence[Node], circle: set[str], model: Model) -> bool:
+    """Return whether a clause joins a recursive premise and drops one of its variables.
+
+    One that keeps them all derives a row once, as ``P(x + 1) :- P(x)`` does. `Sensor` and
+    `Memory` don't multiply rows: they have one for each robot.
+    """
+
+    def is_premise(node: Node) -> bool:
+        return isinstance(node, tree.Call | tree.Atom) and node.name in circle
+
+    nodes = [*tree.walk([head, *parts], tree.is_aggregate)]
+    premises = [*filter(is_premise, nodes)]
+    predicates = model.definitions.keys() - circle
+    joins = [
+        node
+        for node in nodes
+        if isinstance(node, tree.Membership)
+        or (isinstance(node, tree.Atom) and node.name in predicates)
+    ]
+    head_nodes = tree.walk(head, lambda node: is_premise(node) or tree.is_aggregate(node))
+    head_names = {node.name for node in head_nodes if isinstance(node, tree.Variable)}
+    return len(premises) + len(joins) > 1 and not tree.variables(premises) <= head_names
 
 
 def _ignored_types(model: Model) -> Iterator[Diagnostic]:

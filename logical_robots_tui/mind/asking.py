@@ -5,14 +5,14 @@ from __future__ import annotations
 import logging
 import re
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from itertools import accumulate
 from typing import Any, TypeAlias
 
-from logical_robots_tui.language.diagnostics import Stopped, printable
+from logical_robots_tui.language.diagnostics import MULTIPLIES, Stopped, printable
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import TRUTH_MARK, CompiledQuery, Program, Tuned
 from logical_robots_tui.mind.sqlite.budget import QueryBudget, TooHeavyError
@@ -34,13 +34,29 @@ Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 class FailureError(Exception):
     """A query failed; the message is for the player.
 
-    `is_slow`: trying again would take too long, too; `is_late`: a time limit ended it.
+    `is_slow`: trying again would take too long, too; `is_late`: a time limit ended it;
+    `is_large`: it needs too much memory.
     """
 
-    def __init__(self, message: str, *, is_slow: bool = False, is_late: bool = False) -> None:
+    def __init__(
+        self,
+        message: str,
+        *,
+        is_slow: bool = False,
+        is_late: bool = False,
+        is_large: bool = False,
+    ) -> None:
         self.is_slow = is_slow
         self.is_late = is_late
+        self.is_large = is_large
         super().__init__(message)
+
+    def reason(self, program: Program, predicates: Iterable[str]) -> str:
+        """Return the message, and what the warnings say of predicates whose rows multiply."""
+        messages = {f"{name} {MULTIPLIES}" for name in predicates}
+        warnings = program.warnings if self.is_slow or self.is_large else ()
+        growing = next((w for w in warnings if w.message in messages), None)
+        return f"{self}. {growing.message}. {growing.hint.rstrip('.')}" if growing else str(self)
 
 
 class _SuppressFailure:
@@ -315,7 +331,7 @@ def failures_in_words(budget: QueryBudget) -> Iterator[None]:
     except TooHeavyError as error:
         raise FailureError(str(error), is_slow=True) from None
     except (TooMuchError, TooDeepError) as error:
-        raise FailureError(str(error)) from None
+        raise FailureError(str(error), is_large=isinstance(error, TooMuchError)) from None
     except (sqlite3.Error, sqlite3.Warning) as error:
         raise FailureError(printable(in_plain_words(error))) from None
     except (FailureError, Stopped):

@@ -176,12 +176,14 @@ def blame(
     budget: QueryBudget,
 ) -> Notice:
     """Return a notice that names the predicate that failed first."""
+    program = databases.program
     whose = " and ".join(view.viewers[:3])
     if len(view.viewers) > 3:
         whose += " and others"
     if failure.is_slow:
         kind: NoticeKind = "late" if failure.is_late else "failed"
-        return Notice(kind, f"The thought about {whose} failed: {failure}.")
+        reason = failure.reason(program, predicates)
+        return Notice(kind, f"The thought about {whose} failed: {reason}.")
 
     def failure_of(predicate: str, checked_view: View) -> FailureError | None:
         try:
@@ -194,7 +196,8 @@ def blame(
     for predicate in predicates:
         if predicate_failure := failure_of(predicate, view):
             if not predicate_failure.is_slow:
-                culprit, reason = predicate, str(predicate_failure)
+                culprit = predicate
+                reason = predicate_failure.reason(program, [predicate])
             break
     names = [part.viewers[0] for part in inputs.single_views(view) if failure_of(culprit, part)]
     if 0 < len(names) <= 3:

@@ -188,7 +188,8 @@ class Mind:
         try:
             return self._answer(self._databases.query_for(predicate), inputs, stop)
         except FailureError as failure:
-            raise QueryError(f"{predicate} failed: {failure}") from None
+            reason = failure.reason(self.program, [predicate])
+            raise QueryError(f"{predicate} failed: {reason}") from None
 
     def ask(
         self,

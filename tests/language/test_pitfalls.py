@@ -113,6 +113,7 @@ def test_the_advice_is_what_was_meant_and_among_conditions_a_comparison() -> Non
         assert one.hint == f"Compare with '==': {meant}."
 
 
+REACH = "@Recursive(P, 9); P(room: 1); P(room:) :- E(room:, other:), P(room: other); E(room: 1);"
 BRANCHES = "P(y) :- y == (if c then x = 1 else x = 2);"
 
 
@@ -127,6 +128,10 @@ BRANCHES = "P(y) :- y == (if c then x = 1 else x = 2);"
         ("P(n = 1);", "'=' does not name a column", "Write n: 1."),
         ("P(n: {m = 1});", "'=' does not name a field of a record", "Write m: 1."),
         ("P(y) :- Q(y, z), z != null;", "A comparison with null never holds", "z is not null"),
+        (REACH, "P uses itself and is not distinct", "Write distinct in all of its heads."),
+        ("Q(1, 2); P(y) = P(x) + 1 :- Q(x, y);", "P uses itself and is not distinct", "distinct"),
+        ("P(x) :- Q(x); Q(x) :- P(y), x in F(y);", "Q uses itself and is", "distinct"),
+        ("P(x, z) :- P(x, y), P(y, z);", "P uses itself and is not", "distinct"),
         ("P(y) = (y == null);", "A comparison with null never holds", "Write y is null."),
     ],
 )

@@ -210,6 +210,17 @@ def test_a_notice_names_the_predicate_that_failed_first_and_on_whose_rows() -> N
 
 
 @pytest.mark.parametrize(
+    "limits", [Limits(value_bytes=5_000), Limits(think_steps=20_000)], ids=["bytes", "steps"]
+)
+def test_a_failure_says_that_the_rows_of_a_recursion_multiply(limits: Limits) -> None:
+    rules = "E(1, 2); E(2, 1); E(1, 1); E(2, 2); Far(1); Far(y) :- Far(x), E(x, y);"
+    text = f"{rules}{ROBOT}m = Count{{x :- Far(x)}};"
+    ((notice,),) = (d.notices for d in think(text, [row("Ada")], {}, limits=limits))
+    assert "Far uses itself and is not distinct" in notice.message
+    assert notice.message.endswith("in each round. Write distinct in all of its heads.")
+
+
+@pytest.mark.parametrize(
     ("said", "told"),
     [
         ("malformed JSON", "neither a record nor a list"),
