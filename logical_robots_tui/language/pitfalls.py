@@ -85,6 +85,7 @@ class _Finder:
                 elif infix.operator in ("=", "==", "!="):
                     yield from self._check_comparison(node, node.span, infix, body_uses, rule_uses)
             yield from self._named_with_equals(node)
+            yield from self._unnamed_fields(node)
             yield from self._misused_values(node)
             yield from self._unknown_sign(node)
         for node in tree.walk(tree.conjuncts(rule.body)):
@@ -232,6 +233,24 @@ class _Finder:
                 hint = self._with_example("Write", f"{name}: {self._source(infix.right)}", " ")
                 message = f"'=' does not name {noun}; this one has no name"
                 yield self._warning(argument.value.span, message, hint)
+
+    def _unnamed_fields(self, node: Node) -> Iterator[Diagnostic]:
+        fields = node.arguments if isinstance(node, tree.Record) else ()
+        values = [field.value for field in fields if isinstance(field.field, int)]
+        if (
+            not values
+            or node.span is None
+            or any(i and i.operator == "=" for i in map(infix_of, values))
+        ):
+            return
+        texts = []
+        for field in fields:
+            name = field.field if isinstance(field.field, str) else tree.variable_of(field.value)
+            name = name or getattr(field.value, "field", "name")
+            is_short = name == tree.variable_of(field.value)
+            texts.append(f"{name}:" if is_short else f"{name}: {self._source(field.value)}")
+        hint = self._with_example("Write", f"{{{', '.join(texts)}}}", " ")
+        yield self._warning(node.span, "Fields of this record have no names", hint)
 
     def _misused_values(self, node: Node) -> Iterator[Diagnostic]:
         if node.span is None:
