@@ -1,7 +1,8 @@
 """Fields that do not exist and types that do not fit, found by tracing kinds through the rules.
 
 A variable's kind is known if it comes from `Sensor`, a literal, a built-in function, or a column or
-argument that has the same kind everywhere. What is read from a memory is not.
+argument that has the same kind everywhere. What is read from a memory is not; which fields a memory
+may have is known if each rule of `Robot` returns a record, "" or the memory.
 """
 
 from __future__ import annotations
@@ -43,6 +44,8 @@ _LITERALS: Mapping[type[tree.Node], Kind] = {
     tree.Text: Plain.TEXT,
 }
 
+_MEMORY = ("Memory", "memory")
+
 Scope: TypeAlias = "dict[str, Kind]"
 Column: TypeAlias = tuple[str, "int | str"]
 
@@ -60,6 +63,7 @@ class Inference:
             ("Sensor", "robot_name"): types.ROBOT_NAME,
             ("Sensor", "sensor"): types.SENSED,
             ("Memory", "robot_name"): types.ROBOT_NAME,
+            _MEMORY: types.Remembered(),
         }
         self._arguments: dict[Column, Kind] = {}
         self._argument_kinds: dict[Column, list[Kind]] = {}
@@ -110,6 +114,7 @@ class Inference:
 
     def _go_through_rules(self) -> None:
         columns: dict[Column, dict[Kind, None]] = {}
+        memory = self._columns[_MEMORY]
         for rule in self._model.rules:
             scope = self._scope(rule.body, self._parameters(rule))
             for column in rule.head.columns:
@@ -117,9 +122,15 @@ class Inference:
                 earlier = columns.setdefault((rule.name, column.field), {})
                 self._check_column(rule, column, kind, earlier)
                 earlier[kind] = None
+                if (rule.name, column.field) == (MAIN, "memory"):
+                    is_empty = tree.text_of(column.expression) == ""
+                    values = column.expression and self._alternatives(column.expression, scope)
+                    memory = memory if is_empty else types.remember(memory, values or [kind])
         for place, kinds in columns.items():
             if place[0] not in self._unknown:
                 self._columns[place] = types.common(kinds)
+        is_complete = not self._unknown & {MAIN, "Memory"} and memory != types.Remembered()
+        self._columns[_MEMORY] = memory if is_complete else Plain.ANY
         unknown = self._unknown | {
             name for name, field in self._argument_kinds if field == tree.REST
         }
@@ -280,9 +291,9 @@ class Inference:
     def _field(self, node: tree.FieldAccess, scope: Scope) -> Kind:
         kind = self._kind(node.record, scope)
         name = node.field
-        if isinstance(kind, RecordOf):
+        if isinstance(kind, RecordOf | types.Remembered):
             self._check_field(name, kind)
-            return kind.field(name)
+            return kind.field(name) if isinstance(kind, RecordOf) else Plain.ANY
         if isinstance(kind, ListOf):
             hint = f"Take its elements one by one: x in {self._source(node.record)}, x.{name}."
             self._report(name, f"{kind.title} is a list; it has no field {name}", hint)
@@ -447,15 +458,21 @@ class Inference:
 
     # -- reports -------------------------------------------------------------------------------
 
-    def _check_field(self, name: int | str, kind: RecordOf) -> None:
-        names = [field for field, _ in kind.fields]
+    def _check_field(self, name: int | str, kind: RecordOf | types.Remembered) -> None:
+        if isinstance(kind, types.Remembered):
+            names = sorted(kind.fields)
+            severity: Severity = "warning"
+            message = f"No rule of Robot puts {name} into memory"
+        else:
+            names = [field for field, _ in kind.fields]
+            severity, message = "error", f"{kind.title} has no field {name}"
         if not isinstance(name, str) or name in names:
             return
         close = closest(name, names, 0.6)
         hint = f"Did you mean {close}?" if close else f"It has {', '.join(names)}."
         if len(hint) > 120:
             hint = "Compare with its definition."
-        self._report(name, f"{kind.title} has no field {name}", hint)
+        self._report(name, message, hint, severity)
 
     def _report(self, name: str, message: str, hint: str, severity: Severity = "error") -> None:
         if isinstance(name, Name) and name.start >= 0 and len(hint) <= 120:

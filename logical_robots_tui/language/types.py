@@ -70,7 +70,14 @@ class RecordOf:
         return dict(self.fields).get(name, Plain.ANY)
 
 
-Kind: TypeAlias = "Plain | Decimal | Word | ListOf | RecordOf"
+@dataclass(frozen=True, slots=True)
+class Remembered:
+    """A memory: "", or a record with some of these fields; only messages tell it from any value."""
+
+    fields: frozenset[str] = frozenset()
+
+
+Kind: TypeAlias = "Plain | Decimal | Word | ListOf | RecordOf | Remembered"
 
 Tables: TypeAlias = "Mapping[str, Mapping[str, Kind]]"
 """The types of columns, by table."""
@@ -81,7 +88,7 @@ _WHOLE_DIGITS: dict[Kind, int] = {Plain.SMALL: 10, Plain.WHOLE: 19, Plain.LARGE:
 
 
 def is_nested(kind: Kind) -> bool:
-    return isinstance(kind, ListOf | RecordOf)
+    return isinstance(kind, ListOf | RecordOf | Remembered)
 
 
 def is_number(kind: Kind) -> bool:
@@ -105,7 +112,7 @@ def is_known(kind: Kind) -> bool:
         return is_known(kind.element)
     if isinstance(kind, RecordOf):
         return all(is_known(inner) for _, inner in kind.fields)
-    return kind is not Plain.ANY
+    return kind is not Plain.ANY and not isinstance(kind, Remembered)
 
 
 def common(kinds: Iterable[Kind]) -> Kind:
@@ -138,7 +145,21 @@ def _either(left: Kind, right: Kind) -> Kind:
             (name, _either(kind, right_fields.pop(name, Plain.NULL))) for name, kind in left.fields
         ]
         return RecordOf((*fields, *right_fields.items()), left.title)
+    if isinstance(left, Remembered) and isinstance(right, Remembered):
+        return Remembered(left.fields | right.fields)
     return Plain.ANY
+
+
+def remember(memory: Kind, kinds: Iterable[Kind]) -> Kind:
+    """Return the type of memories that may also be of some types; any type if it is unknown."""
+    for kind in kinds:
+        if not isinstance(memory, Remembered):
+            return Plain.ANY
+        if isinstance(kind, RecordOf) and kind.fields:
+            memory = Remembered(memory.fields.union(name for name, _ in kind.fields))
+        elif not isinstance(kind, Remembered) and kind is not Plain.NULL:
+            return Plain.ANY
+    return memory
 
 
 def meet(left: Kind, right: Kind) -> Kind:
@@ -147,6 +168,8 @@ def meet(left: Kind, right: Kind) -> Kind:
         return left
     if is_text(left) and is_text(right):
         return right if left is Plain.TEXT else left
+    if isinstance(left, Remembered):
+        return _either(left, right) if isinstance(right, Remembered) else left
     return Plain.ANY
 
 
