@@ -9,6 +9,7 @@ have to offer, instead of
 - `_display`: a driver that receives what changed, rather than text.
 - `_driver`: the app's driver as an attribute that may be read.
 - `_handle_exception`: a hook for an exception that ends the app, and a way to report one to it.
+- `_notifications`, `_unnotify`: a way to take back a message that was shown.
 - `_offset_to_line_info`: the line, and its row, at an offset of a wrapped document, in no time.
 - `_pruning`: whether a node is being removed.
 - `_sequence_to_key_events`, `_xterm_parser`: a key parser without errors, for other drivers.
