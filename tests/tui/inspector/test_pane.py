@@ -339,7 +339,7 @@ async def test_a_run_is_scanned_and_a_finding_leads_to_its_tick(data_dir: Path, 
         first = list_levels()[0]
         await game.until(lambda: game.session.level.name == first and game.main.briefing.is_open)
         await game.press("b", until=lambda: not game.main.briefing.is_open)
-        await game.sees("sensor.forward_distance < 60")
+        await game.sees("sensor.clock > 9, Robot")
         assert not game.shows("Odd is not defined")
         await game.command("diagnose", sees="Scan the run up to tick 0", sees_no="not won")
         assert page(game).diagnosis is None
