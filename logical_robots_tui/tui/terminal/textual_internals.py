@@ -52,7 +52,7 @@ def mark_rendered_stale(widget: Widget, regions: Iterable[Region]) -> None:
     widget._styles_cache.set_dirty(*regions)
 
 
-def withdraw_message(app: App[object], message: str) -> None:
+def withdraw_message(app: App[Any], message: str) -> None:
     for notification in [*app._notifications]:
         if notification.message == message:
             app._unnotify(notification)
