@@ -1,4 +1,4 @@
-"""Zip and tar archives from strangers: read within bounds, and never unpacked onto the disk."""
+"""Zip and tar archives from strangers, read within bounds and never unpacked; archives of ours."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import stat
 import tarfile
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
@@ -187,3 +187,18 @@ class _TarHeader(tarfile.TarInfo):
             if header.size > 8_000 or cls.extension_bytes > 250_000:
                 raise _BudgetError
         return header
+
+
+def is_script(text: str) -> bool:
+    return text.startswith("#!")
+
+
+def pack(texts: Mapping[str, str]) -> bytes:
+    """Return files by path as a zip archive, which is the same each time."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for path, text in texts.items():
+            entry = zipfile.ZipInfo(path)  # of 1980
+            entry.external_attr = (0o755 if is_script(text) else 0o644) << 16
+            archive.writestr(entry, text.encode(), zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()

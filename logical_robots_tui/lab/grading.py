@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import msgspec
 
 from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.lab.archives import pack
 from logical_robots_tui.lab.exporting import (
     SPREADSHEET_MARK,
     Parts,
@@ -28,7 +29,7 @@ from logical_robots_tui.lab.exporting import (
 )
 from logical_robots_tui.lab.folder import Folder, Manifest, Student, digest
 from logical_robots_tui.lab.handins import readable
-from logical_robots_tui.lab.platforms.gradebooks import Gradebook, fill_in, zip_feedback
+from logical_robots_tui.lab.platforms.gradebooks import Gradebook, feedback_files, fill_in
 from logical_robots_tui.lab.submissions import NOTHING, UNCLEAR, UNMATCHED, Assignment
 from logical_robots_tui.lab.tasks import Result
 from logical_robots_tui.wording import count_of
@@ -390,7 +391,7 @@ def _uploads(
         return {}
     points = {grade.student.id: grade.points for grade in grades}
     files = {table.file: fill_in(table, folder.text(table.text), points, texts, readable)}
-    return files | ({"feedback.zip": zip_feedback(pages)} if table.is_moodle else {})
+    return files | ({"feedback.zip": pack(feedback_files(pages))} if table.is_moodle else {})
 
 
 def _file_names(ids: list[str]) -> list[str]:

@@ -10,14 +10,18 @@ from __future__ import annotations
 import csv
 import io
 import re
-import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import PurePath
 
 import msgspec
 
 from logical_robots_tui.lab.platforms.names import plain
-from logical_robots_tui.lab.platforms.tables import StudentTable, lines_of, number_of
+from logical_robots_tui.lab.platforms.tables import (
+    StudentTable,
+    lines_of,
+    number_of,
+    separator_line,
+)
 
 _OF_PLATFORM = re.compile(r"(.+?) *(?:\(\d+\)|\[.*\] *\|\d+)", re.S)  # Canvas, Blackboard
 _POSSIBLE = "Points Possible"  # the row of Canvas with the maximum of each assignment
@@ -98,8 +102,7 @@ def fill_in(
     decimals = [cell for _, cells in lines for cell in cells if re.fullmatch(r"\d+[.,]\d+", cell)]
     mark = "," if any("," in cell for cell in decimals) else "."
     buffer = io.StringIO()
-    if text.casefold().startswith("sep="):
-        buffer.write(text.partition("\n")[0] + "\r\n")
+    buffer.write(separator_line(text).replace("\n", "\r\n"))
     writer = csv.writer(buffer, delimiter=gradebook.separator)
     for number, (_, cells) in enumerate(lines):
         width = max(gradebook.id, gradebook.points, gradebook.feedback) + 1
@@ -113,14 +116,12 @@ def fill_in(
     return buffer.getvalue().encode(gradebook.encoding)
 
 
-def zip_feedback(pages: Mapping[tuple[str, str], str]) -> bytes:
-    """Return pages by participant and name as Moodle takes them back, one folder for each."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
-        for (participant, name), page in pages.items():
-            label = re.sub(r'[_/\\<>:"|?*\x00-\x1f]', " ", name).strip() or "-"
-            number = _PARTICIPANT.fullmatch(participant)
-            folder = f"{label}_{number[1] if number else ''}_assignsubmission_file_"
-            entry = zipfile.ZipInfo(f"{folder}/{_PAGE}")  # of 1980, so that the file is the same
-            archive.writestr(entry, page, zipfile.ZIP_DEFLATED)
-    return buffer.getvalue()
+def feedback_files(pages: Mapping[tuple[str, str], str]) -> dict[str, str]:
+    """Return pages by participant and name by the paths at which Moodle takes them back."""
+    files = {}
+    for (participant, name), page in pages.items():
+        label = re.sub(r'[_/\\<>:"|?*\x00-\x1f]', " ", name).strip() or "-"
+        number = _PARTICIPANT.fullmatch(participant)
+        folder = f"{label}_{number[1] if number else ''}_assignsubmission_file_"
+        files[f"{folder}/{_PAGE}"] = page
+    return files

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import zipfile
-from collections.abc import Mapping
 from pathlib import Path
 
 import tomlkit
@@ -58,18 +55,3 @@ def kit_of(platform: str, file: Path) -> tuple[dict[str, str], list[str]]:
             texts[folder + level_table["name"]] = levels[path.stem][0]
     texts[f"{folder}assignment.toml"] = tomlkit.dumps(document)
     return texts, omitted
-
-
-def is_script(text: str) -> bool:
-    return text.startswith("#!")
-
-
-def pack(texts: Mapping[str, str]) -> bytes:
-    """Return files as a zip archive, which is the same each time."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path, text in texts.items():
-            entry = zipfile.ZipInfo(path)
-            entry.external_attr = (0o755 if is_script(text) else 0o644) << 16
-            archive.writestr(entry, text.encode())
-    return buffer.getvalue()

@@ -16,7 +16,6 @@ from logical_robots_tui.paths import did_you_mean
 _MOST_COLUMNS = 100
 _SHORTEST = 3  # letters and digits of an id by which a submission is known, too
 _SEPARATORS = ",;\t"
-_SEPARATOR_LINE = "sep="  # what a spreadsheet may write first
 _TEST_STUDENT = "Student, Test"  # in the gradebooks of Canvas
 NO_TIME = "-"  # in Moodle's worksheet of somebody who has not submitted
 
@@ -89,9 +88,8 @@ def read_table(
     if "\0" in (text := text_of(content)):
         raise ValueError("it is not text")
     line, _, _ = text.partition("\n")
-    separator = max(_SEPARATORS, key=re.sub('"[^"]*"', "", line).count)
-    if line.casefold().startswith(_SEPARATOR_LINE):
-        separator = line[4:5] or separator
+    separator = separator_line(text)[4:].strip("\n")[:1]
+    separator = separator or max(_SEPARATORS, key=re.sub('"[^"]*"', "", line).count)
     all_lines = lines_of(text, separator)
     heads = [head.strip() for _, cells in islice(all_lines, 1) for head in cells]
     if len(heads) > _MOST_COLUMNS:
@@ -120,15 +118,18 @@ def read_table(
     return table
 
 
+def separator_line(text: str) -> str:
+    """Return the line that names the separator, which a spreadsheet may write first, or ""."""
+    line = text[: text.find("\n") + 1 or None]
+    return line if line.casefold().startswith("sep=") else ""
+
+
 def lines_of(text: str, separator: str) -> Iterator[tuple[int, list[str]]]:
     """Yield the number of the line on which a row ends, and its cells; raises csv.Error."""
-    first_line, _, body = text.partition("\n")
-    has_separator = first_line.casefold().startswith(_SEPARATOR_LINE)
-    reader = csv.reader(
-        io.StringIO(body if has_separator else text, newline=""), delimiter=separator
-    )
+    prefix = separator_line(text)
+    reader = csv.reader(io.StringIO(text[len(prefix) :], newline=""), delimiter=separator)
     for cells in reader:
-        yield reader.line_num + has_separator, cells
+        yield reader.line_num + bool(prefix), cells
 
 
 def number_of(text: str) -> float:
