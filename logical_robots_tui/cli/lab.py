@@ -389,7 +389,7 @@ def _work(options: argparse.Namespace, folder: Folder, first_manifest: Manifest)
         records = RunRecords(manifest, ledger)
         status = _tell(folder, records, coordinator)
         if name:
-            from logical_robots_tui.lab.grading import feedback_of
+            from logical_robots_tui.lab.feedback import feedback_of
 
             text = feedback_of(records, student.id)
             print("", *map(harmless, text.splitlines()), sep="\n")

@@ -35,8 +35,9 @@ from logical_robots_tui.lab.exporting import (
     tables_of_runs,
     write_tables,
 )
+from logical_robots_tui.lab.feedback import Draw, export_grades, gradebook
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest
-from logical_robots_tui.lab.grading import Draw, export_grades, gradebook, grades_of
+from logical_robots_tui.lab.grading import grades_of
 from logical_robots_tui.lab.ranking import tournament_lines, tournament_parts, tournament_tables
 
 K = TypeVar("K")
