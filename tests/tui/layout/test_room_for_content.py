@@ -54,7 +54,8 @@ async def test_a_page_keeps_its_room_and_a_level_has_its_own_unless_chosen(data_
 
         await game.ready()
         before = (await settled(game))[2]
-        await game.press("n", "3", "end", until=lambda: game.inspector.inspected == "Many")
+        await game.press("n", "3", sees="Many :3")
+        await game.press("end", until=lambda: game.inspector.inspected == "Many")
         await game.until(lambda: heights(game)[2] > before)
         large = await settled(game)
         assert game.inspector.page.view.size.height >= 20
