@@ -129,7 +129,7 @@ def _kit(options: argparse.Namespace) -> int:
     exit status: 0 written, 2 wrong input, or it can't be written
     """
     from logical_robots_tui.cli.level import refuse_existing, write
-    from logical_robots_tui.lab.archives import is_script, pack
+    from logical_robots_tui.lab.platforms.archives import is_script, pack
     from logical_robots_tui.lab.platforms.kits import kit_of
     from logical_robots_tui.toml_files import TomlFileError
 

@@ -10,7 +10,6 @@ from xml.etree import ElementTree
 
 import msgspec
 
-from logical_robots_tui.lab.archives import pack
 from logical_robots_tui.lab.exporting import (
     SPREADSHEET_MARK,
     Parts,
@@ -27,6 +26,7 @@ from logical_robots_tui.lab.exporting import (
 from logical_robots_tui.lab.folder import Folder, digest
 from logical_robots_tui.lab.grading import Grade, LevelGrade, assignment_of, duplicates, grades_of
 from logical_robots_tui.lab.handins import readable
+from logical_robots_tui.lab.platforms.archives import pack
 from logical_robots_tui.lab.platforms.gradebooks import Gradebook, feedback_files, fill_in
 from logical_robots_tui.lab.submissions import Assignment
 from logical_robots_tui.wording import count_of

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX, check_program
-from logical_robots_tui.lab.archives import (
+from logical_robots_tui.lab.platforms.archives import (
     MOST_PACKED,
     File,
     UnpackBudget,

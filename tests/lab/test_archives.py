@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.lab.archives import File, UnpackBudget, unpack
+from logical_robots_tui.lab.platforms.archives import File, UnpackBudget, unpack
 from tests.lab.test_handins import tarred, zipped
 
 MB = 1_000_000

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from logical_robots_tui.errors import InputError, check_installed
 from logical_robots_tui.game.source import SUFFIX
-from logical_robots_tui.lab.archives import File, is_archive, stem_of
+from logical_robots_tui.lab.platforms.archives import File, is_archive, stem_of
 from logical_robots_tui.lab.platforms.dates import parse_date
 
 METADATA = "submission_metadata.yml"

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from logical_robots_tui.game.source import SUFFIX
-from logical_robots_tui.lab.archives import stem_of
+from logical_robots_tui.lab.platforms.archives import stem_of
 from logical_robots_tui.lab.platforms.names import plain, words_of
 from logical_robots_tui.lab.platforms.tables import StudentRow
 
