@@ -51,6 +51,7 @@ _PLAIN_SCREEN = (
     "{keys}\x1b[?1049l\x1b[0m\x1b[?7h\x1b[?25h"  # the shell's screen, colours, wrapping and cursor
 )
 _PLAIN_KEYS = "\x1b[<u"  # which a shell may have, too, so only after a screen was opened
+_EXIT = b'{"type": "exit"}'
 _FAULTS = {"SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT", "SIGTRAP", "SIGSYS"}
 _KEPT = "Unsaved text is kept. Start the game again to go on."
 _ENDLESS_CALL = (
@@ -83,7 +84,9 @@ def main() -> int:
 
 
 def _opens_screen(words: list[str]) -> bool:
-    if {"--plain", "-h", "--help", "--version"} & {*words} or not os.isatty(0):
+    if {"--plain", "-h", "--help", "--version"} & {*words}:
+        return False
+    if not os.isatty(0) and not os.environ.get("TEXTUAL_DRIVER"):
         return False
     if os.environ.get("SSH_ORIGINAL_COMMAND") == "plain":
         return False
@@ -288,6 +291,7 @@ class _Supervisor:
     def _restore_terminal(self) -> None:
         """Leave the game's screen, restore the terminal settings, and discard pending input."""
         if self._terminal is None:
+            self._close_web_page()
             return
         is_away = self._shared[AWAY]
         with suppress(termios.error, OSError):
@@ -299,6 +303,13 @@ class _Supervisor:
         self._set_terminal(self._terminal)
         with suppress(termios.error):
             termios.tcflush(0, termios.TCIFLUSH)
+
+    def _close_web_page(self) -> None:
+        """Tell a web server, in Textual's protocol, that the game has ended without a word."""
+        if os.environ.get("TEXTUAL_DRIVER") and self._shared[BEATS] and not self._shared[LEFT]:
+            with suppress(OSError):
+                os.set_blocking(1, False)  # nobody may read
+                os.write(1, b"M" + len(_EXIT).to_bytes(4, "big") + _EXIT)
 
     def _set_terminal(self, settings: list[Any]) -> None:
         with suppress(termios.error):

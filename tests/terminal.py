@@ -186,12 +186,15 @@ class Terminal:
             chunk = os.read(self._ours, CHUNK)
         except OSError:  # how Linux says that the last process has closed the terminal
             return False
-        self._raw += chunk
-        self._undrawn.append((perf_counter(), chunk))
+        self._keep(chunk)
         questions = self._raw.count(WHERE_IS_THE_CURSOR)
         self.send("\x1b[1;1R" * (questions - self._answered))
         self._answered = questions
         return bool(chunk)
+
+    def _keep(self, chunk: bytes) -> None:
+        self._raw += chunk
+        self._undrawn.append((perf_counter(), chunk))
 
 
 def _hear_signals() -> None:

@@ -178,6 +178,18 @@ def _choose_daily(options: argparse.Namespace) -> None:
 
 def _prepare_screen() -> None:
     """Set up the environment for the screen; raise InputError if there is no terminal."""
+    from logical_robots_tui.tui.terminal.capabilities import (
+        assume_browser,
+        assume_colours,
+        replace_unwritable,
+    )
+
+    # Text about a tick appears at most this long after its picture; Textual's default is 60.
+    os.environ.setdefault("TEXTUAL_FPS", "120")
+    if os.environ.get("TEXTUAL_DRIVER"):
+        assume_browser(os.environ, sys.__stderr__)
+        collect_later()  # after the first picture
+        return
     streams = {"input": sys.stdin, "output": sys.stdout, "error": sys.stderr}
     missing = [name for name, stream in streams.items() if not stream.isatty()]
     if missing or os.environ.get("TERM") == "dumb":
@@ -187,15 +199,11 @@ def _prepare_screen() -> None:
             + (f" for standard {' and '.join(missing)} too." if is_partial else "."),
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
-    from logical_robots_tui.tui.terminal.capabilities import assume_colours, replace_unwritable
-
     assume_colours(os.environ)
     replace_unwritable(sys.__stderr__)  # to which the screen is written
     # The terminal knows its size better than a shell that once exported it.
     for name in ("COLUMNS", "LINES"):
         os.environ.pop(name, None)
-    # Text about a tick appears at most this long after its picture; Textual's default is 60.
-    os.environ.setdefault("TEXTUAL_FPS", "120")
     collect_later()  # after the first picture
 
 

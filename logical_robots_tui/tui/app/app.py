@@ -250,7 +250,9 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             yield
 
     def action_suspend_process(self) -> None:
-        if self.main.permissions.programs:
+        if self.is_web:
+            self.main.warn(with_keys("A browser has no shell to go to; {quit} leaves the game."))
+        elif self.main.permissions.programs:
             super().action_suspend_process()
         else:
             self.main.warn(with_keys("There is no shell to go to here; {quit} leaves the game."))

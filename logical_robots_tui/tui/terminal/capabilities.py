@@ -35,6 +35,15 @@ def assume_colours(environ: MutableMapping[str, str]) -> None:
         environ["COLORTERM"] = "truecolor"
 
 
+def assume_browser(environ: MutableMapping[str, str], file: object) -> None:
+    """Describe a browser's terminal in place, rather than the one that the server runs in."""
+    for name in ("STY", "TMUX", "NO_COLOR"):
+        environ.pop(name, None)
+    environ["TERM"], environ["COLORTERM"] = "xterm-256color", "truecolor"
+    if isinstance(file, TextIOWrapper):
+        file.reconfigure(encoding="utf-8")
+
+
 def drawing_for(
     environ: Mapping[str, str], colours: str | None, encoding: str, *, colourless: bool
 ) -> Drawing:

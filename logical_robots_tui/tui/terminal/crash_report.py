@@ -14,6 +14,7 @@ from types import FrameType
 from typing import Any
 
 from rich.text import Text
+from textual import constants
 from textual.app import App
 from textual.css.query import NoMatches
 from textual.worker import WorkerFailed
@@ -79,7 +80,8 @@ def end_on_hangup(
         for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGXCPU)
     }
     # Checked here: a terminal that is gone before the thread starts no longer looks like one.
-    if sys.__stdin__ is not None and sys.__stdin__.isatty():
+    has_peer = sys.__stdin__ is not None and (sys.__stdin__.isatty() or constants.DRIVER)
+    if sys.__stdin__ is not None and has_peer:
         threading.Thread(
             target=_end_with_terminal,
             args=(sys.__stdin__.fileno(), save_unsaved),

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import COLOR_SYSTEMS, RenderableType
 from rich.segment import Segment
-from textual import events
+from textual import constants, events
 from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
 from textual.content import Content
 from textual.driver import Driver
@@ -27,10 +27,11 @@ from textual.screen import Screen
 from textual.strip import Strip
 from textual.widget import Widget
 
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.tui.labyrinth.drawing.cells import PAPER, Cells
 from logical_robots_tui.tui.terminal.cell_diff import Cell, CellDiff
 from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
-from logical_robots_tui.tui.terminal.driver import ListeningDriver, drawn_size
+from logical_robots_tui.tui.terminal.driver import ListeningDriver, TerminalDriver, drawn_size
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 
 if TYPE_CHECKING:
@@ -135,9 +136,28 @@ class DiffApp(CrashSafeApp):
     _is_synchronized = False
 
     def __init__(self, clock: Clock) -> None:
-        super().__init__(driver_class=ListeningDriver)
+        super().__init__()
         self.clock = clock
         self._line = Line()
+
+    def get_driver_class(self) -> type[Driver]:
+        """Return the driver that TEXTUAL_DRIVER names, or that of a terminal.
+
+        Raises InputError if it names none.
+        """
+        if constants.DRIVER is None:
+            return TerminalDriver
+        from textual.drivers.web_driver import WebDriver
+
+        from logical_robots_tui.tui.terminal.browser import BrowserDriver
+
+        try:
+            driver_class = super().get_driver_class()
+        except (ImportError, AttributeError, ValueError, RuntimeError):
+            name = f"TEXTUAL_DRIVER={constants.DRIVER}"
+            hint = "Unset it to play in this terminal."
+            raise InputError("This is not a driver of Textual", place=name, hint=hint) from None
+        return BrowserDriver if issubclass(driver_class, WebDriver) else driver_class
 
     def redraw(self) -> None:
         """Send everything again, because the terminal may show something else."""

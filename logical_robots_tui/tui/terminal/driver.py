@@ -1,4 +1,4 @@
-"""Textual's terminal driver, extended to read the terminal's answers."""
+"""Textual's drivers, extended to read the terminal's answers."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import re
 import select
 import shutil
 import threading
+from abc import abstractmethod
 from codecs import getincrementaldecoder
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 from textual import events
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
 from textual._xterm_parser import XTermParser
+from textual.driver import Driver
 from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 from textual.keys import Keys
@@ -239,20 +241,22 @@ class UnbracketedPasteDetector:
         return text if is_plain and is_several_lines and _TEXT.fullmatch(text) else ""
 
 
-class ListeningDriver(LinuxDriver):
+class ListeningDriver(Driver):
     """Posts each answer of the terminal to the app, as ``CursorPosition``."""
+
+    exit_event: threading.Event
 
     def __init__(self, app: App[Any], **options: Any) -> None:
         super().__init__(app, **options)
         self.app, self.loop = app, asyncio.get_running_loop()
+        self._parser, self._incoming = TolerantParser(), InputFilter()
+        self._unmarked = UnbracketedPasteDetector()
         self._queries: deque[float] = deque()  # when
         self._slowest = 0.0  # seconds until an answer
         self._under_way = 0
         self._all_answered = threading.Condition()
         self._asked_at: float | None = None  # for the first time
         self._heard_at: float | None = None  # since it has answered once
-        self._unknown: Size | None = None  # to the app, as it was last looked at
-        self._is_key_protocol_begun = self._has_terminal = self._is_told_sizes = False
 
     @property
     def silence(self) -> float:
@@ -267,6 +271,95 @@ class ListeningDriver(LinuxDriver):
             self._queries.append(time)
             self._asked_at = self._asked_at or time
         self.write(text)
+
+    def send_message(self, message: Message) -> None:
+        with self._all_answered:
+            self._under_way += 1
+
+        def post() -> None:
+            with self._all_answered:
+                self._under_way -= 1
+            self.app.post_message(message)
+
+        self.loop.call_soon_threadsafe(post)
+
+    def run_input_thread(self) -> None:
+        """Forward input until the driver stops; an exception ends the app."""
+        try:
+            self._listen()
+        except Exception as error:  # it would end the thread unnoticed
+            self.loop.call_soon_threadsafe(handle_exception, self.app, error)
+
+    @abstractmethod
+    def _listen(self) -> None:
+        """Receive input until the driver stops or the terminal is gone."""
+
+    def _chunks(self, descriptor: int) -> Iterator[bytes]:
+        """Yield input until it ends or the driver stops; an empty chunk when there is none."""
+        terminal = select.poll()
+        terminal.register(descriptor, select.POLLIN)
+        while not self.exit_event.is_set():
+            chunk = b""
+            if terminal.poll(1000 * _LOOK_UP_EVERY):
+                try:
+                    chunk = os.read(descriptor, _CHUNK)
+                except OSError:  # the terminal is gone
+                    break
+                if not chunk:
+                    break
+            yield chunk
+
+    def _receive(self, chunk: bytes) -> None:
+        """Post what a chunk of input contains; an empty one lets time pass."""
+        pieces: list[str | Pasted] = []
+        if chunk:
+            pieces, answers = self._incoming.take(chunk, monotonic())
+            if answers or self._heard_at is not None:
+                self._heard_at = monotonic()
+            self._hear(answers)
+        for piece in pieces:
+            if isinstance(piece, Pasted):
+                self.process_message(events.Paste(piece))
+                self._parser = TolerantParser()
+            elif self._is_flooded():
+                self._parser = TolerantParser()
+            elif pasted := self._unmarked.paste_in(piece):
+                self.process_message(events.Paste(pasted))
+            else:
+                for message in self._parser.feed(piece):
+                    self.process_message(message)
+        for message in self._parser.tick():
+            self.process_message(message)
+
+    def _is_flooded(self) -> bool:
+        """Return whether more input is pending than anybody types; if so, discard it."""
+        with self._all_answered:
+            waiting = self._under_way
+        app = self.app if isinstance(self.app, BacklogApp) else None
+        if waiting + (app.backlog if app is not None else 0) < _FLOOD:
+            return False
+        if app is not None:
+            self.loop.call_soon_threadsafe(app.drop_typed)
+        return True
+
+    def _hear(self, answers: int) -> None:
+        """Post answers, at most as many as there were queries."""
+        with self._all_answered:
+            count = min(answers, len(self._queries))
+            for _ in range(count):
+                self._slowest = max(self._slowest, monotonic() - self._queries.popleft())
+            self._all_answered.notify_all()
+        for _ in range(count):
+            self.process_message(events.CursorPosition(0, 0))
+
+
+class TerminalDriver(ListeningDriver, LinuxDriver):
+    """Textual's driver of a terminal, with the game's care for what surrounds it."""
+
+    def __init__(self, app: App[Any], **options: Any) -> None:
+        super().__init__(app, **options)
+        self._unknown: Size | None = None  # to the app, as it was last looked at
+        self._is_key_protocol_begun = self._has_terminal = self._is_told_sizes = False
 
     def write(self, data: str) -> None:
         """Write to the terminal; no end of its key protocol where that was never begun.
@@ -311,24 +404,6 @@ class ListeningDriver(LinuxDriver):
             self._is_told_sizes = True
         super().process_message(message)
 
-    def send_message(self, message: Message) -> None:
-        with self._all_answered:
-            self._under_way += 1
-
-        def post() -> None:
-            with self._all_answered:
-                self._under_way -= 1
-            self.app.post_message(message)
-
-        self.loop.call_soon_threadsafe(post)
-
-    def run_input_thread(self) -> None:
-        """Forward input until the driver stops; an exception ends the app."""
-        try:
-            self._listen()
-        except Exception as error:  # it would end the thread unnoticed
-            self.loop.call_soon_threadsafe(handle_exception, self.app, error)
-
     def mend_size(self) -> None:
         """Post the terminal's size if the app does not know it, nor did a look before.
 
@@ -344,58 +419,9 @@ class ListeningDriver(LinuxDriver):
             self.process_message(events.Resize(size, size))
 
     def _listen(self) -> None:
-        parser = TolerantParser()
-        incoming, unmarked = InputFilter(), UnbracketedPasteDetector()
-        terminal = select.poll()
-        terminal.register(self.fileno, select.POLLIN)
-        while not self.exit_event.is_set():
+        for chunk in self._chunks(self.fileno):
             self.mend_size()
-            pieces: list[str | Pasted] = []
-            if terminal.poll(1000 * _LOOK_UP_EVERY):
-                try:
-                    chunk = os.read(self.fileno, _CHUNK)
-                except OSError:  # the terminal is gone
-                    break
-                if not chunk:
-                    break
-                pieces, answers = incoming.take(chunk, monotonic())
-                if answers or self._heard_at is not None:
-                    self._heard_at = monotonic()
-                self._hear(answers)
-            for piece in pieces:
-                if isinstance(piece, Pasted):
-                    self.process_message(events.Paste(piece))
-                    parser = TolerantParser()
-                elif self._is_flooded():
-                    parser = TolerantParser()
-                elif pasted := unmarked.paste_in(piece):
-                    self.process_message(events.Paste(pasted))
-                else:
-                    for message in parser.feed(piece):
-                        self.process_message(message)
-            for message in parser.tick():
-                self.process_message(message)
-
-    def _is_flooded(self) -> bool:
-        """Return whether more input is pending than anybody types; if so, discard it."""
-        with self._all_answered:
-            waiting = self._under_way
-        app = self.app if isinstance(self.app, BacklogApp) else None
-        if waiting + (app.backlog if app is not None else 0) < _FLOOD:
-            return False
-        if app is not None:
-            self.loop.call_soon_threadsafe(app.drop_typed)
-        return True
-
-    def _hear(self, answers: int) -> None:
-        """Post answers, at most as many as there were queries."""
-        with self._all_answered:
-            count = min(answers, len(self._queries))
-            for _ in range(count):
-                self._slowest = max(self._slowest, monotonic() - self._queries.popleft())
-            self._all_answered.notify_all()
-        for _ in range(count):
-            self.process_message(events.CursorPosition(0, 0))
+            self._receive(chunk)
 
 
 @runtime_checkable

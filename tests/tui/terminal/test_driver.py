@@ -14,7 +14,7 @@ from textual._compositor import Compositor
 from textual.app import App
 
 from logical_robots_tui.tui.terminal import diff_app as sparing
-from logical_robots_tui.tui.terminal.driver import InputFilter, ListeningDriver
+from logical_robots_tui.tui.terminal.driver import InputFilter, TerminalDriver
 from tests.terminal import Terminal
 from tests.tui.conftest import opened
 
@@ -106,7 +106,7 @@ async def test_a_mistake_in_the_reader_thread_ends_the_app(monkeypatch: pytest.M
     async def hear(terminal: int) -> None:
         app: App[None] = App()
         async with app.run_test():
-            driver = ListeningDriver(app)
+            driver = TerminalDriver(app)
             driver.fileno = terminal
             await asyncio.to_thread(driver.run_input_thread)
 

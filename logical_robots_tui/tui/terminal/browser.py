@@ -1,0 +1,64 @@
+"""Textual's driver for a browser: pipes to a web server instead of a terminal."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+from contextlib import suppress
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+from textual.drivers.web_driver import WebDriver
+
+from logical_robots_tui.processes.lifeline import note_screen
+from logical_robots_tui.tui.terminal.driver import ListeningDriver
+
+if TYPE_CHECKING:
+    from textual.app import App
+
+_HEAD = 5  # bytes of a packet's kind and length
+_STDIN = 0
+
+
+class BrowserDriver(ListeningDriver, WebDriver):
+    """Textual's driver with the input filter of terminals, and whole packets in any case."""
+
+    def __init__(self, app: App[Any], **options: Any) -> None:
+        super().__init__(app, **options)
+        self._write_lock = Lock()
+        self._write = self._write_whole  # type: ignore[assignment] # typed as a partial of os.write
+
+    def _write_whole(self, packet: bytes) -> None:
+        """Write a packet of one thread; none where the server is gone, which ends the game."""
+        with self._write_lock, suppress(BrokenPipeError):
+            while packet:
+                packet = packet[os.write(self.fileno, packet) :]
+
+    def start_application_mode(self) -> None:
+        loop = asyncio.get_running_loop()
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        super().start_application_mode()
+        note_screen(is_left=False)
+        # Textual's exit without keeping unsaved text.
+        for number, handler in handlers.items():
+            loop.remove_signal_handler(number)
+            signal.signal(number, handler)
+
+    def stop_application_mode(self) -> None:
+        super().stop_application_mode()
+        note_screen(is_left=True)
+
+    def _listen(self) -> None:
+        packets = b""
+        for chunk in self._chunks(_STDIN):
+            packets += chunk
+            while len(packets) >= (end := _HEAD + int.from_bytes(packets[1:_HEAD], "big")):
+                kind, payload, packets = packets[:1], packets[_HEAD:end], packets[end:]
+                if kind == b"D":
+                    self._receive(payload)
+                else:
+                    meta = json.loads(payload)
+                    self.on_meta(meta["type"], meta)
+            self._receive(b"")

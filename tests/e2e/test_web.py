@@ -1,0 +1,59 @@
+"""The game behind a web server, which gives it pipes instead of a terminal."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.test_supervisor import GETS_STUCK, NEVER, WHOLE, texts
+from tests.waiting import until
+from tests.web import WEB_DRIVER, WebTerminal
+
+
+def served(folder: Path, *python: object, driver: str = WEB_DRIVER) -> WebTerminal:
+    command = [sys.executable, *(python or ("-m", "logical_robots_tui")), "play", "02-open-space"]
+    return WebTerminal([*command, "--data-dir", folder], env={"TEXTUAL_DRIVER": driver})
+
+
+def test_the_game_is_played_through_the_protocol_of_the_web(tmp_path: Path) -> None:
+    with served(tmp_path) as page:
+        page.send("", sees="· applied")
+        page.send("n", sees="tick 1 ")
+        page.resize(120, 44)
+        page.send("", sees="Open space")
+        page.send("2\x1b[200~pasted text\x1b[201~", sees="pasted text")
+        page.send("\x1b")
+        page.send("\x1a", sees="applied")
+        page.send("q")
+        assert page.finish() == 0
+        assert page.meta[-1] == {"type": "exit"}
+
+
+def test_a_server_that_is_gone_ends_the_game_and_keeps_the_text(tmp_path: Path) -> None:
+    with served(tmp_path) as page:
+        page.wait_for("applied")
+        page.send("2hello", sees="hello")
+        assert page.hang_up() == (0, "")
+    assert texts(tmp_path) == ["hello"]
+
+
+def test_a_driver_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with served(tmp_path, driver="textual.drivers:None") as page:
+        status, said = page.hang_up()
+    assert (status, said.count("\n")) == (2, 1)
+    assert "TEXTUAL_DRIVER=textual.drivers:None: This is not a driver of Textual" in said
+
+
+@pytest.mark.slow
+def test_a_stuck_game_is_ended_and_closes_its_page(tmp_path: Path) -> None:
+    code = GETS_STUCK.replace('os.write(1, b"stuck")', "pass") + WHOLE
+    with served(tmp_path, "-c", code, "waits in C", NEVER, 2.0, NEVER) as page:
+        page.wait_for("applied")
+        page.send("2hello", sees="hello")
+        until(lambda: list((tmp_path / "drafts").glob("*.json")))
+        page.send("\x03")
+        assert page.finish() == 70
+        assert page.meta[-1] == {"type": "exit"}
+        assert page.process.stderr is not None
+        assert b"The game was stuck and was ended" in page.process.stderr.read()
+    assert texts(tmp_path) == ["hello"]
