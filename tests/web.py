@@ -35,7 +35,7 @@ class WebTerminal(Terminal):
 
     def __exit__(self, *_: object) -> None:
         self.process.kill()
-        self.process.communicate()
+        self.process.communicate(timeout=self.patience)
         self._socket.close()
 
     def send(self, keys: str, sees: str = "") -> None:

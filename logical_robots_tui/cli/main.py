@@ -28,6 +28,7 @@ PROGRAM = "logical-robots"
 
 _MODULES = (
     ("play", "play"),
+    ("serve", "serve"),
     ("run", "run trace"),
     ("query", "query when"),
     ("why", "why origin"),
@@ -59,6 +60,7 @@ examples:
   logical-robots                       continue, or start the first level
   logical-robots levels                list the levels
   logical-robots play 02-open-space    play one of them
+  logical-robots serve                 play in a browser
   logical-robots programs              list the programs
   logical-robots check first-steps     check a program for errors
   logical-robots run 01-first-steps first-steps

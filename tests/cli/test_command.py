@@ -28,7 +28,7 @@ from tests.terminal import Terminal
 
 COMMANDS = (
     *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "lsp", "help"),
-    *("levels", "programs", "progress", "level", "config", "doctor", "completion"),
+    *("levels", "programs", "progress", "level", "config", "doctor", "serve", "completion"),
 )
 SUBCOMMANDS = ("new", "check", "convert", "show")
 

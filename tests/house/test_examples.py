@@ -33,7 +33,7 @@ ALSO_FINE = {"run": 1, "trace": 1, "why": 1, "diagnose": 1, "learn": 1}
 """Statuses other than 0 that are an answer: not won yet, there is no row, there are warnings,
 the answer is wrong."""
 
-OF_A_TERMINAL = {"doctor"}
+OF_A_TERMINAL = {"doctor", "serve"}
 FALSE = ("a bug in the game", "uses something that robots may not use", "Traceback")
 
 DOCS = CHECKOUT / "docs"
@@ -215,8 +215,13 @@ def _run_in_shell(line: str) -> tuple[int, str]:
 
 def _run_in_terminal(arguments: list[str]) -> tuple[int, str]:
     """What opens the game is left again when it is open."""
-    with Terminal([sys.executable, "-m", "logical_robots_tui", *arguments]) as terminal:
-        if "--plain" in arguments:
+    with Terminal(
+        [sys.executable, "-m", "logical_robots_tui", *arguments], controls=True
+    ) as terminal:
+        if arguments[:1] == ["serve"]:
+            terminal.wait_for("Playing at")
+            terminal.send("\x03")
+        elif "--plain" in arguments:
             terminal.wait_for("help")
             terminal.send("quit\n")
         elif not arguments or "play" in arguments[:2]:

@@ -28,6 +28,7 @@ COMMAND_PAGES = {
     "lab": "lab.md",
     "lab play": "grading.md",
     "grade kit": "autograders.md",
+    "serve": "web.md",
 }
 """Where commands with such a beginning are told of; the others are in commands.md."""
 

@@ -50,6 +50,8 @@ def test_the_wheel_carries_the_package_with_levels_programs_and_licence_and_noth
     assert shipped
     assert shipped <= carried
     assert "logical_robots_tui/py.typed" in carried
+    page = {Path(name).name for name in carried if "/web/static/" in name}
+    assert {"page.html", "page.css", "page.js", "DejaVuSansMono.woff2", "LICENSE.txt"} <= page
     assert any(name.endswith("licenses/LICENSE") for name in carried)
     about = f"logical_robots_tui-{logical_robots_tui.__version__}.dist-info"
     assert {name.partition("/")[0] for name in carried} == {"logical_robots_tui", about}

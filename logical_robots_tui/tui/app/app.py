@@ -118,6 +118,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             self.stylesheet.set_variables(self.get_css_variables())
 
     def on_mount(self) -> None:
+        self.title = self.main.session.level.title
         if not self.main.permissions.programs:
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
             self.watch_terminal()

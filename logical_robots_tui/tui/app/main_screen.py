@@ -247,6 +247,7 @@ class MainScreen(Screen[None], SessionListener):
     # -- for the parts -------------------------------------------------------------------------
 
     def level_opened(self, level: Level) -> None:
+        self.app.title = level.title
         self._suit(level, self.program.text)
         self.labyrinth.select(None)
         self.scheduler.soon()

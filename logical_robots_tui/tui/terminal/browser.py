@@ -50,6 +50,18 @@ class BrowserDriver(ListeningDriver, WebDriver):
         super().stop_application_mode()
         note_screen(is_left=True)
 
+    def set_title(self, title: str) -> None:
+        # Textual's own server warns of what it does not know.
+        if os.environ.get("TERM_PROGRAM") == "logical-robots":
+            self.write_meta({"type": "title", "title": title})
+
+    def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
+        """Handle what a server says besides keys; Textual would quit without keeping text."""
+        if packet_type == "quit":
+            os.kill(os.getpid(), signal.SIGHUP)
+        else:
+            super().on_meta(packet_type, payload)
+
     def _listen(self) -> None:
         packets = b""
         for chunk in self._chunks(_STDIN):

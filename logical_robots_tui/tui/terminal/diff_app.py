@@ -159,6 +159,10 @@ class DiffApp(CrashSafeApp):
             raise InputError("This is not a driver of Textual", place=name, hint=hint) from None
         return BrowserDriver if issubclass(driver_class, WebDriver) else driver_class
 
+    def watch_title(self, title: str) -> None:
+        if isinstance(self._driver, ListeningDriver):
+            self._driver.set_title(title)
+
     def redraw(self) -> None:
         """Send everything again, because the terminal may show something else."""
         if self._sent is not None:

@@ -290,6 +290,9 @@ class ListeningDriver(Driver):
         except Exception as error:  # it would end the thread unnoticed
             self.loop.call_soon_threadsafe(handle_exception, self.app, error)
 
+    def set_title(self, title: str) -> None:
+        """Name the page that shows the game; a terminal keeps its own title."""
+
     @abstractmethod
     def _listen(self) -> None:
         """Receive input until the driver stops or the terminal is gone."""
