@@ -160,7 +160,7 @@ class DiffApp(CrashSafeApp):
         return BrowserDriver if issubclass(driver_class, WebDriver) else driver_class
 
     def watch_title(self, title: str) -> None:
-        if isinstance(self._driver, ListeningDriver):
+        if self.is_web and isinstance(self._driver, ListeningDriver):
             self._driver.set_title(title)
 
     def redraw(self) -> None:
