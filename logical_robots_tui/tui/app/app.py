@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from textual import events
+from textual import constants, events
 from textual.binding import Binding
 from textual.geometry import Region
 from textual.widgets import Input, TextArea
@@ -83,7 +83,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             self.set_reactive(LogicalRobotsApp.ansi_color, False)
         self._settings = settings or Settings()
         self._chosen_theme = theme
-        KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
+        in_browser = constants.DRIVER is not None
+        KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys, in_browser=in_browser))
         recorder = recorder or ProgressRecorder(opening.data_dir / FILE_NAME)
         self.main = MainScreen(opening, recorder)
         self._games = opening.games

@@ -161,7 +161,9 @@ def save_picture(screen: MainScreen) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         # Without it some drawers, librsvg among them, drop the spaces at the ends of a piece.
-        svg = screen.app.export_screenshot().replace("<svg ", '<svg xml:space="preserve" ', 1)
+        svg = screen.app.export_screenshot(title=screen.app.TITLE).replace(
+            "<svg ", '<svg xml:space="preserve" ', 1
+        )
         write_atomically(path, svg)
         text = "".join(f"{strip.text.rstrip()}\n" for strip in strips)
         write_atomically(path.with_suffix(".txt"), text)

@@ -17,10 +17,20 @@ from logical_robots_tui.tui.commands.command import CHARACTERS, Command, Scope, 
 class KeyMap:
     """All commands, with their keys or those that a player gave them, by the command's id."""
 
-    def __init__(self, commands: Iterable[Command], keys: Keys = MappingProxyType({})) -> None:
+    def __init__(
+        self,
+        commands: Iterable[Command],
+        keys: Keys = MappingProxyType({}),
+        *,
+        in_browser: bool = False,
+    ) -> None:
         entries = {
             entry.id: entry._replace(keys=keys.get(entry.id, entry.keys)) for entry in commands
         }
+        if in_browser:  # the first key is the one that is shown
+            for name, entry in entries.items():
+                reachable_first = sorted(entry.keys, key=_TAKEN_BY_BROWSERS.__contains__)
+                entries[name] = entry._replace(keys=(*reachable_first,))
         # Without a key of its own the palette is still in the bar, to be clicked.
         palette = entries["palette"]
         instead = key_name(palette.keys[0]) if palette.keys else palette.bar
@@ -98,6 +108,9 @@ def with_keys(text: str) -> str:
     entries = KEY_MAP.get().by_id
     return text.format_map({name: entry.key_name for name, entry in entries.items()})
 
+
+_TAKEN_BY_BROWSERS = frozenset(("ctrl+n", "ctrl+t", "ctrl+w"))
+"""Keys for windows and tabs, which no page gets."""
 
 _OTHERS = {
     "ctrl+a": "GNU screen uses it",

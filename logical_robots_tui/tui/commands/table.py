@@ -232,7 +232,7 @@ view.add("diagnose", "Diagnosis", "", lambda s: s.inspector.go_to("diagnosis"),
 view.add("leave", "Leave the editor", "escape", general.leave,
     "Go from the editor to the map, where single letters are commands.",
     bar="Leave", place="editor")
-view.add("next_pane", "Next pane", "ctrl+n right_square_bracket",
+view.add("next_pane", "Next pane", "ctrl+n f10 right_square_bracket",
     lambda s: s.go_to(s.arrangement.beside_active(1)),
     "Go to the next pane; works in the editor too.", bar="Next pane", place="editor")
 view.add("previous_pane", "Previous pane", "left_square_bracket",
@@ -370,7 +370,7 @@ writing.add("text_start", "Start of the program", "ctrl+home",
     lambda s: general.editor(s).action_go_to("start"), "Go to the first line.")
 writing.add("text_end", "End of the program", "ctrl+end",
     lambda s: general.editor(s).action_go_to("end"), "Go to the last line.")
-writing.add("delete_word", "Delete the word", "ctrl+w",
+writing.add("delete_word", "Delete the word", "ctrl+w alt+backspace",
     lambda s: general.editor(s).action_delete_word_left(), "Delete the word on the left.")
 
 _GROUPS = (running, time, programs, learning, making, editing, view, inspecting, various, writing)

@@ -41,6 +41,12 @@ def test_a_command_without_a_key_is_found_where_the_palette_is() -> None:
     assert said("{rename} {step}", {}) == "^P n"
 
 
+def test_a_browser_is_told_keys_that_it_passes_on() -> None:
+    entries = KeyMap(COMMANDS, {"apply": ("ctrl+t", "f9")}, in_browser=True).by_id
+    names = [entries[name].key_name for name in ("next_pane", "delete_word", "apply", "palette")]
+    assert names == ["F10", "alt+backspace", "F9", "^P"]
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
