@@ -46,7 +46,10 @@ class WebTerminal(Terminal):
 
     def resize(self, columns: int, lines: int) -> None:
         self._screen.resize(lines, columns)
-        self._send(b"M", json.dumps({"type": "resize", "width": columns, "height": lines}).encode())
+        self.tell({"type": "resize", "width": columns, "height": lines})
+
+    def tell(self, meta: dict[str, object]) -> None:
+        self._send(b"M", json.dumps(meta).encode())
 
     def hang_up(self) -> tuple[int, str]:
         """Leave as a killed server does; return the game's status and what it said."""

@@ -29,10 +29,14 @@ def test_the_game_is_played_through_the_protocol_of_the_web(tmp_path: Path) -> N
         assert page.meta[-1] == {"type": "exit"}
 
 
-def test_a_server_that_is_gone_ends_the_game_and_keeps_the_text(tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_asked", [False, True], ids=["gone", "asks to quit"])
+def test_a_server_ends_the_game_which_keeps_the_text(tmp_path: Path, *, is_asked: bool) -> None:
     with served(tmp_path) as page:
         page.wait_for("applied")
         page.send("2hello", sees="hello")
+        if is_asked:
+            page.tell({"type": "quit"})
+            page.finish()
         assert page.hang_up() == (0, "")
     assert texts(tmp_path) == ["hello"]
 

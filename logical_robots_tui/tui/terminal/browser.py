@@ -7,7 +7,7 @@ import json
 import os
 import signal
 from contextlib import suppress
-from threading import Lock
+from threading import Event, Lock
 from typing import TYPE_CHECKING, Any
 
 from textual.drivers.web_driver import WebDriver
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _HEAD = 5  # bytes of a packet's kind and length
 _STDIN = 0
+_LAST_INPUT = 1.0  # seconds
 
 
 class BrowserDriver(ListeningDriver, WebDriver):
@@ -27,7 +28,7 @@ class BrowserDriver(ListeningDriver, WebDriver):
 
     def __init__(self, app: App[Any], **options: Any) -> None:
         super().__init__(app, **options)
-        self._write_lock = Lock()
+        self._write_lock, self._input_end = Lock(), Event()
         self._write = self._write_whole  # type: ignore[assignment] # typed as a partial of os.write
 
     def _write_whole(self, packet: bytes) -> None:
@@ -48,6 +49,7 @@ class BrowserDriver(ListeningDriver, WebDriver):
 
     def stop_application_mode(self) -> None:
         super().stop_application_mode()
+        self._input_end.wait(_LAST_INPUT)  # or a key could come after the event loop
         note_screen(is_left=True)
 
     def set_title(self, title: str) -> None:
@@ -74,3 +76,4 @@ class BrowserDriver(ListeningDriver, WebDriver):
                     meta = json.loads(payload)
                     self.on_meta(meta["type"], meta)
             self._receive(b"")
+        self._input_end.set()
