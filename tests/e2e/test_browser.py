@@ -15,6 +15,7 @@ import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, WebSocket, sync_playwright
 
 from tests.e2e.test_supervisor import texts
+from tests.processes import run_command
 from tests.waiting import PATIENCE
 
 CHROMIUM = shutil.which("chromium")
@@ -94,7 +95,7 @@ def seat(browser: Browser, address: str) -> Iterator[Seat]:
     assert not seat.errors
 
 
-def test_the_first_level_is_won_with_a_program_that_is_pasted(seat: Seat) -> None:
+def test_the_first_level_is_won_with_a_program_that_is_pasted(seat: Seat, tmp_path: Path) -> None:
     assert seat.page.title() == "First steps · Logical Robots"
     assert "#" not in seat.page.url
     seat.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
@@ -104,6 +105,14 @@ def test_the_first_level_is_won_with_a_program_that_is_pasted(seat: Seat) -> Non
     seat.press("Control+r", sees="· applied ·")
     seat.press("Escape", "+", "+", "+", "+", "Space", sees="WON")
     assert seat.page.evaluate("document.fonts.check('16px \"Roboto Mono\"', '▟⠿')")
+    seat.press("Escape", "Control+p")
+    seat.page.keyboard.type("save a replay")
+    with seat.page.expect_download() as download:
+        seat.press("Enter")
+    replay = tmp_path / download.value.suggested_filename
+    download.value.save_as(replay)
+    verify = [sys.executable, "-m", "logical_robots_tui", "replay", "verify", replay]
+    assert run_command(verify).returncode == 0
     seat.page.set_viewport_size({"width": 1000, "height": 700})
 
     def has_left() -> bool:

@@ -15,6 +15,8 @@ from logical_robots_tui.tui.terminal.textual_internals import is_being_removed, 
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from textual import events
     from textual.dom import DOMNode
     from textual.screen import Screen
@@ -61,6 +63,10 @@ class Dialogs(Ui, Protocol):
     ) -> None:
         """Show a dialog, and call `closed` with its result."""
 
+    def deliver(self, path: Path) -> None:
+        """Let the browser, if the game is in one, download a file that was saved."""
+        return
+
     async def ask(self, dialog: Screen[Result]) -> Result | None:
         """Show a dialog and return its result; only for background work."""
 
@@ -89,6 +95,10 @@ class ScreenUi(Dialogs):
         self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
     ) -> None:
         self.screen.app.push_screen(dialog, closed)
+
+    def deliver(self, path: Path) -> None:
+        if self.screen.app.is_web:
+            self.screen.app.deliver_binary(path)
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
         # `push_screen_wait` would also run what the app has queued; when the game ends meanwhile,

@@ -171,6 +171,7 @@ def save_picture(screen: MainScreen) -> None:
         screen.warn(f"The picture could not be saved: {error.strerror}.")
     else:
         screen.tell(f"Saved {name_and_folder(path)}, and .txt.")
+        screen.ui.deliver(path)
 
 
 def redraw(screen: MainScreen) -> None:
@@ -268,6 +269,7 @@ def save_rows(screen: MainScreen, table: ValueTable) -> None:
     else:
         csv_file = name_and_folder(path.with_suffix(".csv"))
         screen.tell(f"Saved {csv_file}, and .json{_but(table)}.")
+        screen.ui.deliver(path.with_suffix(".csv"))
 
 
 def break_here(screen: MainScreen) -> None:

@@ -330,6 +330,7 @@ class Replays:
             self.ui.warn(f"The replay could not be saved: {error.strerror or error}.")
         else:
             self.ui.tell(f"Saved {name_and_folder(path)} ({size:,} bytes).")
+            self.ui.deliver(path)
 
 
 def _write(path: Path, replay: Replay) -> int:
