@@ -27,8 +27,7 @@ from logical_robots_tui.processes.helper import collect_seldom
 PROGRAM = "logical-robots"
 
 _MODULES = (
-    ("play", "play"),
-    ("serve", "serve"),
+    ("play", "play serve"),
     ("run", "run trace"),
     ("query", "query when"),
     ("why", "why origin"),
