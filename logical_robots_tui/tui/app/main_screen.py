@@ -340,10 +340,11 @@ class MainScreen(Screen[None], SessionListener):
         region, rack = self.labyrinth.region, self.query_one("ToastRack")
         is_over_map = self.arrangement.layout.is_roomy and self.labyrinth.display
         rack.set_class(is_over_map, "-over-map")
-        rack.styles.width = region.width - 2 if is_over_map else None
-        rack.styles.margin = (
-            (0, 0, self.size.height - region.bottom + 1, 1) if is_over_map else None
-        )
+        if is_over_map:
+            rack.styles.width = region.width - 2
+            rack.styles.margin = (0, 0, self.size.height - region.bottom + 1, 1)
+        elif rack.styles.inline.has_rule("margin"):  # to clear a rule lays out everything again
+            rack.styles.width = rack.styles.margin = None
         self.redraw_lines()
 
     def point_at(self, pane: Pane) -> None:

@@ -129,11 +129,14 @@ async def test_victory_is_celebrated_once_takes_no_typed_key_and_leads_on(data_d
         assert ">" not in game.editor.text.splitlines()[0]
 
 
-async def test_a_run_never_lays_the_screen_out_anew_and_a_pause_draws_nothing(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_neither_a_run_nor_a_pause_lays_the_screen_out_and_a_pause_draws_nothing(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
 ) -> None:
-    async with opened(data_dir, ready=True) as game:
+    async with opened(data_dir, ready=True, size=size) as game:
         await game.later(1)
+        layouts: list[object] = []
+        game.main.screen_layout_refresh_signal.subscribe(game.main, layouts.append)
         drawn: list[object] = []
         display = game.app._display
 
@@ -145,10 +148,10 @@ async def test_a_run_never_lays_the_screen_out_anew_and_a_pause_draws_nothing(
             patch.setattr(game.app, "_display", note)
             await game.later(60)
         assert not drawn
+        assert not layouts
 
         await game.press("space", until=lambda: game.tick > 3)
-        layouts: list[object] = []
-        game.main.screen_layout_refresh_signal.subscribe(game.main, layouts.append)
+        layouts.clear()
         begun = game.tick
         await game.until(lambda: game.tick > begun + 20)
         assert not layouts
