@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from logica.compiler import universe
@@ -21,6 +22,7 @@ from logical_robots_tui.language.diagnostics import (
     MOST_DIAGNOSTICS,
     Diagnostic,
     Mention,
+    Proposal,
     closest,
     distance,
 )
@@ -117,13 +119,14 @@ def _annotations(model: Model) -> Iterator[Diagnostic]:
             yield model.diagnostic(name, f"{name} is chosen by the game", "Remove this line.")
         elif name == "@Engine":
             message = "@Engine has no effect: the game chooses the engine"
-            yield model.diagnostic(name, message, "Remove this line.", "warning")
+            problem = model.diagnostic(name, message, "Remove this line.", "warning")
+            yield replace(problem, has_effect=False)
         elif name not in supported | IGNORED:
             close = closest(name[1:], {o[1:] for o in supported})
             if name in universe.Annotations.ANNOTATING_PREDICATES:
                 message, hint = f"{name} is for other engines", "Remove this line."
             elif close:
-                message, hint = f"There is no annotation {name}", f"Did you mean @{close}?"
+                message, hint = f"There is no annotation {name}", Proposal(f"@{close}")
             else:
                 message = f"There is no annotation {name} for robots"
                 hint = f"There are {', '.join(sorted(supported))}."
@@ -250,7 +253,7 @@ def _names(model: Model, runs: Runs) -> Iterator[Diagnostic]:
 def _value_hint(name: str) -> str:
     literal = {"none": "null"}.get(name.lower(), name.lower())
     if literal in ("true", "false", "null"):
-        return f"Write {literal}."
+        return Proposal(literal, "Write {}.")
     return f'Names of variables are lower case, and strings are in quotes: "{name[:40]}".'
 
 
@@ -312,7 +315,7 @@ def _replacement_hint(name: str, names: set[str], runs: Runs) -> str:
     if not close and len(name) > 2:  # in short names one typo is a large part
         close = next((n for n in sorted(available) if distance(name, n) == 1), "")
     if close and (close in names or runs(close)):
-        return f"Did you mean {close}?"
+        return Proposal(close)
     return "`logical-robots help` lists all functions." if is_built_in(name) else ""
 
 
@@ -332,7 +335,8 @@ def main_predicate(model: Model) -> Iterator[Diagnostic]:
         message = "There is no Robot predicate" if model.statements else "The program is empty"
         close = next((n for n in model.definitions if closest(n, [MAIN])), "")
         if close:
-            yield model.diagnostic(close, message, f"Write {MAIN} instead of {close}.")
+            hint = Proposal(MAIN, f"Write {{}} instead of {close}.")
+            yield model.diagnostic(close, message, hint)
         else:
             yield model.diagnostic(tree.Span(0, 0), message, _EXAMPLE)
     for rule in rules_of(robot_rules):
@@ -375,7 +379,7 @@ def _misspelt(
         similar = closest(name, missing, cutoff)
         if similar and name not in _ENGINES:
             message = f"There is no engine called {name}; this would be ignored"
-            problem = model.diagnostic(name, message, f"Did you mean {similar}?")
+            problem = model.diagnostic(name, message, Proposal(similar))
             problems[problem.line, problem.column] = problem
     return problems
 
@@ -383,8 +387,8 @@ def _misspelt(
 def _missing_column(robot: str, column: str, columns: list[str], model: Model) -> Diagnostic:
     close = next((name for name in columns if closest(name, [column], 0.5)), "")
     if close:
-        message = f"Robot has no {column}"
-        return model.diagnostic(close, message, f"Write {column} instead of {close}.")
+        advice = Proposal(column, f"Write {{}} instead of {close}.")
+        return model.diagnostic(close, f"Robot has no {column}", advice)
     if column == "memory":
         message = "Robot sets no memory, so memory never changes"
         hint = 'Add memory: with a value to remember, or memory: "".'

@@ -24,6 +24,37 @@ _LONGEST = 60  # characters of a name in a message
 Severity: TypeAlias = Literal["error", "warning"]
 
 
+@dataclass(frozen=True, slots=True, order=True)
+class TextChange:
+    """A text that replaces a piece of a program, between two offsets from 0."""
+
+    start: int
+    stop: int
+    text: str
+
+
+class Proposal(str):
+    """A hint that proposes to write something instead of what a diagnostic is about.
+
+    Attributes:
+        replacement: What to write.
+    """
+
+    __slots__ = ("replacement",)
+    replacement: str
+
+    def __new__(cls, replacement: str, words: str = "Did you mean {}?") -> Proposal:
+        """Make a hint of words in which braces stand for the replacement."""
+        hint = super().__new__(cls, words.replace("{}", replacement))
+        hint.replacement = str(replacement)  # it may be a name with its place
+        return hint
+
+    @classmethod
+    def fix(cls, hint: str, start: int, stop: int) -> TextChange | None:
+        """Return the change of a piece of the text that a hint proposes, or None."""
+        return TextChange(start, stop, hint.replacement) if isinstance(hint, cls) else None
+
+
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One error or warning in a program.
@@ -35,6 +66,9 @@ class Diagnostic:
         hint: What to do about it, or "".
         excerpt: The offending text, one line, or "".
         severity: Whether the program can't run, or may not do what was meant.
+        fix: The change that the hint proposes, if it is a single one.
+        has_effect: Whether the text does anything in the program.
+        related: Other lines that the message names.
     """
 
     line: int
@@ -43,6 +77,9 @@ class Diagnostic:
     hint: str = ""
     excerpt: str = ""
     severity: Severity = "error"
+    fix: TextChange | None = None
+    has_effect: bool = True
+    related: tuple[int, ...] = ()
 
     def __str__(self) -> str:
         head = f"line {self.line}, column {self.column}: {self.message}"
@@ -60,7 +97,7 @@ def most_important(diagnostics: Iterable[Diagnostic], excess: int = 0) -> tuple[
     visible.sort(key=lambda d: (d.line, d.column))
     if last is not None and (excess := excess + len(hidden)):
         message = f"{excess:,} more problem{'s' * (excess > 1)} not shown"
-        visible.append(replace(last, message=message, hint=_OTHERS_HINT, excerpt=""))
+        visible.append(Diagnostic(last.line, last.column, message, _OTHERS_HINT, "", last.severity))
     return tuple(visible)
 
 
@@ -157,16 +194,14 @@ class Mention:
     Attributes:
         text: The name.
         field: ``label`` or ``robot_name``.
-        line: From 1, as in a diagnostic.
-        column: From 1.
-        excerpt: The text as it is written.
+        place: A warning there, still without a message.
+        span: Its offsets in the program.
     """
 
     text: str
     field: str
-    line: int
-    column: int
-    excerpt: str
+    place: Diagnostic
+    span: tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,15 +231,16 @@ def unknown_names(mentions: Iterable[Mention], names: LevelNames) -> Iterator[Di
         if mention.text not in level_names:
             message = f'{subject} is called "{printable(mention.text[:_LONGEST])}"'
             hint = name_hint(mention.text, level_names)
-            excerpt = printable(mention.excerpt)
-            yield Diagnostic(mention.line, mention.column, message, hint, excerpt, "warning")
+            fix = Proposal.fix(hint, *mention.span)
+            excerpt = printable(mention.place.excerpt)
+            yield replace(mention.place, message=message, hint=str(hint), excerpt=excerpt, fix=fix)
 
 
 def name_hint(text: str, names: Iterable[str]) -> str:
     """Return what to write instead of a name that is not among the known `names`."""
     close = most_similar(text, names)
     if close:
-        return f'Did you mean "{printable(close[:_LONGEST])}"?'
+        return Proposal(f'"{printable(close[:_LONGEST])}"')
     *quoted, last = sorted(f'"{printable(name)}"' for name in names) or [""]
     if not last or len(quoted) >= _MOST_LISTED or sum(map(len, names)) > _LONGEST:
         return "Compare it with the names in the labyrinth."

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from logica.compiler import functors, rule_translate
 from logica.parser_py import parse
 
-from logical_robots_tui.language.diagnostics import Diagnostic, closest
-from logical_robots_tui.language.source_text import COMMENT_HINT, Prepared, diagnostic_at
+from logical_robots_tui.language.diagnostics import Diagnostic, Proposal, TextChange, closest
+from logical_robots_tui.language.source_text import (
+    COMMENT_HINT,
+    Prepared,
+    diagnostic_at,
+    distinct_after_head,
+)
 from logical_robots_tui.schema import INPUTS, SENSOR
 
 COMPLAINTS = (
@@ -40,6 +46,7 @@ _TOO_MANY_EQUALS = (
 _NO_EXPRESSION = "This is not an expression"
 _NO_CALL = "This is not a predicate with arguments"
 _NO_DISTINCT = "The head of this rule can't be understood"
+_NOT_DISTINCT = "Add `distinct` after the head"
 _NO_IF = "This 'if' can't be read"
 _NO_COPY = "This is not a predicate made from another"
 _UNREAD = (_NO_CONDITION, _NO_EXPRESSION, _NO_CALL, _NO_IF, _NO_HEAD, _NOT_IN_HEAD)
@@ -48,6 +55,7 @@ _IF = "(if a < b then c else d)"
 _LOOK = "Look for a missing comma, quote or operator."
 _DISTINCT = "The word distinct comes last in a head, before ':-'."
 _ENDS = "Rules end with ';'."
+_BEFORE = "Is a ';' missing before it?"
 _LOST = "is a ';' missing before"
 _BRACES = "Aggregates use braces: Sum{x :- Item(x)}."
 _HEADS = "Heads aggregate like this: P(x, best? Max= v)."
@@ -101,7 +109,15 @@ def explain(
     else:
         place, rule = (offset, offset + length), (start, end)
         message, hint = _fitting(message, hint, value, source, place, rule)
-    return diagnostic_at(source.original, offset, length, message, hint)
+    diagnostic = diagnostic_at(source.original, offset, length, message, hint)
+    if message == _NOT_DISTINCT:
+        return replace(diagnostic, fix=distinct_after_head(source, start, end))
+    if hint.startswith((_ENDS, _BEFORE)) and (
+        head := _SECOND_HEAD.search(source.skeleton, start, end)
+    ):
+        stop = head.start() + 1
+        return replace(diagnostic, fix=TextChange(stop, stop, ";"))
+    return diagnostic
 
 
 def _fitting(
@@ -175,14 +191,14 @@ def _without_value(names: list[str], source: Prepared, start: int, end: int) -> 
     candidates = {*re.findall(r"(?<![\w.`@])[a-z_]\w*(?![\w(])", rule)} - {*names} - _WORDS
     close = closest(culprits[0], candidates)
     places = _mentions(culprits[0], rule) or [0]
-    hint = f"Did you mean {close}?" if close else _value_hint(culprits[0], rule[: places[0]])
+    hint = Proposal(close) if close else _value_hint(culprits[0], rule[: places[0]])
     return diagnostic_at(source.original, start + places[0], len(culprits[0]), message, hint)
 
 
 def _value_hint(name: str, prefix: str) -> str:
     """Return a hint how to give a variable its value."""
     if name in SENSOR.names:
-        return f"Write sensor.{name}."
+        return Proposal(f"sensor.{name}", "Write {}.")
     table = next((predicate for predicate, columns in INPUTS.items() if name in columns), "")
     if table:
         return f"Take it from {table}({', '.join(f'{column}:' for column in INPUTS[table])})."
@@ -218,11 +234,11 @@ _PLAIN = (
      f"Write x = {_IF}, or join conditions with ','."),
     (r"split by =", _TOO_MANY_EQUALS[1], _HEADS),
     (r"split by : in", "Expected a comma", "A comma or a ';' seems to be missing."),
-    (r"^Aggregating predicate must be", "Add `distinct` after the head",
+    (r"^Aggregating predicate must be", _NOT_DISTINCT,
      "A rule with '?' needs it: P(x, best? Max= v) distinct :- ..."),
     (r"^Aggregation of fields is only", "Only the head of a rule can aggregate with '?'", _HEADS),
     (r"^Aggregated fields have to", "An aggregated column needs a name before the '?'", _HEADS),
-    (r"^Unexpected text in the head", _NOT_IN_HEAD, "Is a ';' missing before it?"),
+    (r"^Unexpected text in the head", _NOT_IN_HEAD, _BEFORE),
     (r"^Too many '=' in predicate", _TOO_MANY_EQUALS[0], "A head has one value: F(x) = y :- ..."),
     (r"^Variables starting with x_", "Names of variables can't start with x_",
      "Choose another name."),
@@ -284,7 +300,7 @@ _AND = "Write ',' between conditions, and '&&' within an expression."
 _GROUPS = "A head groups by its other columns: P(x, n? += 1) distinct :- Q(x)."
 _FOREIGN = (
     (r"\A(//|--|/\*)", COMMENT_HINT),
-    (r"\n(?P<next>(?-i:[A-Z@])\w*)", "Rules end with ';'. Is one missing before {next}?"),
+    (r"\n(?P<next>(?-i:[A-Z@])\w*)", f"{_ENDS} Is one missing before {{next}}?"),
     (r"\A(select|insert|create|update|delete|with)\s|\bselect\s",
      "Rows come from rules: P(x) :- Q(x), x > 1."),
     (r"\bgroup\s+by\b|\S\s+having\s", _GROUPS),

@@ -18,6 +18,7 @@ from logical_robots_tui.language.definitions import Model, names_used, rules_of
 from logical_robots_tui.language.diagnostics import (
     Diagnostic,
     Mention,
+    Proposal,
     Severity,
     closest,
     name_hint,
@@ -439,9 +440,8 @@ class Inference:
         if not isinstance(node, tree.Text) or not isinstance(kind, Word) or not node.span:
             return
         if kind != types.OBJECT:
-            place = self._model.diagnostic(node.span, "")
-            mention = Mention(node.value, kind.field, place.line, place.column, place.excerpt)
-            self._mentions[node.span.start] = mention
+            place = self._model.diagnostic(node.span, "", severity="warning")
+            self._mentions[node.span.start] = Mention(node.value, kind.field, place, node.span)
         elif node.value not in OBJECTS:
             self._warn(node, f'A ray hits no "{node.value}"', name_hint(node.value, OBJECTS))
 
@@ -469,7 +469,7 @@ class Inference:
         if not isinstance(name, str) or name in names:
             return
         close = closest(name, names, 0.6)
-        hint = f"Did you mean {close}?" if close else f"It has {', '.join(names)}."
+        hint = Proposal(close) if close else f"It has {', '.join(names)}."
         if len(hint) > 120:
             hint = "Compare with its definition."
         self._report(name, message, hint, severity)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import (
@@ -14,7 +15,13 @@ from logical_robots_tui.language.definitions import (
     reach,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import MULTIPLIES, Diagnostic, Severity, distance
+from logical_robots_tui.language.diagnostics import (
+    MULTIPLIES,
+    Diagnostic,
+    Proposal,
+    Severity,
+    distance,
+)
 from logical_robots_tui.language.source_text import with_whole_brackets
 from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
 from logical_robots_tui.schema import INPUTS, VALUE
@@ -208,7 +215,7 @@ class _Finder:
                 message = f"{name} is a new variable here, so this always holds"
                 hint = f'A string is written in quotes: "{name}".'
         if message:
-            yield self._warning(span, message, hint)
+            yield replace(self._warning(span, message, hint), has_effect=False)
 
     def _named_with_equals(self, node: Node) -> Iterator[Diagnostic]:
         """Yield a warning for each ``name = value`` where a field or column is named with ``:``."""
@@ -306,6 +313,9 @@ class _Finder:
     # -- texts -------------------------------------------------------------------------------------
 
     def _warning(self, span: Span, message: str, hint: str) -> Diagnostic:
+        text = self._text[slice(*span)]
+        if text != " ".join(text.split()):  # the example has lost lines or spaces
+            hint = str(hint)
         return self._model.diagnostic(span, message, hint, "warning")
 
     def _source(self, node: Node) -> str:
@@ -316,7 +326,8 @@ class _Finder:
         example = " ".join(example.split())
         if len(example) > _LONGEST - len(hint) // 2:
             return f"{hint}."
-        return f"{hint}{between}{example}."
+        words = f"{hint}{between}{{}}."
+        return words.format(example) if "..." in example else Proposal(example, words)
 
 
 def _own_negations(model: Model) -> Iterator[Diagnostic]:
@@ -472,8 +483,9 @@ def typos(model: Model) -> Iterator[Diagnostic]:
             similar = next((o for o in candidates if o != name and _looks_like(name, o)), "")
             if similar:
                 message = f"{name} is used only once; is it a misspelt {similar}?"
-                hint = f"Write {similar} if you mean the same."
-                yield model.diagnostic(name, message, hint, "warning")
+                hint = Proposal(similar, "Write {} if you mean the same.")
+                problem = model.diagnostic(name, message, hint, "warning")
+                yield replace(problem, has_effect=False)
 
 
 def _looks_like(name: str, candidate: str) -> bool:

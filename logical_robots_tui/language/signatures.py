@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import (
@@ -13,8 +13,10 @@ from logical_robots_tui.language.definitions import (
     calls,
     is_built_in,
     prelude,
+    rules_of,
 )
-from logical_robots_tui.language.diagnostics import Diagnostic, closest
+from logical_robots_tui.language.diagnostics import Diagnostic, Proposal, closest
+from logical_robots_tui.language.source_text import distinct_after_head
 from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 Runs = Callable[[str], bool]
@@ -46,6 +48,7 @@ def signatures(model: Model) -> dict[str, Signature]:
     return catalog
 
 
+_ALL_DISTINCT = "Write distinct in all of its heads, or in none."
 _GIVEN = (tree.PredicateName, tree.Literal)
 
 
@@ -72,7 +75,12 @@ def collisions(model: Model) -> Iterator[Diagnostic]:
             line = model.text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
             if difference := _difference(first, statement, line):
                 message, hint = difference
-                yield model.diagnostic(statement.name, f"{name} {message}", hint)
+                problem = model.diagnostic(statement.name, f"{name} {message}", hint)
+                for rule in rules_of([first, statement]) if hint == _ALL_DISTINCT else ():
+                    if rule.span and not rule.is_distinct:
+                        fix = distinct_after_head(model.source, *rule.span)
+                        problem = replace(problem, fix=fix)
+                yield replace(problem, related=(line,))
                 break
 
 
@@ -147,7 +155,7 @@ def _difference(
         return f"has different columns in line {line}", hint
     if first.is_distinct != rule.is_distinct:
         place = f"in line {line}, but not here" if first.is_distinct else "here only"
-        return f"is distinct {place}", "Write distinct in all of its heads, or in none."
+        return f"is distinct {place}", _ALL_DISTINCT
     return None
 
 
@@ -167,7 +175,7 @@ def _wrong_call(
     for field in fields:
         if isinstance(field, str) and field not in allowed:
             close = closest(field, signature.named, 0.6)
-            hint = f"Did you mean {close}?" if close else _shape(signature)
+            hint = Proposal(close) if close else _shape(signature)
             yield model.diagnostic(field, f"{name} has no column {field}", hint)
     if isinstance(call, tree.Call) and not signature.has_value and not is_parameter:
         hint = f"Use {name}(...) as a condition, or give it a value: {name}(...) = ...;"

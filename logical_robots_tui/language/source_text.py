@@ -9,12 +9,19 @@ import re
 import unicodedata
 from bisect import bisect_right
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
 from sys import maxunicode
 from typing import NamedTuple
 
-from logical_robots_tui.language.diagnostics import MOST_DIAGNOSTICS, Diagnostic, Severity
+from logical_robots_tui.language.diagnostics import (
+    MOST_DIAGNOSTICS,
+    Diagnostic,
+    Proposal,
+    Severity,
+    TextChange,
+)
 
 COMMENT_HINT = "Comments begin with '#'."
 
@@ -181,9 +188,10 @@ class _Brackets:
         self._opened: list[tuple[str, int]] = []
         self._has_complained = False
 
-    def report(self, offset: int, length: int, message: str, hint: str) -> None:
+    def report(self, offset: int, length: int, message: str, hint: str, *related: int) -> None:
         if len(self.problems) < MOST_DIAGNOSTICS:
-            self.problems.append(diagnostic_at(self._source, offset, length, message, hint))
+            problem = diagnostic_at(self._source, offset, length, message, hint)
+            self.problems.append(replace(problem, related=related))
         self.places.append(offset)
 
     def text(self, offset: int, token: str) -> None:
@@ -219,9 +227,8 @@ class _Brackets:
             bracket, place = self._opened[-1]
             line, _ = place_of(self._source, place)
             message = f"This '{sign}' does not match the '{bracket}' of line {line}"
-            self._complain(
-                offset, message, "Brackets close in the order in which they were opened."
-            )
+            hint = "Brackets close in the order in which they were opened."
+            self._complain(offset, message, hint, line)
 
     def end_statement(self) -> None:
         """End a statement, and report its first bracket that was never closed."""
@@ -231,10 +238,10 @@ class _Brackets:
         self._opened.clear()
         self._has_complained = False
 
-    def _complain(self, offset: int, message: str, hint: str) -> None:
+    def _complain(self, offset: int, message: str, hint: str, *related: int) -> None:
         if not self._has_complained:
             self._has_complained = True
-            self.report(offset, 1, message, hint)
+            self.report(offset, 1, message, hint, *related)
 
 
 def _is_closed(token: str, opening: str, closing: str) -> bool:
@@ -252,7 +259,17 @@ def diagnostic_at(
     start = max(0, min(start, len(source)))
     line, column = place_of(source, start)
     excerpt = source[start : start + min(length, _LONGEST_EXCERPT)].split("\n", 1)[0].strip()
-    return Diagnostic(line, column, message, hint, excerpt[:80], severity)
+    fix = Proposal.fix(hint, start, start + length)
+    return Diagnostic(line, column, message, str(hint), excerpt[:80], severity, fix)
+
+
+def distinct_after_head(source: Prepared, start: int, stop: int) -> TextChange:
+    """Return the change that makes a rule distinct, given its start and end."""
+    piece = source.skeleton[start:stop]
+    necks = (neck.start() for neck in re.finditer(":-", piece))
+    neck = next((place for place in necks if not nesting(piece[:place])), len(piece))
+    place = start + len(source.text[start : start + neck].rstrip())
+    return TextChange(place, place, " distinct")
 
 
 def place_of(source: str, offset: int) -> tuple[int, int]:
@@ -336,7 +353,7 @@ def _complaint(piece: str) -> tuple[str, str]:
     if replacement in ("'", '"'):
         return f"{subject} quote of Logica", """Write plain quotes: '...' or "..."."""
     if replacement.isascii() and replacement.isprintable():
-        return f"{subject} character of Logica", f"Write {replacement} instead."
+        return f"{subject} character of Logica", Proposal(replacement, "Write {} instead.")
     if strange.isalpha() or piece[0].isalpha():
         message = f"The name {piece} has letters that Logica does not know"
         return message, "Names have the letters a to z, digits and _."

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from logical_robots_tui import schema
 from logical_robots_tui.language import tree
+from logical_robots_tui.language.diagnostics import Proposal
 
 
 class Plain(Enum):
@@ -363,7 +364,7 @@ def repair(node: tree.Expression, expected: Kind, actual: Kind) -> str:
     if is_short and isinstance(node, tree.Number) and is_text(expected):
         return f'Put it in quotes: "{node.value}".'
     if is_short and is_number(expected) and isinstance(node, tree.Text) and is_numeral(node):
-        return f"Write {node.value} without quotes."
+        return Proposal(node.value, "Write {} without quotes.")
     match family(expected), family(actual):
         case "number", "string":
             return "ToFloat64 turns a string into a number."

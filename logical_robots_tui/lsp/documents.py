@@ -13,6 +13,7 @@ from pygls.workspace import PositionCodec
 from logical_robots_tui.language.source_text import line_of, place_of, with_newlines
 
 if TYPE_CHECKING:
+    from logical_robots_tui.language.diagnostics import Diagnostic
     from logical_robots_tui.mind import Program
 
 
@@ -22,9 +23,11 @@ class Document:
     Attributes:
         text: With all lines ended by newlines, and as long as the editor's text.
         program: What the last version that compiled has become.
+        diagnostics: What is published about this version.
     """
 
     program: Program | None = None
+    diagnostics: tuple[Diagnostic, ...] = ()
 
     def __init__(self, uri: str, text: str, version: int | None, codec: PositionCodec) -> None:
         self.uri, self.version, self._codec = uri, version, codec

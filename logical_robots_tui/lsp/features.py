@@ -11,6 +11,7 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcInvalidParams
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.language.diagnostics import TextChange
 from logical_robots_tui.language.reference import find_help
 from logical_robots_tui.language.services.completion import (
     Definition,
@@ -21,14 +22,8 @@ from logical_robots_tui.language.services.completion import (
     word_before,
     words_for,
 )
-from logical_robots_tui.language.services.fixes import fixes
 from logical_robots_tui.language.services.lexer import LineStates, pieces
-from logical_robots_tui.language.services.symbols import (
-    TextChange,
-    renaming,
-    sections,
-    symbol_at,
-)
+from logical_robots_tui.language.services.symbols import renaming, sections, symbol_at
 from logical_robots_tui.lsp.documents import Document
 from logical_robots_tui.lsp.levels import run_command
 from logical_robots_tui.lsp.server import SERVER, Server, range_of
@@ -213,11 +208,12 @@ def actions(ls: Server, params: types.CodeActionParams) -> list[types.CodeAction
     document = ls.documents[params.text_document.uri]
     return [
         types.CodeAction(
-            fix.title, types.CodeActionKind.QuickFix, edit=_edit(document, [fix.change])
+            f"{'Write' if fix.stop > fix.start else 'Add'} {fix.text.strip()}",
+            types.CodeActionKind.QuickFix,
+            edit=_edit(document, [fix]),
         )
-        for diagnostic in ls.diagnostics.get(document.uri, ())
-        if _touch(range_of(document, diagnostic), params.range)
-        for fix in fixes(document.text, diagnostic)
+        for diagnostic in document.diagnostics
+        if (fix := diagnostic.fix) and _touch(range_of(document, diagnostic), params.range)
     ]
 
 

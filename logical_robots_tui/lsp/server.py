@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import re
-from collections.abc import Coroutine, Iterator
+from collections.abc import Coroutine
 from pathlib import Path
 from typing import Any
 
@@ -22,19 +21,16 @@ _SEVERITY = {
     "error": types.DiagnosticSeverity.Error,
     "warning": types.DiagnosticSeverity.Warning,
 }
-_OTHER_LINE = re.compile(r"\bline (\d+)")
-_NO_EFFECT = re.compile(r"\bnever holds\b|\bhas no effect\b|\bis used only once\b")
 
 
 class Server(LanguageServer):
-    """The documents that are open, each with its level and its latest diagnostics."""
+    """The documents that are open, each with its level."""
 
     def __init__(self) -> None:
         # Whole texts: pygls counts other line separators than editors do when it applies changes.
         sync = types.TextDocumentSyncKind.Full
         super().__init__("logical-robots", __version__, text_document_sync_kind=sync)
         self.documents: dict[str, Document] = {}
-        self.diagnostics: dict[str, tuple[Diagnostic, ...]] = {}
         self.level = ""
         self._facts: dict[tuple[str, Path, int], asyncio.Task[LevelFacts]] = {}
         self._run: asyncio.Task[Any] | None = None
@@ -60,8 +56,7 @@ class Server(LanguageServer):
 
     def close(self, uri: str) -> None:
         self.checker.withdraw(uri)
-        for table in (self.documents, self.diagnostics):
-            table.pop(uri, None)
+        self.documents.pop(uri, None)
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
     def configure(self, settings: Any) -> None:
@@ -117,7 +112,7 @@ class Server(LanguageServer):
         uri = document.uri
         if self.documents.get(uri) is not document:
             return
-        self.diagnostics[uri] = diagnostics
+        document.diagnostics = diagnostics
         entries = [_published(document, diagnostic) for diagnostic in diagnostics]
         self.text_document_publish_diagnostics(
             types.PublishDiagnosticsParams(uri, entries, document.version)
@@ -131,8 +126,8 @@ def _published(document: Document, diagnostic: Diagnostic) -> types.Diagnostic:
         f"{message}. {diagnostic.hint}" if diagnostic.hint else message,
         severity=_SEVERITY[diagnostic.severity],
         source="logical-robots",
-        tags=[types.DiagnosticTag.Unnecessary] if _NO_EFFECT.search(message) else None,
-        related_information=[*_related(document, message)] or None,
+        tags=None if diagnostic.has_effect else [types.DiagnosticTag.Unnecessary],
+        related_information=[_related(document, line) for line in diagnostic.related] or None,
     )
 
 
@@ -142,15 +137,11 @@ def range_of(document: Document, diagnostic: Diagnostic) -> types.Range:
     return types.Range(document.position(row, start), document.position(row, stop))
 
 
-def _related(document: Document, message: str) -> Iterator[types.DiagnosticRelatedInformation]:
-    """Yield the lines that a message names."""
-    for number in map(int, _OTHER_LINE.findall(message)):
-        if number <= len(document.lines):
-            line = document.lines[number - 1]
-            stop = document.position(number - 1, len(line))
-            place = types.Range(types.Position(number - 1, 0), stop)
-            location = types.Location(document.uri, place)
-            yield types.DiagnosticRelatedInformation(location, f"line {number}: {line.strip()}")
+def _related(document: Document, number: int) -> types.DiagnosticRelatedInformation:
+    line = document.lines[number - 1]
+    stop = document.position(number - 1, len(line))
+    location = types.Location(document.uri, types.Range(types.Position(number - 1, 0), stop))
+    return types.DiagnosticRelatedInformation(location, f"line {number}: {line.strip()}")
 
 
 SERVER = Server()

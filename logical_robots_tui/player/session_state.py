@@ -83,7 +83,7 @@ class TeamSources:
             return error.diagnostics
         first = error.first
         words = f"In the program of {error.team}, line {first.line}: {first.message}"
-        return (replace(first, line=1, column=1, message=words, excerpt=""),)
+        return (replace(first, line=1, column=1, message=words, excerpt="", fix=None),)
 
 
 Kind: TypeAlias = Literal["rest", "run", "steps", "until"]

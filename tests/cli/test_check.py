@@ -68,7 +68,9 @@ def test_one_mistake_of_several_is_enough(command: Command, program: Path, ahead
     assert fine == {"file": str(ahead), "diagnostics": []}
     words = {"message": "A sensor has no field clok", "hint": "Did you mean clock?"}
     place = {"line": 3, "column": 32, "excerpt": "clok", "severity": "error"}
-    assert wrong["diagnostics"][0] == place | words
+    correction = {"start": 106, "stop": 110, "text": "clock"}
+    others = {"fix": correction, "has_effect": True, "related": []}
+    assert wrong["diagnostics"][0] == place | words | others
 
 
 def test_other_tools_get_their_formats_also_of_standard_input(program: Path) -> None:

@@ -3,7 +3,7 @@
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.definitions import Model
-from logical_robots_tui.language.diagnostics import LevelNames, Mention, unknown_names
+from logical_robots_tui.language.diagnostics import Diagnostic, LevelNames, Mention, unknown_names
 from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.source_text import prepare
 
@@ -52,7 +52,7 @@ def test_a_label_is_recognised_wherever_it_comes_from_and_other_texts_are_not_na
 
 
 def told(text: str, of: str) -> list[tuple[str, str]]:
-    found = unknown_names([Mention(text, of, 1, 1, "")], NAMES)
+    found = unknown_names([Mention(text, of, Diagnostic(1, 1, ""), (0, 0))], NAMES)
     return [(remark.message, remark.hint) for remark in found]
 
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.language.diagnostics import TextChange
 from logical_robots_tui.language.services.completion import NAMES, VARIABLE, definitions
 from logical_robots_tui.language.services.lexer import KEYWORDS
 from logical_robots_tui.language.source_text import QUOTED_NAME, Prepared, prepare, statements
@@ -42,14 +43,6 @@ class Symbol(NamedTuple):
     @property
     def is_predicate(self) -> bool:
         return self.name[0].isupper()
-
-
-class TextChange(NamedTuple):
-    """A text that replaces a piece of a program, between two offsets."""
-
-    start: int
-    stop: int
-    text: str
 
 
 class Section(NamedTuple):
@@ -122,8 +115,8 @@ def renaming(text: str, offset: int, name: str) -> list[TextChange]:
 
 
 def changed(text: str, changes: Sequence[TextChange]) -> str:
-    for start, stop, piece in sorted(changes, reverse=True):
-        text = text[:start] + piece + text[stop:]
+    for change in sorted(changes, reverse=True):
+        text = text[: change.start] + change.text + text[change.stop :]
     return text
 
 

@@ -355,7 +355,7 @@ def explain(error: BaseException, model: Model) -> Diagnostic:
         if tree.variable_of(value) == name
     ]
     is_given_only = len(callees) == sum(1 for _ in _uses_of(name, rule.body or ()))
-    if len({*callees}) == 1 and is_given_only and not diagnostic.hint.startswith("Did you mean"):
+    if len({*callees}) == 1 and is_given_only and diagnostic.fix is None:
         callee = callees[0]
         hint = f"{callee} gives it no value: set it here, or in the rule of {callee}."
         return replace(diagnostic, hint=hint)
@@ -379,9 +379,11 @@ def _separate_rules(unbound: Sequence[str], rule: Rule, model: Model) -> Diagnos
         if isinstance(part, tree.Membership)
         or (isinstance(part, tree.Atom) and part.name in tables)
     ]
+    related: list[int] = []
     advice = f"Take {names[0]} from a predicate in the body."
     if len(rules) > 1:
-        *lines, last = [str(model.text.count("\n", 0, r.span.start) + 1) for r in rules if r.span]
+        related = [model.text.count("\n", 0, r.span.start) + 1 for r in rules if r.span]
+        *lines, last = map(str, related)
         cause = f"{rule.name} has {len(rules)} rules, in lines {', '.join(lines)} and {last}"
     elif rule.is_distinct:
         cause = f"{rule.name} is distinct"
@@ -396,7 +398,9 @@ def _separate_rules(unbound: Sequence[str], rule: Rule, model: Model) -> Diagnos
         advice = f"Write one: {rule.name}(...){merged};"
     message = f"{names[0]} has no value: {cause}"
     hint = f"Callers give values only to a single rule that is not distinct. {advice}"
-    return model.diagnostic(first.span, message, hint) if uses and first.span else None
+    if not uses or first.span is None:
+        return None
+    return replace(model.diagnostic(first.span, message, hint), related=tuple(related))
 
 
 def _uses_of(name: str, part: tree.Tree) -> Iterator[tree.Variable]:

@@ -96,6 +96,7 @@ def _compile(text: str, predicate: str, first_line: int, *, is_bare: bool) -> Co
 
 def _place_in_query(diagnostic: Diagnostic, first_line: int, query: str) -> Diagnostic:
     """Move a diagnostic of the whole text into the query, to the name it is about if outside."""
+    diagnostic = replace(diagnostic, fix=None)  # whose offsets are those of the whole text
     line = diagnostic.line - first_line + 1
     if 1 <= line <= query.count("\n") + 1:
         return replace(diagnostic, line=line)
