@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import re
 import sys
 from collections.abc import Iterator, Mapping
@@ -16,6 +17,10 @@ from logical_robots_tui.paths import ARENAS, is_folder, shipped_names
 
 _COMMENT = re.compile(r"\A\s*#\s*level:[ \t]*(\S.*?)[ \t]*$", re.MULTILINE)
 _SUFFIX = ".toml"
+_BEGIN = (
+    "import sys; from logical_robots_tui import processes, supervisor; "
+    "processes.lifeline.signal_when_closed(int(sys.argv.pop(1)), 9); sys.exit(supervisor.main())"
+)
 
 
 class LevelFacts(NamedTuple):
@@ -70,18 +75,19 @@ def unknown_level(text: str, facts: LevelFacts) -> Iterator[Diagnostic]:
 
 
 async def run_command(*words: str, folder: Path, text: str = "") -> Any:
-    """Return what a command of ours answers as JSON; it is ended if the caller is cancelled."""
-    is_there = is_folder(folder)
-    process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-P", "-m", "logical_robots_tui", *words),
-        stdin=asyncio.subprocess.PIPE,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.DEVNULL,
-        cwd=folder if is_there else None,
-    )
+    """Return what a command of ours answers as JSON; it ends with its caller or this process."""
+    read_end, lifeline = os.pipe()
     try:
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-P", "-c", _BEGIN, str(read_end), *words),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+            cwd=folder if is_folder(folder) else None,
+            pass_fds=[read_end],
+        )
         output, _ = await process.communicate(text.encode("utf-8", "replace"))
     finally:
-        if process.returncode is None:
-            process.terminate()
+        os.close(read_end)
+        os.close(lifeline)
     return json.loads(output)

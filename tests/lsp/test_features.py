@@ -1,6 +1,8 @@
 """What an editor asks about a program, over the protocol."""
 
 import asyncio
+import os
+import signal
 from typing import Any
 
 import pytest
@@ -207,6 +209,22 @@ async def test_a_program_is_run_in_its_level(editor: Editor) -> None:
     editor.open(FINE)
     with pytest.raises(JsonRpcException, match="# level: 05-lighthouse"):
         await run(editor.uri)
+
+
+async def test_a_run_ends_with_a_server_that_is_killed() -> None:
+    editor = Editor()
+    await editor.start()
+    editor.open(FINE, "/nowhere/first-steps.l")
+    await editor.published()
+    helpers = {*editor.children()}
+    words = [editor.uri, 1_000_000]
+    params = types.ExecuteCommandParams("logical-robots.run", words)
+    editor.client.protocol.send_request(types.WORKSPACE_EXECUTE_COMMAND, params)
+    await asyncio.to_thread(until, lambda: {*editor.children()} - helpers)
+    processes = editor.children()
+    os.kill(editor.pid, signal.SIGKILL)
+    await asyncio.to_thread(until, lambda: not any(map(is_running, processes)))
+    await editor.closed()
 
 
 @pytest.mark.parametrize("ends", ["the request is cancelled", "another run begins"])
