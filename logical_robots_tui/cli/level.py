@@ -253,7 +253,10 @@ def _show(options: argparse.Namespace) -> int:
     if options.json:
         kinds = ("robots", "beacons", "areas", "teams")
         entities = {kind: [asdict(entity) for entity in getattr(level, kind)] for kind in kinds}
-        print_json({"name": level.name, "title": level.title, **entities})
+        from logical_robots_tui.game.source import names_in
+
+        names = {kind: sorted(names) for kind, names in asdict(names_in(level)).items()}
+        print_json({"name": level.name, "title": level.title, "names": names, **entities})
     elif options.svg is not None:
         from logical_robots_tui.tui.labyrinth.svg import svg
 

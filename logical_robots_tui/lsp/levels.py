@@ -11,6 +11,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import msgspec
+
 from logical_robots_tui.language.diagnostics import Diagnostic, LevelNames
 from logical_robots_tui.language.source_text import diagnostic_at
 from logical_robots_tui.paths import ARENAS, is_folder, shipped_names
@@ -52,17 +54,12 @@ async def facts_of(level: str, folder: Path) -> LevelFacts:
     document = await run_command("level", "show", level, "--json", folder=folder)
     if error := document.get("error"):
         return LevelFacts(error=(error["message"], error.get("hint", "")))
-    solid = (area for area in document["areas"] if area["impenetrable"])
-    names = LevelNames(
-        frozenset(robot["name"] for robot in document["robots"]),
-        frozenset(entity["name"] for entity in (*document["beacons"], *solid)),
-    )
     meanings: dict[str, str] = {}
     for kind in ("area", "beacon", "robot"):
         for entity in document[f"{kind}s"]:
             place = f" at {entity['x']:g}, {entity['y']:g}"
             meanings[entity["name"]] = f"{kind} of {document['name']}{place}"
-    return LevelFacts(names, meanings)
+    return LevelFacts(msgspec.convert(document["names"], LevelNames), meanings)
 
 
 def unknown_level(text: str, facts: LevelFacts) -> Iterator[Diagnostic]:
