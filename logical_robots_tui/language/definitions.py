@@ -16,7 +16,7 @@ from logica.compiler import expr_translate
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import operator_name, parse, parse_trusted
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, Severity
-from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for, prepare
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at, prepare
 from logical_robots_tui.schema import VALUE
 
 _PRELUDE = """
@@ -145,10 +145,9 @@ class Model:
         severity: Severity = "error",
     ) -> Diagnostic:
         """Return a diagnostic for a name or a span of the text."""
-        if isinstance(place, tree.Span):
-            length = place.stop - place.start
-            return diagnostic_at(self.text, place.start, length, message, hint, severity)
-        return diagnostic_for(self.text, place, message, hint, severity)
+        start: int = getattr(place, "start", 0)
+        length = place.stop - start if isinstance(place, tree.Span) else len(place)
+        return diagnostic_at(self.text, start, length, message, hint, severity)
 
 
 @functools.cache

@@ -17,7 +17,7 @@ from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import types_on_duckdb
 from logical_robots_tui.language.definitions import Model, prelude, reach, rules_of
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at
 from logical_robots_tui.language.tree import Span
 from logical_robots_tui.schema import INPUTS, VALUE
 
@@ -184,9 +184,10 @@ def spell_out(program: Sequence[tree.Statement], source: Prepared) -> list[tree.
         if isinstance(node, tree.Call) and node.name in ("Cast", "TryCast"):
             if len(node.arguments) != 2:
                 message = f"{node.name} needs a value and an example of the result"
-                raise ProgramError(
-                    (diagnostic_for(source.original, node.name, message, CAST_HINT),)
-                )
+                start: int = getattr(node.name, "start", 0)
+                length = len(node.name)
+                problem = diagnostic_at(source.original, start, length, message, CAST_HINT)
+                raise ProgramError((problem,))
             return _with_type_as_text(node, examples)
         return node
 

@@ -288,17 +288,6 @@ def _line_starts(source: str) -> list[int]:
     return [0, *(newline.end() for newline in re.finditer("\n", source))]
 
 
-def diagnostic_for(
-    source: str,
-    piece: str,
-    message: str,
-    hint: str = "",
-    severity: Severity = "error",
-) -> Diagnostic:
-    start: int = getattr(piece, "start", 0)
-    return diagnostic_at(source, start, len(piece), message, hint, severity)
-
-
 def _in_double_quotes(token: str) -> str:
     if token[0] != "'" or len(token) < len("''"):
         return token

@@ -65,8 +65,11 @@ class Server(LanguageServer):
             level = settings.get("logical-robots", settings)
             level = level.get("level") if isinstance(level, dict) else None
             self.level = level if isinstance(level, str) else ""
-            for document in self.documents.values():
-                self.checker.submit(document)
+            self._check_all()
+
+    def _check_all(self) -> None:
+        for document in self.documents.values():
+            self.checker.submit(document)
 
     async def run_alone(self, command: Coroutine[Any, Any, Any]) -> Any:
         """Return what a command answers; it ends with its request, and when another begins."""
@@ -100,13 +103,9 @@ class Server(LanguageServer):
         key = level, folder, changed
         if key not in self._facts:
             self._facts[key] = asyncio.create_task(facts_of(level, folder))
-            self._facts[key].add_done_callback(lambda _: self._check_again(document.uri))
+            self._facts[key].add_done_callback(lambda _: self._check_all())
         task = self._facts[key]
         return task.result() if task.done() and not task.cancelled() else LevelFacts()
-
-    def _check_again(self, uri: str) -> None:
-        if document := self.documents.get(uri):
-            self.checker.submit(document)
 
     def _publish(self, document: Document, diagnostics: tuple[Diagnostic, ...]) -> None:
         uri = document.uri

@@ -52,7 +52,7 @@ def test_a_word_stands_for_one_thing() -> None:
 MESSAGES = {
     **dict.fromkeys(("InputError", "LevelError", "LedgerError", "LevelFinding"), 0),
     **dict.fromkeys(("Notice", "problem", "diagnostic", "_complain", "_warn", "_error"), 1),
-    **dict.fromkeys(("Diagnostic", "diagnostic_for", "_refusal", "_warning"), 2),
+    **dict.fromkeys(("Diagnostic", "_refusal", "_warning"), 2),
     "problem_in": 2,
     **dict.fromkeys(("diagnostic_at", "Oddity"), 3),
 }
