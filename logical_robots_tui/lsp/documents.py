@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -52,14 +53,10 @@ class Document:
     def cursor(self, position: types.Position) -> tuple[int, int]:
         """Return row and column of an editor's position, or the nearest that there are."""
         row = min(position.line, len(self.lines) - 1)
-        line, units = self.lines[row], position.character
-        if line.isascii():
-            return row, min(units, len(line))
-        column = 0
-        while column < len(line) and units > 0:
-            units -= self._codec.client_num_units(line[column])
-            column += 1
-        return row, column
+        columns = range(len(self.lines[row]))
+        return row, bisect_left(
+            columns, position.character, key=lambda column: self.position(row, column).character
+        )
 
     def offset(self, position: types.Position) -> int:
         row, column = self.cursor(position)

@@ -46,11 +46,11 @@ def complete(ls: Server, params: types.CompletionParams) -> types.CompletionList
     document, (row, column), _ = ls.place(params)
     typed = word_before(document.lines[row][:column])[1]
     start = document.position(row, column - len(typed))
-    place = types.Range(start, document.position(row, column))
+    place, kinds = types.Range(start, document.position(row, column)), types.CompletionItemKind
     items = [
         types.CompletionItem(
             word.name,
-            kind=_kind_of(word.name),
+            kind=kinds.Function if word.name[:1].isupper() else kinds.Field,
             detail=word.shape,
             documentation=word.meaning,
             filter_text=typed or word.name,  # `ra` also finds sensor.radar
@@ -60,11 +60,6 @@ def complete(ls: Server, params: types.CompletionParams) -> types.CompletionList
         for number, word in enumerate(words_for(document.text, (row, column)))
     ]
     return types.CompletionList(is_incomplete=True, items=items)
-
-
-def _kind_of(name: str) -> types.CompletionItemKind:
-    is_field = "." in name or not name[:1].isupper()
-    return types.CompletionItemKind.Field if is_field else types.CompletionItemKind.Function
 
 
 @SERVER.feature(
@@ -213,12 +208,10 @@ def actions(ls: Server, params: types.CodeActionParams) -> list[types.CodeAction
             edit=_edit(document, [fix]),
         )
         for diagnostic in document.diagnostics
-        if (fix := diagnostic.fix) and _touch(range_of(document, diagnostic), params.range)
+        if (fix := diagnostic.fix)
+        and (place := range_of(document, diagnostic)).start <= params.range.end
+        and params.range.start <= place.end
     ]
-
-
-def _touch(left: types.Range, right: types.Range) -> bool:
-    return left.start <= right.end and right.start <= left.end
 
 
 @SERVER.command("logical-robots.run")

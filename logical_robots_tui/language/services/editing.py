@@ -8,6 +8,7 @@ from itertools import compress, count
 from operator import ne
 
 from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.source_text import line_of, place_of
 
 WIDTH = 2
 """Columns of an indentation step."""
@@ -49,14 +50,14 @@ def find_after(
         return None
     if pattern == pattern.lower() and len(text.lower()) == len(text):
         text = text.lower()
-    lines = text.split("\n")
-    start = sum(len(line) + 1 for line in lines[: place[0]]) + place[1]
+    start = line_of(text, place[0] + 1) + place[1]
     offset = text.find(pattern, start + (not inclusive))
     if offset < 0:
         offset = text.find(pattern)
     if offset < 0:
         return None
-    return text.count("\n", 0, offset), offset - (text.rfind("\n", 0, offset) + 1)
+    line, column = place_of(text, offset)
+    return line - 1, column - 1
 
 
 def width_of(diagnostic: Diagnostic, line: str) -> tuple[int, int]:
