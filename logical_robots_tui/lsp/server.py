@@ -39,25 +39,10 @@ class Server(LanguageServer):
         self.checker = Checker(self.facts, self._publish)
         self._work = asyncio.create_task(self.checker.run())
 
-    def open(self, uri: str) -> None:
-        """Take in the current version of a document."""
-        source = self.workspace.get_text_document(uri)
-        codec = self.workspace.position_codec
-        document = Document(uri, source.source, source.version, codec)
-        if uri in self.documents:
-            document.program = self.documents[uri].program
-        self.documents[uri] = document
-        self.checker.submit(document)
-
     def place(self, params: Any) -> tuple[Document, tuple[int, int], int]:
         """Return the document that a request is about, its row and column, and its offset."""
         document = self.documents[params.text_document.uri]
         return document, document.cursor(params.position), document.offset(params.position)
-
-    def close(self, uri: str) -> None:
-        self.checker.withdraw(uri)
-        self.documents.pop(uri, None)
-        self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
     def configure(self, settings: Any) -> None:
         """Use settings such as ``{"level": "05-lighthouse"}``."""
@@ -158,18 +143,25 @@ def configure(ls: Server, params: types.DidChangeConfigurationParams) -> None:
 
 
 @SERVER.feature(types.TEXT_DOCUMENT_DID_OPEN)
-def opened(ls: Server, params: types.DidOpenTextDocumentParams) -> None:
-    ls.open(params.text_document.uri)
-
-
 @SERVER.feature(types.TEXT_DOCUMENT_DID_CHANGE)
-def changed(ls: Server, params: types.DidChangeTextDocumentParams) -> None:
-    ls.open(params.text_document.uri)
+def changed(
+    ls: Server, params: types.DidOpenTextDocumentParams | types.DidChangeTextDocumentParams
+) -> None:
+    uri = params.text_document.uri
+    source = ls.workspace.get_text_document(uri)
+    document = Document(uri, source.source, source.version, ls.workspace.position_codec)
+    if uri in ls.documents:
+        document.program = ls.documents[uri].program
+    ls.documents[uri] = document
+    ls.checker.submit(document)
 
 
 @SERVER.feature(types.TEXT_DOCUMENT_DID_CLOSE)
 def closed(ls: Server, params: types.DidCloseTextDocumentParams) -> None:
-    ls.close(params.text_document.uri)
+    uri = params.text_document.uri
+    ls.checker.withdraw(uri)
+    ls.documents.pop(uri, None)
+    ls.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
 
 @SERVER.feature(types.SHUTDOWN)
