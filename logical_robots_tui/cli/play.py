@@ -272,6 +272,10 @@ _ALLOWED_VARIABLES = frozenset(
 )
 """Environment variables that are left, beside those of the language."""
 
+_WEB_DRIVER = "textual.drivers.web_driver:WebDriver"
+_BROWSER_VARIABLES = frozenset(("COLUMNS", "ROWS", "TERM_PROGRAM", "TEXTUAL_DRIVER"))
+"""Left as well where a web server has started the game; no other driver is loaded."""
+
 _GRACE = 5  # processor seconds that a game over its limit has for a clean exit
 
 
@@ -285,8 +289,10 @@ def clear_environment() -> None:
             "Restricted mode needs a Python that loads no packages from home folders",
             hint="Install the game in a virtual environment, or set PYTHONNOUSERSITE=1.",
         )
+    is_served = os.environ.get("TEXTUAL_DRIVER") == _WEB_DRIVER
+    allowed = _ALLOWED_VARIABLES | (_BROWSER_VARIABLES if is_served else frozenset())
     for name in [*os.environ]:
-        if name not in _ALLOWED_VARIABLES and not name.startswith("LC_"):
+        if name not in allowed and not name.startswith("LC_"):
             del os.environ[name]
 
 

@@ -17,6 +17,7 @@ from logical_robots_tui.player.recovery import MOST_GAMES, OpenGames
 from tests.cli.running import Command, Told
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE, until
+from tests.web import WEB_DRIVER
 
 ATTEMPTS = """\
 import ctypes, io, json, os, pathlib, shutil, socket, sqlite3, subprocess, sys
@@ -143,11 +144,19 @@ def test_a_restricted_process_reaches_its_own_folder_and_the_game_and_nothing_el
     assert not list(neighbour.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("kept", "others"),
+    [
+        ({"TERM": "xterm"}, {"TEXTUAL_DRIVER": "os:system", "COLUMNS": "x"}),
+        ({"TEXTUAL_DRIVER": WEB_DRIVER, "COLUMNS": "80", "ROWS": "24"}, {}),
+    ],
+    ids=["terminal", "browser"],
+)
 def test_a_restricted_game_takes_nothing_from_the_environment_or_a_home_but_what_it_needs(
-    monkeypatch: pytest.MonkeyPatch,
+    kept: dict[str, str], others: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kept = {"TERM": "xterm", "LC_ALL": "C.UTF-8", "HOME": "/home/ada"}
-    others = dict.fromkeys(("TEXTUAL_LOG", "TEXTUAL_SCREENSHOT", "PYTHONPATH", "EDITOR"), "x")
+    kept = {**kept, "LC_ALL": "C.UTF-8", "HOME": "/home/ada"}
+    others = {**others, "TEXTUAL_LOG": "x", "PYTHONPATH": "x", "EDITOR": "x"}
     monkeypatch.setattr(os, "environ", {**kept, **others})
     clear_environment()
     assert os.environ == kept

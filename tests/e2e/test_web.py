@@ -10,9 +10,11 @@ from tests.waiting import until
 from tests.web import WEB_DRIVER, WebTerminal
 
 
-def served(folder: Path, *python: object, driver: str = WEB_DRIVER) -> WebTerminal:
+def served(
+    folder: Path, *python: object, driver: str = WEB_DRIVER, options: tuple[str, ...] = ()
+) -> WebTerminal:
     command = [sys.executable, *(python or ("-m", "logical_robots_tui")), "play", "02-open-space"]
-    return WebTerminal([*command, "--data-dir", folder], env={"TEXTUAL_DRIVER": driver})
+    return WebTerminal([*command, *options, "--data-dir", folder], env={"TEXTUAL_DRIVER": driver})
 
 
 def test_the_game_is_played_through_the_protocol_of_the_web(tmp_path: Path) -> None:
@@ -27,6 +29,19 @@ def test_the_game_is_played_through_the_protocol_of_the_web(tmp_path: Path) -> N
         page.send("q")
         assert page.finish() == 0
         assert page.meta[-1] == {"type": "exit"}
+
+
+def test_another_page_takes_over_a_restricted_game(tmp_path: Path) -> None:
+    with served(tmp_path, options=("--restricted",)) as page:
+        page.wait_for("· applied")
+        page.send("2hello", sees="hello")
+        picture = page.text
+        page.screen.reset()
+        sent = page.traffic
+        page.tell({"type": "attach", "width": 100, "height": 40})
+        page.wait_for(lambda: page.text == picture)
+        for mode in ("1049", "1000", "1006", "2004"):  # alternate screen, mouse, pastes
+            assert page.has_received(f"\x1b[?{mode}h", since=sent)
 
 
 @pytest.mark.parametrize("is_asked", [False, True], ids=["gone", "asks to quit"])

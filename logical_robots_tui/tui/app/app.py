@@ -122,7 +122,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self.title = self.main.session.level.title
         if not self.main.permissions.programs:
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
-            self.watch_terminal()
+            if not self.is_web:  # whose server ends the game
+                self.watch_terminal()
         if self._games is not None:
             self.set_interval(_LOOK_FOR_WISHES, self._end_if_asked)
         for row in rows():

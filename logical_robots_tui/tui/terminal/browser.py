@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _HEAD = 5  # bytes of a packet's kind and length
 _STDIN = 0
 _LAST_INPUT = 1.0  # seconds
+_MODES = "\x1b[?1049h\x1b[?1000h\x1b[?1003h\x1b[?1015h\x1b[?1006h\x1b[?25l\x1b[?2004h"
+"""What Textual sets at its start, for another page that takes over the game."""
 
 
 class BrowserDriver(ListeningDriver, WebDriver):
@@ -61,6 +63,11 @@ class BrowserDriver(ListeningDriver, WebDriver):
         """Handle what a server says besides keys; Textual would quit without keeping text."""
         if packet_type == "quit":
             os.kill(os.getpid(), signal.SIGHUP)
+        elif packet_type == "attach":
+            self.write(_MODES)
+            self.set_title(self.app.title)
+            self.process_message(self.SignalResume())
+            super().on_meta("resize", payload)
         else:
             super().on_meta(packet_type, payload)
 
