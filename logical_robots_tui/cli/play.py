@@ -10,6 +10,7 @@ import site
 import sys
 from contextlib import closing
 from datetime import date
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import folder_of, is_set
 from logical_robots_tui.errors import InputError, check_installed
-from logical_robots_tui.paths import is_folder, shipped_folder
+from logical_robots_tui.paths import PLAYER_NAME, is_folder, shipped_folder
 from logical_robots_tui.processes.helper import collect_later, is_helper
 
 if TYPE_CHECKING:
@@ -39,8 +40,7 @@ def _day(text: str) -> date:
 
 
 def _player(text: str) -> str:
-    """Accept a name that is valid as a folder name; a teacher chooses it, not the player."""
-    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,31}", text):
+    if not PLAYER_NAME.fullmatch(text):
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a name of at most 32 letters, digits and _ . -"
         )
@@ -141,23 +141,68 @@ def play(options: argparse.Namespace) -> int:
     return status
 
 
+def _base_path(text: str) -> str:
+    path = text.strip("/")
+    if not re.fullmatch(r"[\w.~/-]*", path):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a path such as /robots")
+    return f"/{path}" if path else ""
+
+
+_CLASS_PORT = 8000
+_MOST_GAMES = 15 * (os.cpu_count() or 1)
+_NO_TLS = (
+    "Without TLS, whoever reads along in the network can play as any player. "
+    "Put a proxy with TLS in front, as docs/web.md tells."
+)
+
+
 @command.declare(
     "serve",
     command.option("level", "LEVEL", "a level's name or file", nargs="?"),
     command.option("program", "PROGRAM", "a program's name or file", nargs="?"),
-    command.option("--port", "N", "the port, by default any that is free", type=int, default=0),
+    command.option("--class", "FILE", "serve the players in this file", dest="players", type=Path),
+    command.one_of(
+        command.option(
+            "--add", "NAME", "add a player to the class and print the secret link", type=_player
+        ),
+        command.option("--revoke", "NAME", "remove a player from the class", type=_player),
+    ),
+    command.option(
+        "--url",
+        "URL",
+        "the address in links, if players reach a proxy",
+        type=lambda text: f"{text.rstrip('/')}/",
+    ),
+    command.number("--games", command.number_from(1), _MOST_GAMES, "the most games at once"),
+    command.option(
+        "--host", "HOST", "where to listen, with --class (default: 127.0.0.1)", default="127.0.0.1"
+    ),
+    command.option(
+        "--port", "N", f"the port (default: any that is free, with --class {_CLASS_PORT})", type=int
+    ),
+    command.option(
+        "--base-path",
+        "PATH",
+        "the beginning of all paths, such as /robots behind a proxy",
+        type=_base_path,
+        default="",
+    ),
     command.flag("--no-open", "print the address only, without opening a browser"),
     command.DATA_DIR,
+    command.NO_SOLUTIONS,
 )
 def serve(options: argparse.Namespace) -> int:
-    """play in a browser on this computer
+    """play in a browser on this computer, or let a class play
 
     Play in a browser on this computer, with your own files, until ^C.
     Whoever has the printed address can play as you; nobody else can.
+    With --class, players have secret links, folders of their own and restricted games.
 
     examples:
       logical-robots serve                  open the game in the browser
       logical-robots serve 02-open-space --no-open
+      logical-robots serve --class players.toml --add ada
+      logical-robots serve --class players.toml
 
     exit status: 0 after ^C, 2 if the page can't be served
     """
@@ -166,24 +211,74 @@ def serve(options: argparse.Namespace) -> int:
     import webbrowser
     from threading import Thread
 
-    from logical_robots_tui.web.server import serve as serve_page
+    from logical_robots_tui.web.players import Players, digest_of, new_token
+    from logical_robots_tui.web.server import GameServer, is_loopback
+    from logical_robots_tui.web.server import serve as serve_pages
 
+    is_class = options.players is not None
+    port = options.port if options.port is not None else _CLASS_PORT * is_class
+    host = f"[{options.host}]" if ":" in options.host else options.host
+
+    def address(port: int) -> str:
+        return options.url or f"http://{host}:{port}{options.base_path}/"
+
+    if options.add or options.revoke:
+        return _change_class(options, address(port))
     words = [word for word in (options.level, options.program) if word is not None]
     if options.data_dir is not None:
         words += ["--data-dir", str(options.data_dir)]
+    if options.no_solutions:
+        words.append("--no-solutions")
+    is_local, token = is_loopback(options.host), new_token()
+    if is_class:
+        words += ["--restricted", "--allow-clipboard"]  # that of the player's browser
+        digests = Players(options.players, partial(print, file=sys.stderr)).digests
+        if not is_local:
+            print(_NO_TLS, file=sys.stderr)
+    elif is_local:
+        digests = {"": digest_of(token)}.copy
+    else:
+        hint = "Leave out --host, or serve a class: --class FILE."
+        raise InputError(f"{options.host} is open to other computers", hint=hint)
 
-    def announce(address: str) -> None:
-        print(f"Playing at {address}\n^C ends the game; unsaved text is kept.", flush=True)
+    def announce(port: int) -> None:
+        if is_class:
+            print(f"Serving a class at {address(port)} with {options.games} games.", flush=True)
+            return
+        link = f"{address(port)}#{token}"
+        print(f"Playing at {link}\n^C ends the game; unsaved text is kept.", flush=True)
         # Without a desktop it would be a browser in this terminal.
         has_desktop = sys.platform == "darwin" or {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}
         if has_desktop and not options.no_open:
-            Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+            Thread(target=webbrowser.open, args=(link,), daemon=True).start()
 
     try:
-        serve_page(words, options.port, announce)
+        server = GameServer(words, digests, limit=options.games, base_path=options.base_path)
+        serve_pages(server, options.host, port, announce)
     except (OSError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"Port {options.port} can't be used: {reason}") from None
+        raise InputError(f"Port {port} can't be used: {reason}") from None
+    return 0
+
+
+def _change_class(options: argparse.Namespace, url: str) -> int:
+    """Revoke a player, or add one and print the link."""
+    from logical_robots_tui.web.players import change_player, new_token
+
+    file, name = options.players, options.revoke or options.add
+    if file is None:
+        raise InputError("--add and --revoke need the file of the class", hint="Add --class FILE.")
+    token = None if options.revoke else new_token()
+    try:
+        is_known = change_player(file, name, token)
+    except OSError as error:
+        raise InputError(f"can't be changed: {error.strerror}", place=str(file)) from None
+    if token is None and not is_known:
+        raise InputError(f"has no player {name}", place=str(file))
+    if is_known:
+        print(f"The link that {name} had is no longer valid.", file=sys.stderr)
+    if token is not None:
+        print(f"{url}#{token}")
     return 0
 
 

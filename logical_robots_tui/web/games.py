@@ -1,4 +1,7 @@
-"""A game in a process of its own, which speaks Textual's protocol of the web."""
+"""A game in a process of its own, which speaks Textual's protocol of the web.
+
+It outlives its page for a while: another page can take it over.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,10 @@ import asyncio
 import json
 import os
 import signal
+import socket
 import sys
 from asyncio.subprocess import PIPE, Process
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from aiohttp.web import WebSocketResponse
@@ -16,29 +20,91 @@ from textual_serve.app_service import AppService
 from textual_serve.download_manager import DownloadManager
 
 _HEAD = 5  # bytes of a packet's kind and length
+_LEAVE_SECONDS = 1.0
+
+
+async def dismiss(page: WebSocketResponse, reason: str) -> None:
+    """Close a page and say why, even one that no longer answers."""
+    connection = page.get_extra_info("socket")
+    with suppress(ConnectionError, TimeoutError):
+        async with asyncio.timeout(_LEAVE_SECONDS):
+            await page.send_str(json.dumps(["ended", reason]))
+            await page.close()
+    if connection is not None:
+        with suppress(OSError):  # it is closed
+            connection.shutdown(socket.SHUT_RDWR)
 
 
 class WebGame(AppService):
-    """Textual's app service, for a game that ends as one in a closed terminal, and says why."""
+    """Textual's app service, for a game that ends as one in a closed terminal, and says why.
+
+    Attributes:
+        player: The player's name, "" where there is only one, who came with a token of `digest`.
+        tab: Identifies the page that has the game, or had it last.
+        page: The page; without one, what the game sends is dropped.
+        is_open: Whether another page can take it over.
+    """
 
     def __init__(
-        self, words: Sequence[str], page: WebSocketResponse, downloads: DownloadManager
+        self,
+        words: Sequence[str],
+        player: str,
+        digest: str,
+        downloads: DownloadManager,
+        on_end: Callable[[WebGame], None],
     ) -> None:
         super().__init__(
             "",
-            write_bytes=page.send_bytes,
-            write_str=page.send_str,
-            close=self._close,
+            write_bytes=self._send_bytes,
+            write_str=self._send_str,
+            close=self._leave,
             download_manager=downloads,
         )
-        self._words, self._page = words, page
+        self.player, self.digest, self.tab, self.is_open = player, digest, "", False
+        self.page: WebSocketResponse | None = None
+        self._words, self._on_end, self._reason = words, on_end, ""
+        self._absence: asyncio.TimerHandle | None = None
 
-    async def _close(self) -> None:
-        await self._page.close()
+    async def _send_bytes(self, cells: bytes) -> None:
+        if self.page is not None:
+            await self.page.send_bytes(cells)
+
+    async def _send_str(self, text: str) -> None:
+        if self.page is not None:
+            await self.page.send_str(text)
+
+    async def _leave(self, reason: str = "") -> None:
+        if self.page is not None:
+            await dismiss(self.page, reason)
+
+    async def attach(self, page: WebSocketResponse, width: int, height: int) -> None:
+        """Show the game in a page, instead of the one it had; raises OSError at its start."""
+        if self._absence is not None:
+            self._absence.cancel()
+        previous, self.page = self.page, page
+        if self._process is None:
+            try:
+                await self.start(width, height)
+            except OSError:
+                self._on_end(self)
+                raise
+            self.is_open = True
+            return
+        await self.send_meta({"type": "attach", "width": width, "height": height})
+        if previous is not None:
+            await dismiss(previous, "The game goes on in another tab.")
+
+    def detach(self, page: WebSocketResponse, patience: float) -> None:
+        """End the game so many seconds after its page is gone, unless another comes."""
+        if self.page is page:
+            self.page = None
+            self._absence = asyncio.get_running_loop().call_later(patience, self.end)
 
     async def _open_app_process(self, width: int = 80, height: int = 24) -> Process:
         command = sys.executable, "-m", "logical_robots_tui", "play", *self._words
         environment = self._build_environment(width, height) | {"TERM_PROGRAM": "logical-robots"}
+        if self.player:
+            environment["LOGICAL_ROBOTS_PLAYER"] = self.player
         self._process = await asyncio.create_subprocess_exec(
             *command,
             stdin=PIPE,
@@ -57,7 +123,7 @@ class WebGame(AppService):
         assert process.stdout is not None
         assert process.stderr is not None
         errors = asyncio.create_task(process.stderr.read())
-        handlers = {b"D": self._pass_on, b"M": self.on_meta, b"P": self.on_packed}
+        handlers = {b"D": self._send_bytes, b"M": self.on_meta, b"P": self.on_packed}
         with suppress(asyncio.IncompleteReadError):
             await process.stdout.readuntil()
             while True:
@@ -65,13 +131,10 @@ class WebGame(AppService):
                 payload = await process.stdout.readexactly(int.from_bytes(head[1:], "big"))
                 with suppress(ConnectionError):  # a closed page, while the game ends
                     await handlers[head[:1]](payload)
+        self.is_open = False
         await process.wait()
-        with suppress(ConnectionError):
-            await self._tell("ended", (await errors).decode(errors="replace"))
-        await self.remote_close()
-
-    async def _pass_on(self, cells: bytes) -> None:
-        await self.remote_write_bytes(cells)
+        self._on_end(self)
+        await self._leave(self._reason or (await errors).decode(errors="replace"))
 
     async def on_meta(self, packet: bytes) -> None:
         """Handle a packet besides the screen; the game's end shows in its process."""
@@ -82,13 +145,17 @@ class WebGame(AppService):
             await super().on_meta(packet)
 
     async def _tell(self, kind: str, text: str) -> None:
-        await self.remote_write_str(json.dumps([kind, text]))
+        await self._send_str(json.dumps([kind, text]))
+
+    def end(self, reason: str = "") -> None:
+        """End the game as a terminal that is closed does: unsaved text is kept."""
+        if self.is_open and self._process is not None:
+            self.is_open, self._reason = False, reason
+            with suppress(ProcessLookupError):
+                os.kill(self._process.pid, signal.SIGHUP)
 
     async def stop(self) -> None:
-        """End the game as a terminal that is closed does: unsaved text is kept."""
-        if self._task is None or self._process is None:
-            return
-        await self._download_manager.cancel_app_downloads(app_service_id=self.app_service_id)
-        with suppress(ProcessLookupError):
-            os.kill(self._process.pid, signal.SIGHUP)
-        await self._task
+        """End the game, and wait until it has ended."""
+        self.end()
+        if self._task is not None:
+            await asyncio.wait([self._task])

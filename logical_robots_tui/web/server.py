@@ -1,17 +1,17 @@
 """The web server: the page, its websocket, and downloads.
 
-The key of a page is in the fragment of its address, which no server and no log gets to see, and is
-sent as a subprotocol of the websocket.
+A player's token is in the fragment of the page's address, which no server and no log gets to see,
+and is sent as a subprotocol of the websocket.
 """
 
 from __future__ import annotations
 
 import asyncio
 import hmac
-import json
 import secrets
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from ipaddress import ip_address
 from pathlib import Path
 from typing import Any
 
@@ -21,14 +21,18 @@ from aiohttp.helpers import content_disposition_header
 from aiohttp.http import WSMsgType
 from textual_serve.download_manager import DownloadManager
 
-from logical_robots_tui.web.games import WebGame
+from logical_robots_tui.web.games import WebGame, dismiss
+from logical_robots_tui.web.players import digest_of
 
 _HERE = Path(__file__).parent / "static"
 _TEXTUAL = Path(textual_serve.__file__).parent / "static"
 _PROTOCOL = "logical-robots"
 _LARGEST_MESSAGE = 4_000_000  # bytes; a paste of a million letters, some of which take three
 _HEARTBEAT = 15.0  # seconds
-_WRONG_KEY = "This address has no valid key. Open the one that logical-robots serve printed."
+_LOOK_SECONDS = 1.0
+_MOST_DELAYED = 20  # wrong tokens at once; more are refused without delay
+_REFUSAL = "This address has no valid key. Open the whole link that you were given."
+_REVOKED = "This link is no longer valid. Unsaved text is kept for the next one."
 _HEADERS = {
     "Content-Security-Policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
@@ -39,64 +43,110 @@ _HEADERS = {
 
 
 class GameServer:
-    """Serves one player on this computer, whose games are started with some arguments."""
+    """Serves games, started with some arguments, to the players whose tokens have the digests.
 
-    def __init__(self, words: Sequence[str]) -> None:
-        self.key = secrets.token_urlsafe(24)
-        self._words = words
+    `digests` returns them by name; a game ends when its digest is gone. There are at most `limit`
+    games. A game without a page ends after `absence` seconds, and a wrong token is answered after
+    `delay` seconds. `base_path` is the beginning of every path.
+    """
+
+    def __init__(
+        self,
+        words: Sequence[str],
+        digests: Callable[[], Mapping[str, str]],
+        *,
+        limit: int,
+        base_path: str = "",
+        absence: float = 60.0,
+        delay: float = 1.0,
+    ) -> None:
+        self._words, self._digests, self._limit = words, digests, limit
+        self._base_path, self._absence, self._delay = base_path, absence, delay
         self._downloads = DownloadManager()
         self._games: set[WebGame] = set()
-        self._closing: set[WebGame] = set()
+        self._wrong_tokens = 0  # whose answers are delayed at this moment
 
     def application(self) -> web.Application:
-        application = web.Application()
+        application, base = web.Application(), self._base_path
         application.add_routes(
             [
-                web.get("/", self._page),
-                web.get("/ws", self._connect),
-                web.get("/download/{key}", self._download),
-                web.static("/textual", _TEXTUAL),
-                web.static("/static", _HERE),
+                web.get(f"{base}/", self._page),
+                web.get(f"{base}/ws", self._connect),
+                web.get(f"{base}/download/{{key}}", self._download),
+                web.get(f"{base}/healthz", self._health),
+                web.static(f"{base}/textual", _TEXTUAL),
+                web.static(f"{base}/static", _HERE),
             ]
         )
+        if base:
+            application.router.add_get(base, self._redirect)
         application.on_response_prepare.append(_add_headers)
+        application.cleanup_ctx.append(self._run_revocations)
         application.on_shutdown.append(self._end_games)
         return application
 
     async def _page(self, _request: web.Request) -> web.FileResponse:
         return web.FileResponse(_HERE / "page.html")
 
+    async def _redirect(self, _request: web.Request) -> web.Response:
+        raise web.HTTPFound(f"{self._base_path}/")
+
+    async def _health(self, _request: web.Request) -> web.Response:
+        return web.json_response({"games": len(self._games), "limit": self._limit})
+
     async def _connect(self, request: web.Request) -> web.WebSocketResponse:
         """Play a game in a page until either ends."""
         if request.headers.get("Origin", "").partition("://")[2] != request.host:
             raise web.HTTPForbidden(text="This page belongs to another server.")
+        offers = request.headers.get("Sec-WebSocket-Protocol", "").split(",")
+        _, token, tab = [*(offer.strip() for offer in offers), "", "", ""][:3]
+        digest = digest_of(token)
+        digests = self._digests()
+        players = [name for name in digests if hmac.compare_digest(digests[name], digest)]
+        if not players and self._wrong_tokens >= _MOST_DELAYED:
+            raise web.HTTPTooManyRequests
         page = web.WebSocketResponse(
             heartbeat=_HEARTBEAT, max_msg_size=_LARGEST_MESSAGE, protocols=[_PROTOCOL]
         )
         await page.prepare(request)
-        if not self._has_key(request):
-            await page.send_str(json.dumps(["ended", _WRONG_KEY]))
-            await page.close()
+        if not players:
+            self._wrong_tokens += 1
+            await asyncio.sleep(self._delay)
+            self._wrong_tokens -= 1
+            await dismiss(page, _REFUSAL)
             return page
-        while self._closing:  # of a page that was reloaded: its text is on offer once it has ended
-            await asyncio.gather(*(game.stop() for game in self._closing))
-        game = WebGame(self._words, page, self._downloads)
-        await game.start(_side(request, "width", 80), _side(request, "height", 24))
-        self._games.add(game)
+        size = _side(request, "width", 80), _side(request, "height", 24)
+        try:
+            game = await self._game_for(players[0], digest, tab or secrets.token_hex())
+            await game.attach(page, *size)
+        except OSError as error:
+            await dismiss(page, error.strerror or str(error))
+            return page
         try:
             async for message in page:
                 if message.type == WSMsgType.TEXT:
                     await _receive(message.json(), game, page)
         finally:
-            self._closing.add(game)
-            await game.stop()
-            self._closing.discard(game)
-            self._games.discard(game)
+            game.detach(page, self._absence)
         return page
 
-    def _has_key(self, request: web.Request) -> bool:
-        offers = request.headers.get("Sec-WebSocket-Protocol", "").encode().split(b",")
-        return any(hmac.compare_digest(offer.strip(), self.key.encode()) for offer in offers)
+    async def _game_for(self, player: str, digest: str, tab: str) -> WebGame:
+        """Return the game of a tab, or one whose page is gone, or a new one; raises OSError."""
+        games = [game for game in self._games if game.player == player]
+        open_games = [game for game in games if game.is_open and game.digest == digest]
+        matches = [game for game in open_games if game.tab == tab]
+        matches += [game for game in open_games if game.page is None]
+        if matches:
+            game = matches[0]
+        else:
+            # Text that they keep is on offer once they have ended.
+            await asyncio.gather(*(game.stop() for game in games if not game.is_open))
+            if len(self._games) >= self._limit:
+                raise OSError(f"All {self._limit} games are taken. Try again in a few minutes.")
+            game = WebGame(self._words, player, digest, self._downloads, self._games.discard)
+            self._games.add(game)
+        game.tab = tab
+        return game
 
     async def _download(self, request: web.Request) -> web.StreamResponse:
         key = request.match_info["key"]
@@ -113,6 +163,19 @@ class GameServer:
         async for chunk in self._downloads.download(key):
             await response.write(chunk)
         return response
+
+    async def _run_revocations(self, _application: web.Application) -> AsyncIterator[None]:
+        task = asyncio.create_task(self._end_revoked())
+        yield
+        task.cancel()
+
+    async def _end_revoked(self) -> None:
+        while True:
+            await asyncio.sleep(_LOOK_SECONDS)
+            digests = self._digests()
+            for game in self._games:
+                if digests.get(game.player) != game.digest:
+                    game.end(_REVOKED)
 
     async def _end_games(self, _application: web.Application) -> None:
         await asyncio.gather(*(game.stop() for game in self._games))
@@ -142,14 +205,23 @@ def _side(request: web.Request, name: str, default: int) -> int:
     return int(text) if text.isdecimal() and len(text) < 5 else default
 
 
-def serve(words: Sequence[str], port: int, announce: Callable[[str], None]) -> None:
-    """Serve until ^C, on a free port if `port` is 0; raises OSError if the port is taken."""
-    server = GameServer(words)
-    with socket.create_server(("127.0.0.1", port)) as listener:
-        address = f"http://127.0.0.1:{listener.getsockname()[1]}/#{server.key}"
+def is_loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def serve(server: GameServer, host: str, port: int, announce: Callable[[int], None]) -> None:
+    """Serve until ^C or SIGTERM, on any free port if `port` is 0; `announce` gets its number.
+
+    Raises OSError if the port is taken.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.create_server((host, port), family=family) as listener:
 
         async def start(_application: web.Application) -> None:
-            announce(address)
+            announce(listener.getsockname()[1])
 
         application = server.application()
         application.on_startup.append(start)

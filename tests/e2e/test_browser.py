@@ -14,7 +14,6 @@ import pyte
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, WebSocket, sync_playwright
 
-from tests.e2e.test_supervisor import texts
 from tests.processes import run_command
 from tests.waiting import PATIENCE
 
@@ -123,25 +122,18 @@ def test_the_first_level_is_won_with_a_program_that_is_pasted(seat: Seat, tmp_pa
     assert seat.page.inner_text("#reason") == "The game has ended."
 
 
-def test_a_reload_while_typing_offers_what_was_typed(seat: Seat) -> None:
+def test_a_page_that_is_loaded_again_or_opened_after_it_was_closed_finds_its_game(
+    seat: Seat, browser: Browser, address: str
+) -> None:
     seat.press("2")
     seat.page.keyboard.type("hello")
     seat.sees("hello")
     seat.page.reload()
-    seat.sees("unsaved")
-    seat.press("Enter", sees="hello")
-
-
-def test_a_page_that_is_closed_keeps_the_text(
-    browser: Browser, address: str, tmp_path: Path
-) -> None:
-    seat = Seat(browser, address)
-    seat.sees("· applied")
-    seat.press("2")
-    seat.page.keyboard.type("hello")
     seat.sees("hello")
-    seat.page.context.close()
-    assert texts(tmp_path) == ["hello"]
+    seat.page.close()
+    later = Seat(browser, address)
+    later.sees("hello")
+    later.page.context.close()
 
 
 @pytest.mark.parametrize("key", ["", "#", "#wrong", "#ö"])

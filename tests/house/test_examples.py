@@ -26,6 +26,7 @@ QUICKER = {
     "replay record 01-first-steps first-steps -o first.replay": ["--ticks", "100"],
     "replay record 08-formation formation -o chain.replay --ticks 600": ["--ticks", "60"],
     "replay record 01-first-steps first-steps -o third.replay --start 3": ["--ticks", "100"],
+    "serve --class players.toml": ["--port", "0"],
 }
 """What is added, so that the tests take no longer than they need."""
 
@@ -219,8 +220,9 @@ def _run_in_terminal(arguments: list[str]) -> tuple[int, str]:
         [sys.executable, "-m", "logical_robots_tui", *arguments], controls=True
     ) as terminal:
         if arguments[:1] == ["serve"]:
-            terminal.wait_for("Playing at")
-            terminal.send("\x03")
+            if not {"--add", "--revoke"} & {*arguments}:
+                terminal.wait_for("http://127.0.0.1:")
+                terminal.send("\x03")
         elif "--plain" in arguments:
             terminal.wait_for("help")
             terminal.send("quit\n")

@@ -3,6 +3,8 @@
 
 const key = location.hash.slice(1) || sessionStorage.getItem("key") || "";
 sessionStorage.setItem("key", key);
+const tab = sessionStorage.getItem("tab") || crypto.getRandomValues(new Uint32Array(4)).join("-");
+sessionStorage.setItem("tab", tab); // with it a page that is loaded again finds its game
 history.replaceState(null, "", location.pathname);
 
 let isPlaying = false;
@@ -22,7 +24,7 @@ const handlers = {
 
 window.WebSocket = class extends WebSocket {
   constructor(address) {
-    super(address, ["logical-robots", key].filter(Boolean));
+    super(address, ["logical-robots", key || "none", tab]);
     isPlaying = true;
     this.addEventListener("message", (event) => {
       if (typeof event.data !== "string") return;
