@@ -29,6 +29,7 @@ from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
 from benchmarks.teams import teams
 from benchmarks.tournament import tournament
+from benchmarks.web import web
 from benchmarks.whole_game import whole_game
 from benchmarks.with_screen import traffic, with_screen
 from benchmarks.world import crowds
@@ -62,6 +63,7 @@ SUITE = Suite(
         "ssh": ssh,
         "class": classes,
         "large-class": large_classes,
+        "web": web,
         "lab": laboratory,
         "learning": learning,
         "tournament": tournament,
@@ -69,7 +71,7 @@ SUITE = Suite(
         "first-frame": first_frame,
     },
     named=frozenset(
-        {"functions", "lab", "large-class", "learning", "memory", "safety", "tournament"}
+        {"functions", "lab", "large-class", "learning", "memory", "safety", "tournament", "web"}
     ),
     thorough=frozenset(
         {"class", "editing", "folding", "inspector", "processor", "ssh", "teams", "traffic"}

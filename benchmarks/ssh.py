@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui import Level
 
-__all__ = ["need_openssh", "processor", "ssh"]
+__all__ = ["SIX_ROBOTS", "SIZE", "need_openssh", "processor", "running", "ssh"]
 
 SIZE = (120, 40)
 SIX_ROBOTS = ("10-distributed-mapping", "distributed-mapping")
@@ -45,7 +45,7 @@ def ssh(effort: Effort) -> Iterator[Measurement]:
         folder = Path(name)
         with Server(folder, f"SetEnv LOGICAL_ROBOTS_CACHE_DIR={folder}/cache") as server:
             for option, allowed in (("-q", 100), ("-C", 25)):
-                with Line(server.port) as line, _running(server, line, folder, option) as terminal:
+                with Line(server.port) as line, running(server, line, folder, option) as terminal:
                     before, began = line.traffic, perf_counter()
                     terminal.read_for(seconds)
                     rate = (line.traffic - before) / 1000 / (perf_counter() - began)
@@ -55,7 +55,7 @@ def ssh(effort: Effort) -> Iterator[Measurement]:
             for limit, milliseconds in RATES:
                 with (
                     Line(server.port, limit) as line,
-                    _running(server, line, folder, "-q") as terminal,
+                    running(server, line, folder, "-q") as terminal,
                 ):
                     terminal.send("2")
                     terminal.wait_for("Leave")
@@ -72,7 +72,7 @@ def need_openssh() -> None:
 
 
 @contextmanager
-def _running(server: Server, line: Line, folder: Path, option: str) -> Iterator[Terminal]:
+def running(server: Server, line: Line, folder: Path, option: str) -> Iterator[Terminal]:
     """Run six robots at the other end of a line."""
     game = [sys.executable, "-m", "logical_robots_tui", "play", *SIX_ROBOTS]
     # A separate folder, because a game that was cut off offers to continue.

@@ -1,88 +1,32 @@
 """The served game in a real browser."""
 
 import os
-import re
-import shutil
-import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from subprocess import PIPE, Popen
-from time import monotonic
 
-import pyte
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, WebSocket, sync_playwright
+from playwright.sync_api import Browser
 
+from tests.browser import CHROMIUM, Seat, chromium, serving
 from tests.processes import run_command
-from tests.waiting import PATIENCE
 
-CHROMIUM = shutil.which("chromium")
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(CHROMIUM is None and "CI" not in os.environ, reason="there is no Chromium"),
 ]
-SIZE = ViewportSize(width=1280, height=800)
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+    with chromium() as browser:
         yield browser
-        browser.close()
 
 
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[str]:
-    command = [sys.executable, "-m", "logical_robots_tui", "serve", "01-first-steps", "--no-open"]
-    with Popen([*command, "--data-dir", tmp_path], stdout=PIPE, text=True) as server:
-        assert server.stdout is not None
-        match = re.match(r"Playing at (http://127\.0\.0\.1:\d+/#\S+)", server.stdout.readline())
-        assert match
-        yield match[1]
-        server.send_signal(signal.SIGINT)
-        assert server.wait(PATIENCE) == 0
-
-
-class Seat:
-    """A page of the browser, and the screen that the server has sent to it."""
-
-    def __init__(self, browser: Browser, address: str) -> None:
-        self.page: Page = browser.new_context(viewport=SIZE).new_page()
-        self.screen = pyte.Screen(1, 1)  # of the latest connection
-        self.errors: list[str] = []
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("dialog", lambda dialog: dialog.accept())
-        self.page.on("websocket", self._open)
-        self.page.goto(address)
-
-    def _open(self, websocket: WebSocket) -> None:
-        columns, lines = map(int, re.findall(r"=(\d+)", websocket.url))
-        self.screen = pyte.Screen(columns, lines)
-        stream = pyte.ByteStream(self.screen)
-
-        def feed(frame: str | bytes) -> None:
-            if isinstance(frame, bytes):
-                stream.feed(frame)
-
-        websocket.on("framereceived", feed)
-
-    @property
-    def text(self) -> str:
-        return "\n".join(self.screen.display)
-
-    def sees(self, text: str | Callable[[], object]) -> None:
-        deadline = monotonic() + PATIENCE
-        while not (text in self.text if isinstance(text, str) else text()):
-            assert monotonic() < deadline, f"{text} is not in\n{self.text}"
-            self.page.wait_for_timeout(20)
-
-    def press(self, *keys: str, sees: str = "") -> None:
-        for key in keys:
-            self.page.keyboard.press(key)
-        if sees:
-            self.sees(sees)
+    with serving(tmp_path, "01-first-steps") as address:
+        yield address
 
 
 @pytest.fixture
