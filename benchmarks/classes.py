@@ -15,9 +15,9 @@ from tests.sshd import Server
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
-__all__ = ["classes", "large_classes"]
+__all__ = ["class_of", "classes", "large_classes"]
 
 
 def classes(effort: Effort) -> Iterator[Measurement]:
@@ -45,13 +45,24 @@ def _class(
             stack.enter_context(Terminal(server.client("-t", player=name), size=(80, 24)))
             for name in names
         ]
-        crowd = Crowd(seats)
-        crowd.play()
-        drawn = crowd.frames_per_second(effort.ticks / 80)
-        opened = crowd.help_milliseconds()
-        crowd.edit()
-        found = crowd.key_milliseconds(players)
-    subject = f"80x24, {players} players at once"
-    yield summed_up("frames of a class", subject, "/s", drawn, target=frames)
-    yield summed_up("help of a class", subject, "ms", opened, target=None)
-    yield summed_up("key of a class", subject, "ms", found, target=milliseconds)
+        yield from class_of(seats, effort, "at once", frames, milliseconds)
+
+
+def class_of(
+    seats: Sequence[Terminal],
+    effort: Effort,
+    place: str,
+    frames: Target | None,
+    milliseconds: Target,
+) -> Iterator[Measurement]:
+    """Measure frames per second, and milliseconds to the help and to a letter."""
+    crowd = Crowd(seats)
+    crowd.play()
+    rates = crowd.frames_per_second(effort.ticks / 80)
+    helps = crowd.help_milliseconds()
+    crowd.edit()
+    keys = crowd.key_milliseconds(len(seats))
+    subject = f"80x24, {len(seats)} players {place}"
+    yield summed_up("frames of a class", subject, "/s", rates, target=frames)
+    yield summed_up("help of a class", subject, "ms", helps, target=None)
+    yield summed_up("key of a class", subject, "ms", keys, target=milliseconds)

@@ -1,14 +1,16 @@
-"""In the browser: the first picture, and traffic beside that of SSH."""
+"""In the browser: the first picture, traffic beside that of SSH, and a class of thirty players."""
 
 from __future__ import annotations
 
 import tempfile
+from contextlib import ExitStack
 from functools import partial
 from itertools import count
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from benchmarks.classes import class_of
 from benchmarks.measure import Effort, Measurement, at_most, need, repeated, summed_up
 from benchmarks.ssh import SIX_ROBOTS, SIZE, need_openssh, running
 from tests.browser import CHROMIUM, Client, Seat, chromium, serving
@@ -23,11 +25,12 @@ if TYPE_CHECKING:
 
 __all__ = ["web"]
 
+PLAYERS = 30
 SETTLED = 1.0  # seconds of running, after which no picture is new to the compression
 
 
 def web(effort: Effort) -> Iterator[Measurement]:
-    """Measure milliseconds to the first picture, and traffic as a multiple of that of SSH."""
+    """Measure ms to the first picture, traffic over that of SSH, and a class of headless pages."""
     need("Chromium", CHROMIUM)
     need_openssh()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
@@ -39,6 +42,10 @@ def web(effort: Effort) -> Iterator[Measurement]:
         yield summed_up("first picture in a browser", "1280x800", "ms", pictures, target=target)
         for is_compressed in (False, True):
             yield _traffic(effort.ticks / 25, folder, is_compressed=is_compressed)
+        with ExitStack() as stack:
+            address = stack.enter_context(serving(folder / "class"))
+            clients = [stack.enter_context(Client(address, size=(80, 24))) for _ in range(PLAYERS)]
+            yield from class_of(clients, effort, "in browsers", None, at_most(300))
 
 
 def _first_picture(browser: Browser, folder: Path, numbers: Iterator[int]) -> float:

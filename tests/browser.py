@@ -160,7 +160,7 @@ class Client(Terminal):
             ) as page,
         ):
             output = asyncio.create_task(_receive(page, writer))
-            with suppress(aiohttp.ClientConnectionError):  # the output says so, too
+            with suppress(ConnectionError, aiohttp.ClientConnectionError):  # of either side
                 while keys := await reader.read(4096):
                     await page.send_str(json.dumps(["stdin", keys.decode()]))
             output.cancel()
