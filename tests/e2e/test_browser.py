@@ -80,6 +80,18 @@ def test_a_page_that_is_loaded_again_or_opened_after_it_was_closed_finds_its_gam
     later.page.context.close()
 
 
+def test_a_program_is_downloaded_as_it_is_on_the_screen(seat: Seat) -> None:
+    seat.press("2")
+    seat.page.keyboard.type("# typed ")
+    seat.sees("# typed")
+    seat.press("Control+p")
+    seat.page.keyboard.type("download the program")
+    with seat.page.expect_download() as download:
+        seat.press("Enter")
+    assert download.value.suggested_filename == "first-steps-starter.l"
+    assert download.value.path().read_text("utf-8").startswith("# typed ")
+
+
 @pytest.mark.parametrize("key", ["", "#", "#wrong", "#ö"])
 def test_nobody_plays_without_the_key(key: str, browser: Browser, address: str) -> None:
     page = browser.new_context().new_page()

@@ -48,7 +48,8 @@ NAMED = [
     ("lab.md", EXPERIMENT, BUILT_IN, ("{}",)),
     ("lab.md", EXPERIMENT, get_args(Reduction), ("`{}`",)),
     ("lab.md", ENDS, get_args(Outcome), ("`{}`",)),
-    ("playing.md", "Keys", [entry.title for entry in COMMANDS if not entry.keys], ("{}",)),
+    ("playing.md", "Keys", [e.title for e in COMMANDS if not (e.keys or e.in_browser)], ("{}",)),
+    ("web.md", "", [entry.title for entry in COMMANDS if entry.in_browser], ("{}",)),
     *(
         (page, "", [name for name in commands() if name and page_of(name) == page], CALLS)
         for page in sorted(set(map(page_of, commands())))

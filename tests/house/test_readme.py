@@ -31,7 +31,8 @@ def keys_table(scope: Scope) -> str:
     """The commands that have a key, as a table for each heading of the help, and the others."""
     lines = [""]
     groups: dict[str, list[Command]] = {}
-    for entry in COMMANDS:
+    available = KeyMap(COMMANDS).available
+    for entry in available:
         if entry.keys and entry.scope == scope:
             groups.setdefault(entry.group, []).append(entry)
     for group, entries in groups.items():
@@ -41,7 +42,7 @@ def keys_table(scope: Scope) -> str:
             keys = " ".join(f"`{key_name(key)}`" for key in entry.keys)
             lines.append(f"| {keys} | {entry.help} |")
         lines.append("")
-    titles = [entry.title for entry in COMMANDS if not entry.keys and entry.scope == scope]
+    titles = [entry.title for entry in available if not entry.keys and entry.scope == scope]
     lines += [f"In the palette only: {', '.join(titles)}.", ""] if titles else []
     return "\n".join([*lines, ""])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
+from io import BytesIO
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from textual.css.query import NoMatches
@@ -63,8 +64,8 @@ class Dialogs(Ui, Protocol):
     ) -> None:
         """Show a dialog, and call `closed` with its result."""
 
-    def deliver(self, path: Path) -> None:
-        """Let the browser, if the game is in one, download a file that was saved."""
+    def deliver(self, content: Path | str, name: str | None = None) -> None:
+        """Let the browser, if the game is in one, download a file that was saved, or a text."""
         return
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
@@ -96,9 +97,10 @@ class ScreenUi(Dialogs):
     ) -> None:
         self.screen.app.push_screen(dialog, closed)
 
-    def deliver(self, path: Path) -> None:
+    def deliver(self, content: Path | str, name: str | None = None) -> None:
         if self.screen.app.is_web:
-            self.screen.app.deliver_binary(path)
+            file = BytesIO(content.encode()) if isinstance(content, str) else content
+            self.screen.app.deliver_binary(file, save_filename=name)
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
         # `push_screen_wait` would also run what the app has queued; when the game ends meanwhile,

@@ -47,6 +47,7 @@ class Command(NamedTuple):
         bar: Label in the command bar, or "" to leave it out; not shown beside an equal key.
         spare: How early the bar drops it when there is little room; 0 is never.
         also: Other words that the palette finds it by.
+        in_browser: Whether only a game in a browser has it.
         worker: The group of workers that an asynchronous `act` runs in, one at a time; "" for
             one that is not asynchronous.
     """
@@ -63,6 +64,7 @@ class Command(NamedTuple):
     spare: int = 0
     worker: str = ""
     also: str = ""
+    in_browser: bool = False
     without_key: str = "^P"
 
     def run(self, target: object, spawn: Spawn) -> None:

@@ -174,6 +174,17 @@ def save_picture(screen: MainScreen) -> None:
         screen.ui.deliver(path)
 
 
+def download_program(screen: MainScreen) -> None:
+    screen.ui.deliver(screen.program.text, f"{screen.session.source.name}.l")
+
+
+def download_level(screen: MainScreen) -> None:
+    from logical_robots_tui.editing.level_text import write_native
+
+    level = screen.editing.levels.edited
+    screen.ui.deliver(write_native(level), f"{level.name}.toml")
+
+
 def redraw(screen: MainScreen) -> None:
     from logical_robots_tui.tui.terminal.diff_app import DiffApp
 

@@ -31,10 +31,16 @@ class KeyMap:
             for name, entry in entries.items():
                 reachable_first = sorted(entry.keys, key=_TAKEN_BY_BROWSERS.__contains__)
                 entries[name] = entry._replace(keys=(*reachable_first,))
+        self._in_browser = in_browser
         # Without a key of its own the palette is still in the bar, to be clicked.
         palette = entries["palette"]
         instead = key_name(palette.keys[0]) if palette.keys else palette.bar
         self.by_id = {entry.id: entry._replace(without_key=instead) for entry in entries.values()}
+
+    @property
+    def available(self) -> list[Command]:
+        """The commands that there are where this game is shown."""
+        return [entry for entry in self.by_id.values() if self._in_browser or not entry.in_browser]
 
     @property
     def changeable(self) -> dict[str, Command]:
@@ -81,7 +87,7 @@ KEY_MAP: ContextVar[KeyMap] = ContextVar("key_map")
 
 
 def commands(*scopes: Scope) -> list[Command]:
-    return [entry for entry in KEY_MAP.get().by_id.values() if not scopes or entry.scope in scopes]
+    return [entry for entry in KEY_MAP.get().available if not scopes or entry.scope in scopes]
 
 
 def command(command_id: str) -> Command:

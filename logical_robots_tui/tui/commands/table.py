@@ -110,6 +110,8 @@ programs.add("save", "Save the program", "ctrl+s", lambda s: s.library_controlle
 programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library_controller.save_as(),
     "Save the text in the editor as a program of yours, under any name.",
     bar="Save as", spare=9, worker="dialog", also="export")
+programs.add("download", "Download the program", "", general.download_program,
+    "Download the text in the editor, saved or not.", in_browser=True, also="export")
 programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.session.source.text),
     "Reload the program from its file; undo restores your text.")
 programs.add("versions", "Earlier versions", "v", lambda s: s.learning.choose_version(),
@@ -146,6 +148,8 @@ making.add("edit_level", "Edit the level", "M", lambda s: s.editing.toggle(),
 making.add("new_level", "New level…", "H", lambda s: s.editing.make_level(),
     "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog",
     also="create map")
+making.add("download_level", "Download the level", "", general.download_level,
+    "Download the level as it is now, saved or not.", in_browser=True, also="export")
 
 editing: CommandGroup[LevelController] = CommandGroup("In the level editor", "level")
 editing.add("hand", "Hand", "h", lambda e: e.take("hand"),

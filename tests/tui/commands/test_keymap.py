@@ -47,6 +47,13 @@ def test_a_browser_is_told_keys_that_it_passes_on() -> None:
     assert names == ["F10", "alt+backspace", "F9", "^P"]
 
 
+@pytest.mark.parametrize("in_browser", [False, True])
+def test_only_a_browser_has_downloads(*, in_browser: bool) -> None:
+    names = {"download", "download_level"}
+    available = {entry.id for entry in KeyMap(COMMANDS, in_browser=in_browser).available}
+    assert available & names == (names if in_browser else set())
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
