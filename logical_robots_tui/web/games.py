@@ -141,6 +141,8 @@ class WebGame(AppService):
         meta = json.loads(packet)
         if meta["type"] == "title":
             await self._tell("title", meta["title"])
+        elif meta["type"] == "upload":
+            await self._tell("upload", "")
         elif meta["type"] != "exit":
             await super().on_meta(packet)
 

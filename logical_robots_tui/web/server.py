@@ -201,6 +201,8 @@ async def _receive(message: Any, game: WebGame, page: web.WebSocketResponse) -> 
             await game.focus()
         case ["blur"]:
             await game.blur()
+        case ["upload", str(name), str(content)]:
+            await game.send_meta({"type": "upload", "name": name, "content": content})
         case ["ping", moment]:
             await page.send_json(["pong", moment])
 

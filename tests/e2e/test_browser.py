@@ -80,16 +80,32 @@ def test_a_page_that_is_loaded_again_or_opened_after_it_was_closed_finds_its_gam
     later.page.context.close()
 
 
-def test_a_program_is_downloaded_as_it_is_on_the_screen(seat: Seat) -> None:
-    seat.press("2")
-    seat.page.keyboard.type("# typed ")
-    seat.sees("# typed")
+def test_files_go_to_the_game_and_back(seat: Seat, tmp_path: Path) -> None:
+    file = tmp_path / "mine.l"
+    file.write_text("# mine\n", "utf-8")
+    with seat.page.expect_file_chooser() as chooser:
+        seat.press("Control+u")
+    chooser.value.set_files([file])
+    seat.sees("mine.l in")
+    assert (tmp_path / "programs" / "mine.l").read_text("utf-8") == "# mine\n"
+    data = seat.page.evaluate_handle(
+        """() => {
+            const data = new DataTransfer();
+            data.items.add(new File(["# dropped\\n"], "mine.l"));
+            return data;
+        }"""
+    )
+    seat.page.dispatch_event(".textual-terminal", "drop", {"dataTransfer": data})
+    seat.sees("mine-2.l in")
+    seat.press("2", sees="# dropped")
+    seat.page.keyboard.type("typed ")
+    seat.sees("typed # dropped")
     seat.press("Control+p")
     seat.page.keyboard.type("download the program")
     with seat.page.expect_download() as download:
         seat.press("Enter")
-    assert download.value.suggested_filename == "first-steps-starter.l"
-    assert download.value.path().read_text("utf-8").startswith("# typed ")
+    assert download.value.suggested_filename == "mine-2.l"
+    assert download.value.path().read_text("utf-8") == "typed # dropped\n"
 
 
 @pytest.mark.parametrize("key", ["", "#", "#wrong", "#ö"])

@@ -40,7 +40,7 @@ from logical_robots_tui.tui.terminal.capabilities import (
 )
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
-from logical_robots_tui.tui.terminal.driver import LARGEST
+from logical_robots_tui.tui.terminal.driver import LARGEST, ListeningDriver, Uploaded
 from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
@@ -269,6 +269,18 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self._clip_text = text
         if self.main.permissions.clipboard:
             super().copy_to_clipboard(text)
+
+    def action_upload(self) -> None:
+        """Let the page ask for a file, which comes as a message; it also takes dropped ones."""
+        driver = self._driver
+        if not (isinstance(driver, ListeningDriver) and driver.tell_page("upload")):
+            self.main.warn("Only the page of logical-robots serve can send files.")
+
+    def on_uploaded(self, message: Uploaded) -> None:
+        from logical_robots_tui.tui.library.uploads import keep_and_open
+
+        work = partial(keep_and_open, self.main, message.name, message.content)
+        self.main.ui.spawn(work, "upload", exclusive=False)
 
     def action_settings(self) -> None:
         from logical_robots_tui.tui.app.settings_screen import SettingsScreen

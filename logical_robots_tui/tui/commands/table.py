@@ -110,6 +110,9 @@ programs.add("save", "Save the program", "ctrl+s", lambda s: s.library_controlle
 programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library_controller.save_as(),
     "Save the text in the editor as a program of yours, under any name.",
     bar="Save as", spare=9, worker="dialog", also="export")
+programs.add("upload", "Upload a file…", "ctrl+u", lambda s: s.run_action("app.upload"),
+    "Choose a program, a level or a replay to keep and open; the page takes dropped "
+    "ones, too.", worker="dialog", in_browser=True, also="open import load drop")
 programs.add("download", "Download the program", "", general.download_program,
     "Download the text in the editor, saved or not.", in_browser=True, also="export")
 programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.session.source.text),

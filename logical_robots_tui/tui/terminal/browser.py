@@ -6,6 +6,7 @@ import asyncio
 import json
 import os
 import signal
+from base64 import b64decode
 from contextlib import suppress
 from threading import Event, Lock
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from textual.drivers.web_driver import WebDriver
 
 from logical_robots_tui.processes.lifeline import note_screen
-from logical_robots_tui.tui.terminal.driver import ListeningDriver
+from logical_robots_tui.tui.terminal.driver import ListeningDriver, Uploaded
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -54,20 +55,27 @@ class BrowserDriver(ListeningDriver, WebDriver):
         self._input_end.wait(_LAST_INPUT)  # or a key could come after the event loop
         note_screen(is_left=True)
 
-    def set_title(self, title: str) -> None:
+    def tell_page(self, kind: str, **content: str) -> bool:
         # Textual's own server warns of what it does not know.
-        if os.environ.get("TERM_PROGRAM") == "logical-robots":
-            self.write_meta({"type": "title", "title": title})
+        is_ours = os.environ.get("TERM_PROGRAM") == "logical-robots"
+        if is_ours:
+            self.write_meta({"type": kind, **content})
+        return is_ours
 
-    def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
+    def on_meta(self, packet_type: str, payload: dict[str, Any]) -> None:
         """Handle what a server says besides keys; Textual would quit without keeping text."""
         if packet_type == "quit":
             os.kill(os.getpid(), signal.SIGHUP)
         elif packet_type == "attach":
             self.write(_MODES)
-            self.set_title(self.app.title)
+            self.tell_page("title", title=self.app.title)
             self.process_message(self.SignalResume())
             super().on_meta("resize", payload)
+        elif packet_type == "upload":
+            content = b""
+            with suppress(ValueError):
+                content = b64decode(payload["content"])
+            self.process_message(Uploaded(payload["name"], content))
         else:
             super().on_meta(packet_type, payload)
 

@@ -161,7 +161,7 @@ class DiffApp(CrashSafeApp):
 
     def watch_title(self, title: str) -> None:
         if self.is_web and isinstance(self._driver, ListeningDriver):
-            self._driver.set_title(title)
+            self._driver.tell_page("title", title=title)
 
     def redraw(self) -> None:
         """Send everything again, because the terminal may show something else."""

@@ -241,6 +241,14 @@ class UnbracketedPasteDetector:
         return text if is_plain and is_several_lines and _TEXT.fullmatch(text) else ""
 
 
+class Uploaded(Message):
+    """A file from a browser, cut off beyond what is accepted."""
+
+    def __init__(self, name: str, content: bytes) -> None:
+        super().__init__()
+        self.name, self.content = name, content
+
+
 class ListeningDriver(Driver):
     """Posts each answer of the terminal to the app, as ``CursorPosition``."""
 
@@ -290,8 +298,10 @@ class ListeningDriver(Driver):
         except Exception as error:  # it would end the thread unnoticed
             self.loop.call_soon_threadsafe(handle_exception, self.app, error)
 
-    def set_title(self, title: str) -> None:
-        """Name the page that shows the game; a terminal keeps its own title."""
+    def tell_page(self, kind: str, **content: str) -> bool:
+        """Send what is not on the screen; return whether the game is in a page of its own."""
+        del kind, content
+        return False
 
     @abstractmethod
     def _listen(self) -> None:

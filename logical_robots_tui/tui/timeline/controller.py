@@ -273,15 +273,19 @@ class Replays:
     open_level: Callable[[Level, Mapping[str, ProgramSource]], None]
 
     async def choose(self) -> None:
-        from logical_robots_tui.player.opening import level_of, sources_of
         from logical_robots_tui.tui.library.chooser import Chooser, ReplayShelf
 
         replay = await self.ui.ask(Chooser["Replay"](ReplayShelf(self.folder), ""))
         if replay is not None:
-            level = await asyncio.to_thread(level_of, replay)
-            sources = await asyncio.to_thread(sources_of, replay, self.programs)
-            self.open_level(level, sources)
-            await self.open(replay)
+            await self.open_with_level(replay)
+
+    async def open_with_level(self, replay: Replay) -> None:
+        from logical_robots_tui.player.opening import level_of, sources_of
+
+        level = await asyncio.to_thread(level_of, replay)
+        sources = await asyncio.to_thread(sources_of, replay, self.programs)
+        self.open_level(level, sources)
+        await self.open(replay)
 
     async def open(self, replay: Replay) -> None:
         """Replay in the current game, which must be at the replay's level; stop at its end."""

@@ -8,6 +8,7 @@ sessionStorage.setItem("tab", tab); // with it a page that is loaded again finds
 history.replaceState(null, "", location.pathname);
 
 let isPlaying = false;
+let socket;
 let reason = "The connection to the game is lost. Unsaved text is kept.";
 
 const handlers = {
@@ -26,6 +27,7 @@ window.WebSocket = class extends WebSocket {
   constructor(address) {
     super(address, ["logical-robots", key || "none", tab]);
     isPlaying = true;
+    socket = this;
     this.addEventListener("message", (event) => {
       if (typeof event.data !== "string") return;
       const [kind, content] = JSON.parse(event.data);

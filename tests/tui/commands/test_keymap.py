@@ -48,8 +48,8 @@ def test_a_browser_is_told_keys_that_it_passes_on() -> None:
 
 
 @pytest.mark.parametrize("in_browser", [False, True])
-def test_only_a_browser_has_downloads(*, in_browser: bool) -> None:
-    names = {"download", "download_level"}
+def test_only_a_browser_has_uploads_and_downloads(*, in_browser: bool) -> None:
+    names = {"upload", "download", "download_level"}
     available = {entry.id for entry in KeyMap(COMMANDS, in_browser=in_browser).available}
     assert available & names == (names if in_browser else set())
 
