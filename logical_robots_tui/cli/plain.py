@@ -158,13 +158,14 @@ class LineGame(SessionListener):
 
     async def go_on(self, ticks: int) -> None:
         """Run for some ticks; ^C ends it sooner."""
-        loop = asyncio.get_running_loop()
+        loop, handler = asyncio.get_running_loop(), signal.getsignal(signal.SIGINT)
         loop.add_signal_handler(signal.SIGINT, self.session.pause)
         try:
             self.session.run_until(self._game.frame.tick + ticks)
             await self._settle()
         finally:
             loop.remove_signal_handler(signal.SIGINT)
+            signal.signal(signal.SIGINT, handler)
         self._tell_tick()
 
     def move(self, action: Callable[..., None], *ticks: int) -> None:

@@ -7,20 +7,24 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import signal
 import socket
 import sys
+from asyncio import StreamReader
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from typing import Literal
 
 from aiohttp.web import WebSocketResponse
 from textual_serve.app_service import AppService
 from textual_serve.download_manager import DownloadManager
 
 _HEAD = 5  # bytes of a packet's kind and length
+_CHUNK = 65536
 _LEAVE_SECONDS = 1.0
+_TO_END = 5.0  # seconds that a game in lines has to end
+_ENVIRONMENT = {"TERM_PROGRAM": "logical-robots", "PYTHONIOENCODING": "utf-8"}
 
 
 async def dismiss(page: WebSocketResponse, reason: str) -> None:
@@ -44,6 +48,8 @@ class WebGame(AppService):
         page: The page; without one, what the game sends is dropped.
         is_open: Whether another page can take it over.
     """
+
+    _COMMAND: tuple[str, ...] = ("-m", "logical_robots_tui", "play")
 
     def __init__(
         self,
@@ -101,8 +107,8 @@ class WebGame(AppService):
             self._absence = asyncio.get_running_loop().call_later(patience, self.end)
 
     async def _open_app_process(self, width: int = 80, height: int = 24) -> Process:
-        command = sys.executable, "-m", "logical_robots_tui", "play", *self._words
-        environment = self._build_environment(width, height) | {"TERM_PROGRAM": "logical-robots"}
+        command = sys.executable, *self._COMMAND, *self._words
+        environment = self._build_environment(width, height) | _ENVIRONMENT
         if self.player:
             environment["LOGICAL_ROBOTS_PLAYER"] = self.player
         self._process = await asyncio.create_subprocess_exec(
@@ -123,26 +129,27 @@ class WebGame(AppService):
         assert process.stdout is not None
         assert process.stderr is not None
         errors = asyncio.create_task(process.stderr.read())
-        handlers = {b"D": self._send_bytes, b"M": self.on_meta, b"P": self.on_packed}
         with suppress(asyncio.IncompleteReadError):
-            await process.stdout.readuntil()
-            while True:
-                head = await process.stdout.readexactly(_HEAD)
-                payload = await process.stdout.readexactly(int.from_bytes(head[1:], "big"))
-                with suppress(ConnectionError):  # a closed page, while the game ends
-                    await handlers[head[:1]](payload)
+            await self._relay(process.stdout)
         self.is_open = False
         await process.wait()
         self._on_end(self)
         await self._leave(self._reason or (await errors).decode(errors="replace"))
 
+    async def _relay(self, output: StreamReader) -> None:
+        handlers = {b"D": self._send_bytes, b"M": self.on_meta, b"P": self.on_packed}
+        await output.readuntil()
+        while True:
+            head = await output.readexactly(_HEAD)
+            payload = await output.readexactly(int.from_bytes(head[1:], "big"))
+            with suppress(ConnectionError):  # a closed page, while the game ends
+                await handlers[head[:1]](payload)
+
     async def on_meta(self, packet: bytes) -> None:
         """Handle a packet besides the screen; the game's end shows in its process."""
         meta = json.loads(packet)
-        if meta["type"] == "title":
-            await self._tell("title", meta["title"])
-        elif meta["type"] == "upload":
-            await self._tell("upload", "")
+        if meta["type"] in ("title", "upload"):
+            await self._tell(meta["type"], meta.get("title", ""))
         elif meta["type"] != "exit":
             await super().on_meta(packet)
 
@@ -151,13 +158,55 @@ class WebGame(AppService):
 
     def end(self, reason: str = "") -> None:
         """End the game as a terminal that is closed does: unsaved text is kept."""
-        if self.is_open and self._process is not None:
+        if self.is_open:
             self.is_open, self._reason = False, reason
-            with suppress(ProcessLookupError):
-                os.kill(self._process.pid, signal.SIGHUP)
+            self._send(signal.SIGHUP)
+
+    def _send(self, number: signal.Signals) -> None:
+        assert self._process is not None
+        with suppress(ProcessLookupError):
+            self._process.send_signal(number)
 
     async def stop(self) -> None:
         """End the game, and wait until it has ended."""
         self.end()
         if self._task is not None:
             await asyncio.wait([self._task])
+
+
+class PlainGame(WebGame):
+    """A game in lines of text, which takes lines, and ^C to end a run; it ends with its page."""
+
+    # Between two runs, ^C would end the game if it were not ignored.
+    _COMMAND = (
+        "-c",
+        "import runpy, signal; signal.signal(signal.SIGINT, signal.SIG_IGN); "
+        "runpy.run_module('logical_robots_tui', run_name='__main__', alter_sys=True)",
+        *("play", "--plain"),
+    )
+
+    async def send_bytes(self, line: bytes) -> bool:
+        if line == b"\x03":
+            self._send(signal.SIGINT)
+        else:
+            self.stdin.write(line)
+            with suppress(ConnectionError):  # of a game that has ended
+                await self.stdin.drain()
+        return True
+
+    async def _relay(self, output: StreamReader) -> None:
+        while chunk := await output.read(_CHUNK):
+            with suppress(ConnectionError):
+                await self._send_bytes(chunk)
+
+    def detach(self, page: WebSocketResponse, patience: float) -> None:
+        """End the game: what another page would show of it is gone."""
+        super().detach(page, 0)
+
+    def end(self, reason: str = "") -> None:
+        """End the game at the end of its input, a run as well; text is kept after each line."""
+        if self.is_open:
+            self.is_open, self._reason = False, reason
+            self._send(signal.SIGINT)
+            self.stdin.close()
+            asyncio.get_running_loop().call_later(_TO_END, self._send, signal.SIGKILL)

@@ -23,7 +23,7 @@ from aiohttp.helpers import content_disposition_header
 from aiohttp.http import WSMsgType
 from textual_serve.download_manager import DownloadManager
 
-from logical_robots_tui.web.games import WebGame, dismiss
+from logical_robots_tui.web.games import PlainGame, WebGame, dismiss
 from logical_robots_tui.web.players import digest_of
 
 _HERE = Path(__file__).parent / "static"
@@ -90,8 +90,8 @@ class GameServer:
         application.on_shutdown.append(self._end_games)
         return application
 
-    async def _page(self, _request: web.Request) -> web.FileResponse:
-        return web.FileResponse(_HERE / "page.html")
+    async def _page(self, request: web.Request) -> web.FileResponse:
+        return web.FileResponse(_HERE / ("plain.html" if "plain" in request.query else "page.html"))
 
     async def _redirect(self, _request: web.Request) -> web.Response:
         raise web.HTTPFound(f"{self._base_path}/")
@@ -122,7 +122,8 @@ class GameServer:
             return page
         size = _side(request, "width", 80), _side(request, "height", 24)
         try:
-            game = await self._game_for(players[0], digest, tab or secrets.token_hex())
+            kind = PlainGame if "plain" in request.query else WebGame
+            game = await self._game_for(players[0], digest, tab or secrets.token_hex(), kind)
             await game.attach(page, *size)
         except OSError as error:
             await dismiss(page, error.strerror or str(error))
@@ -135,10 +136,12 @@ class GameServer:
             game.detach(page, self._absence)
         return page
 
-    async def _game_for(self, player: str, digest: str, tab: str) -> WebGame:
+    async def _game_for(self, player: str, digest: str, tab: str, kind: type[WebGame]) -> WebGame:
         """Return the game of a tab, or one whose page is gone, or a new one; raises OSError."""
         games = [game for game in self._games if game.player == player]
-        open_games = [game for game in games if game.is_open and game.digest == digest]
+        open_games = [
+            game for game in games if game.is_open and game.digest == digest and type(game) is kind
+        ]
         matches = [game for game in open_games if game.tab == tab]
         matches += [game for game in open_games if game.page is None]
         if matches:
@@ -148,7 +151,7 @@ class GameServer:
             await asyncio.gather(*(game.stop() for game in games if not game.is_open))
             if len(self._games) >= self._limit:
                 raise OSError(f"All {self._limit} games are taken. Try again in a few minutes.")
-            game = WebGame(self._words, player, digest, self._downloads, self._games.discard)
+            game = kind(self._words, player, digest, self._downloads, self._games.discard)
             self._games.add(game)
         game.tab = tab
         return game

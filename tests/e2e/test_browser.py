@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, expect
 
 from tests.browser import CHROMIUM, Seat, chromium, serving
 from tests.processes import run_command
@@ -106,6 +106,58 @@ def test_files_go_to_the_game_and_back(seat: Seat, tmp_path: Path) -> None:
         seat.press("Enter")
     assert download.value.suggested_filename == "mine-2.l"
     assert download.value.path().read_text("utf-8") == "typed # dropped\n"
+
+
+def test_the_game_in_plain_text_needs_only_keys_and_keeps_the_text(
+    browser: Browser, address: str, tmp_path: Path
+) -> None:
+    page = browser.new_context(viewport=SIZE).new_page()
+    page.goto(address)
+    page.on("dialog", lambda dialog: dialog.accept())
+    page.get_by_role("link", name="Play in plain text").focus()
+    page.keyboard.press("Enter")
+    log, field = page.get_by_role("log", name="Game"), page.get_by_label("Command")
+
+    def types(line: str, answer: str) -> None:
+        page.keyboard.type(line)
+        page.keyboard.press("Enter")
+        expect(log).to_contain_text(re.compile(answer), timeout=1000 * PATIENCE)
+
+    expect(log).to_contain_text("Type help for the commands.", timeout=1000 * PATIENCE)
+    assert page.evaluate("document.activeElement.id") == "line"
+    page.keyboard.press("Escape")  # ends no game
+    types("step", r"Tick 1\.")
+    types("run 1000000", "> run 1000000.*is blocked")
+    page.keyboard.press("Control+c")
+    expect(log).to_contain_text(re.compile(r"Tick \d+\.$"), timeout=1000 * PATIENCE)
+    types("help", "leave; so does the end of the input")
+    expect(field).to_be_in_viewport()
+    expect(log.get_by_text("leave; so does")).to_be_in_viewport()
+    page.keyboard.press("ArrowUp")
+    expect(field).to_have_value("help")
+    page.keyboard.press("ArrowDown")
+    for name in ("Send", "Stop the run"):
+        page.keyboard.press("Tab")
+        expect(page.get_by_role("button", name=name)).to_be_focused()
+    field.focus()
+    types("line 1 hello", "Type apply")
+    page.keyboard.type("run 1000000")
+    page.keyboard.press("Enter")
+    page.context.close()
+    assert texts(tmp_path) == ["hello"]
+
+
+def test_the_end_of_a_game_in_plain_text_is_told(browser: Browser, address: str) -> None:
+    page = browser.new_context().new_page()
+    page.goto(address.replace("#", "?plain#"))
+    page.keyboard.type("quit")
+    page.keyboard.press("Enter")
+    log = page.get_by_role("log")
+    expect(log).to_contain_text("The game has ended.", timeout=1000 * PATIENCE)
+    expect(page.get_by_role("button", name="Play again")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(log).to_contain_text("Type help", timeout=1000 * PATIENCE)
+    page.context.close()
 
 
 @pytest.mark.parametrize("key", ["", "#", "#wrong", "#ö"])

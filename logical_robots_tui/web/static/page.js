@@ -1,11 +1,5 @@
 "use strict";
-// What textual.js leaves to its page: the key, fonts, focus, pasting, titles, downloads, the end.
-
-const key = location.hash.slice(1) || sessionStorage.getItem("key") || "";
-sessionStorage.setItem("key", key);
-const tab = sessionStorage.getItem("tab") || crypto.getRandomValues(new Uint32Array(4)).join("-");
-sessionStorage.setItem("tab", tab); // with it a page that is loaded again finds its game
-history.replaceState(null, "", location.pathname);
+// What textual.js leaves to its page: fonts, focus, pasting, titles, downloads, the end.
 
 let isPlaying = false;
 let socket;
@@ -25,7 +19,7 @@ const handlers = {
 
 window.WebSocket = class extends WebSocket {
   constructor(address) {
-    super(address, ["logical-robots", key || "none", tab]);
+    super(address, protocols);
     isPlaying = true;
     socket = this;
     this.addEventListener("message", (event) => {
@@ -52,6 +46,7 @@ window.onload = async (event) => {
   const terminal = document.querySelector(".textual-terminal");
   terminal.dataset.sessionWebsocketUrl = new URL("ws", location.href).href.replace("http", "ws");
   terminal.dataset.fontSize = parseFloat(getComputedStyle(document.documentElement).fontSize);
+  document.querySelector("#plain").onclick = () => { isPlaying = false; };
   document.querySelector("#end button").onclick = () => location.reload();
   // The terminal measures a letter once.
   const faces = ["16px", "bold 16px"].map((size) => document.fonts.load(`${size} "Roboto Mono"`));
