@@ -14,7 +14,6 @@ from asyncio import StreamReader
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Literal
 
 from aiohttp.web import WebSocketResponse
 from textual_serve.app_service import AppService
