@@ -26,6 +26,10 @@ def test_the_game_is_played_through_the_protocol_of_the_web(tmp_path: Path) -> N
         page.send("2\x1b[200~pasted text\x1b[201~", sees="pasted text")
         page.send("\x1b")
         page.send("\x1a", sees="applied")
+        for content, answer in (("damaged", "own.l is empty."), ("MQ==", "own.l in")):
+            page.tell({"type": "upload", "name": "own.l", "content": content})
+            page.send("", sees=answer)
+        page.send("\x15", sees="Only the page of logical-robots serve")
         page.send("q")
         assert page.finish() == 0
         assert page.meta[-1] == {"type": "exit"}
