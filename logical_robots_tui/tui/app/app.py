@@ -277,10 +277,12 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             self.main.warn("Only the page of logical-robots serve can send files.")
 
     def on_uploaded(self, message: Uploaded) -> None:
-        from logical_robots_tui.tui.library.uploads import keep_and_open
+        from logical_robots_tui.tui.library.uploads import Uploads
 
-        work = partial(keep_and_open, self.main, message.name, message.content)
-        self.main.ui.spawn(work, "upload", exclusive=False)
+        main = self.main
+        uploads = Uploads(main.data_dir, main.ui, main.library, main.replays, main.offers.free)
+        work = partial(uploads.receive, message.name, message.content)
+        main.ui.spawn(work, "upload", exclusive=False)
 
     def action_settings(self) -> None:
         from logical_robots_tui.tui.app.settings_screen import SettingsScreen

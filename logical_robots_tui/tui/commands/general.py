@@ -174,10 +174,6 @@ def save_picture(screen: MainScreen) -> None:
         screen.ui.deliver(path)
 
 
-def download_program(screen: MainScreen) -> None:
-    screen.ui.deliver(screen.program.text, f"{screen.session.source.name}.l")
-
-
 def download_level(screen: MainScreen) -> None:
     from logical_robots_tui.editing.level_text import write_native
 

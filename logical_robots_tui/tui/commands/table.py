@@ -113,7 +113,8 @@ programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library_co
 programs.add("upload", "Upload a file…", "ctrl+u", lambda s: s.run_action("app.upload"),
     "Choose a program, a level or a replay to keep and open; the page takes dropped "
     "ones, too.", worker="dialog", in_browser=True, also="open import load drop")
-programs.add("download", "Download the program", "", general.download_program,
+programs.add("download", "Download the program", "",
+    lambda s: s.ui.deliver(s.program.text, f"{s.session.source.name}.l"),
     "Download the text in the editor, saved or not.", in_browser=True, also="export")
 programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.session.source.text),
     "Reload the program from its file; undo restores your text.")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, TypeAlias
@@ -19,17 +20,16 @@ from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.player.library import Library
+    from logical_robots_tui.tui.app.ui import Dialogs
+    from logical_robots_tui.tui.timeline.controller import Replays
 
 Item: TypeAlias = ProgramSource | Level | Replay
 
-MOST_BYTES = 1_000_000
+_MOST_BYTES = 1_000_000
 _LONGEST = 60  # characters of a name; four bytes each are less than a file system's bound
 _MOST_NAMES = 100  # of files with the same name
-
-
 _SAVING = Lock()  # between the choice of a name and its file
-
 _SHELVES: dict[str, tuple[str, Callable[[Path], Item]]] = {
     SUFFIX: ("programs", load_program),
     **dict.fromkeys(SUFFIXES, ("levels", load_level)),
@@ -38,28 +38,34 @@ _SHELVES: dict[str, tuple[str, Callable[[Path], Item]]] = {
 """The folder of files with an ending, and how one is read."""
 
 
-async def keep_and_open(screen: MainScreen, name: str, content: bytes) -> None:
-    """Keep a file in the player's folder; open it as soon as nothing covers the game."""
-    try:
-        path, item = await asyncio.to_thread(keep, screen.data_dir, name, content)
-    except InputError as error:
-        screen.warn(str(error))
-        return
-    screen.tell(f"Saved {name_and_folder(path)}.")
-    await screen.offers.free()
-    if isinstance(item, ProgramSource):
-        screen.library.open_program(item)
-    elif isinstance(item, Level):
-        await screen.library.open_level(item)
-    else:
-        await screen.replays.open_with_level(item)
+@dataclass(eq=False)
+class Uploads:
+    """Keeps files in the player's folder; `free` waits until nothing covers the game."""
+
+    data_dir: Path
+    ui: Dialogs
+    library: Library
+    replays: Replays
+    free: Callable[[], Awaitable[None]]
+
+    async def receive(self, name: str, content: bytes) -> None:
+        try:
+            path, item = await asyncio.to_thread(_keep, self.data_dir, name, content)
+        except InputError as error:
+            self.ui.warn(str(error))
+            return
+        self.ui.tell(f"Saved {name_and_folder(path)}.")
+        await self.free()
+        if isinstance(item, ProgramSource):
+            self.library.open_program(item)
+        elif isinstance(item, Level):
+            await self.library.open_level(item)
+        else:
+            await self.replays.open_with_level(item)
 
 
-def keep(data_dir: Path, name: str, content: bytes) -> tuple[Path, Item]:
-    """Save a file under a name that is free; return its path and what it holds. Blocks.
-
-    Raises InputError for one that can't be opened, of which nothing is kept.
-    """
+def _keep(data_dir: Path, name: str, content: bytes) -> tuple[Path, Item]:
+    """Save a file under a free name; return its path and what it holds, or raise InputError."""
     name = re.sub(r"[^\w.+-]+", "-", re.split(r"[/\\]", name)[-1])
     suffix = Path(name).suffix.lower()
     if suffix not in _SHELVES:
@@ -67,21 +73,18 @@ def keep(data_dir: Path, name: str, content: bytes) -> tuple[Path, Item]:
         raise InputError("can't be opened here.", place=name[-_LONGEST:] or "This", hint=hint)
     stem = name[: -len(suffix)].strip("-.+")[:_LONGEST] or "upload"
     name = f"{stem}{suffix}"
-    if not content:
-        raise InputError("is empty.", place=name, hint="Choose another file.")
-    if len(content) > MOST_BYTES:
-        raise InputError("is larger than 1 MB.", place=name, hint="Choose a smaller file.")
+    if not content or len(content) > _MOST_BYTES:
+        message = "is larger than 1 MB." if content else "is empty."
+        raise InputError(message, place=name, hint="Choose another file.")
     folder, load = _SHELVES[suffix]
     with _SAVING:
         path = _free_path(data_dir / folder, stem, suffix)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(path, content)
-        except OSError as error:
-            message = f"can't be saved: {error.strerror or error}."
-            raise InputError(message, place=str(path)) from error
-        try:
             return path, load(path)
+        except OSError as error:
+            raise InputError(f"can't be saved: {error.strerror or error}.", place=name) from error
         except InputError as error:
             path.unlink(missing_ok=True)
             place = error.place.replace(str(path), name)
@@ -90,13 +93,14 @@ def keep(data_dir: Path, name: str, content: bytes) -> tuple[Path, Item]:
 
 def _free_path(folder: Path, stem: str, suffix: str) -> Path:
     for number in range(1, _MOST_NAMES):
-        candidate = stem if number == 1 else f"{stem}-{number}"
         with suppress(InputError):  # a name of the game's own files, or of a folder
-            if suffix in SUFFIXES:
-                path = target(candidate, folder, folder="levels", suffixes=SUFFIXES, usual=suffix)
-            else:
-                path = target(candidate, folder, usual=suffix)
+            path = target(
+                f"{stem}-{number}".removesuffix("-1"),
+                folder,
+                folder="levels" if suffix in SUFFIXES else "programs",
+                suffixes=SUFFIXES if suffix in SUFFIXES else (suffix,),
+                usual=suffix,
+            )
             if not is_there(path):
                 return path
-    hint = "Give it another name."
-    raise InputError("has the name of too many files.", place=f"{stem}{suffix}", hint=hint)
+    raise InputError("has the name of too many files.", place=stem, hint="Choose another name.")
