@@ -40,7 +40,7 @@ from logical_robots_tui.tui.terminal.capabilities import (
 )
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
-from logical_robots_tui.tui.terminal.driver import LARGEST, ListeningDriver, Uploaded
+from logical_robots_tui.tui.terminal.driver import LARGEST, Uploaded
 from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
@@ -272,8 +272,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     def action_upload(self) -> None:
         """Let the page ask for a file, which comes as a message; it also takes dropped ones."""
-        driver = self._driver
-        if not (isinstance(driver, ListeningDriver) and driver.tell_page("upload")):
+        if not self.tell_page("upload"):
             self.main.warn("Only the page of logical-robots serve can send files.")
 
     def on_uploaded(self, message: Uploaded) -> None:

@@ -160,8 +160,12 @@ class DiffApp(CrashSafeApp):
         return BrowserDriver if issubclass(driver_class, WebDriver) else driver_class
 
     def watch_title(self, title: str) -> None:
-        if self.is_web and isinstance(self._driver, ListeningDriver):
-            self._driver.tell_page("title", title=title)
+        self.tell_page("title", title=title)
+
+    def tell_page(self, kind: str, **content: str) -> bool:
+        """Send what is not on the screen; return whether the game is in a page of its own."""
+        driver = self._driver
+        return isinstance(driver, ListeningDriver) and driver.tell_page(kind, **content)
 
     def redraw(self) -> None:
         """Send everything again, because the terminal may show something else."""

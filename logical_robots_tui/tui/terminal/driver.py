@@ -299,9 +299,8 @@ class ListeningDriver(Driver):
             self.loop.call_soon_threadsafe(handle_exception, self.app, error)
 
     def tell_page(self, kind: str, **content: str) -> bool:
-        """Send what is not on the screen; return whether the game is in a page of its own."""
         del kind, content
-        return False
+        return False  # in a terminal
 
     @abstractmethod
     def _listen(self) -> None:
