@@ -24,6 +24,7 @@ from logical_robots_tui.language.services.completion import (
 )
 from logical_robots_tui.language.services.lexer import LineStates, pieces
 from logical_robots_tui.language.services.symbols import renaming, sections, symbol_at
+from logical_robots_tui.language.source_text import line_of
 from logical_robots_tui.lsp.documents import Document
 from logical_robots_tui.lsp.levels import run_command
 from logical_robots_tui.lsp.server import SERVER, Server, range_of
@@ -98,9 +99,7 @@ def hover(ls: Server, params: types.HoverParams) -> types.Hover | None:
 
 def _columns(document: Document, name: str) -> Iterator[str]:
     """Yield a list of a predicate's columns with their types, when the program last compiled."""
-    program = document.program
-    kinds = json.loads(program.kinds).get(name) if program is not None else None
-    if program is not None and kinds:
+    if (program := document.program) and (kinds := json.loads(program.kinds).get(name)):
         yield "\n".join(
             f"- {program.label(name, column)}: `{_type(kind)}`" for column, kind in kinds.items()
         )
@@ -118,16 +117,13 @@ def _type(kind: Any) -> str:
 @SERVER.feature(types.TEXT_DOCUMENT_DEFINITION)
 def definition(ls: Server, params: types.DefinitionParams) -> types.Location | None:
     document, _, offset = ls.place(params)
-    symbol = symbol_at(document.text, offset)
-    if symbol is None:
+    symbol, heads = symbol_at(document.text, offset), definitions(document.text)
+    if symbol is None or (symbol.is_predicate and symbol.name not in heads):
         return None
-    if not symbol.is_predicate:
-        return _location(document, symbol.name, symbol.places[0])
-    head = definitions(document.text).get(symbol.name)
-    if head is None:
-        return None
-    start = types.Position(head.line, 0)
-    return types.Location(document.uri, types.Range(start, start))
+    place = symbol.places[0]
+    if symbol.is_predicate:
+        place = line_of(document.text, heads[symbol.name].line + 1)
+    return _location(document, symbol.name, place)
 
 
 @SERVER.feature(types.TEXT_DOCUMENT_REFERENCES)
@@ -175,11 +171,10 @@ def outline(ls: Server, params: types.DocumentSymbolParams) -> list[types.Docume
 @SERVER.feature(types.TEXT_DOCUMENT_FOLDING_RANGE)
 def folds(ls: Server, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
     document = ls.documents[params.text_document.uri]
-    places = (document.range(start, stop) for _, start, stop in sections(document.text))
     return [
         types.FoldingRange(place.start.line, place.end.line)
-        for place in places
-        if place.end.line > place.start.line
+        for _, start, stop in sections(document.text)
+        if (place := document.range(start, stop)).start.line < place.end.line
     ]
 
 

@@ -54,11 +54,11 @@ async def facts_of(level: str, folder: Path) -> LevelFacts:
     document = await run_command("level", "show", level, "--json", folder=folder)
     if error := document.get("error"):
         return LevelFacts(error=(error["message"], error.get("hint", "")))
-    meanings: dict[str, str] = {}
-    for kind in ("area", "beacon", "robot"):
-        for entity in document[f"{kind}s"]:
-            place = f" at {entity['x']:g}, {entity['y']:g}"
-            meanings[entity["name"]] = f"{kind} of {document['name']}{place}"
+    meanings = {
+        entity["name"]: f"{kind} of {document['name']} at {entity['x']:g}, {entity['y']:g}"
+        for kind in ("area", "beacon", "robot")
+        for entity in document[f"{kind}s"]
+    }
     return LevelFacts(msgspec.convert(document["names"], LevelNames), meanings)
 
 
