@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import mimetypes
 import os
 import re
 import resource
@@ -119,6 +120,7 @@ def play(options: argparse.Namespace) -> int:
     games = None
     if options.restricted:
         import_module(home)  # afterwards no library can be loaded
+        mimetypes.init(())  # a download would read tables of the system
         options.data_dir = options.data_dir.absolute()
         games = restrict(options.data_dir)
     recorder = _recorder(options)
@@ -196,7 +198,7 @@ def serve(options: argparse.Namespace) -> int:
 
     Play in a browser on this computer, with your own files, until ^C.
     Whoever has the printed address can play as you; nobody else can.
-    With --class, players have secret links, folders of their own and restricted games.
+    With --class, each player has a secret link, a folder and restricted games.
 
     examples:
       logical-robots serve                  open the game in the browser
