@@ -8,7 +8,8 @@ import shutil
 import signal
 import socket
 import sys
-from collections.abc import Callable, Iterator
+from base64 import b64encode
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from subprocess import PIPE, Popen
@@ -18,12 +19,12 @@ from typing import Self
 
 import aiohttp
 import pyte
-from playwright.sync_api import Browser, Page, ViewportSize, WebSocket, sync_playwright
+from playwright.sync_api import Browser, ViewportSize, WebSocket, sync_playwright
 
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
-__all__ = ["CHROMIUM", "Client", "Seat", "chromium", "serving"]
+__all__ = ["CHROMIUM", "SIZE", "Client", "Seat", "chromium", "serving", "zoomed"]
 
 CHROMIUM = shutil.which("chromium")
 SIZE = ViewportSize(width=1280, height=800)
@@ -39,6 +40,28 @@ _SHOWN = """
 text => [...Array(window.terminal?.rows ?? 0).keys()].some(
   y => window.terminal.buffer.active.getLine(y).translateToString().includes(text))
 """
+_LOOKS = """
+() => [...Array(terminal.rows).keys()].map(y => [...Array(terminal.cols).keys()].map(x => {
+  const cell = terminal.buffer.active.getLine(y).getCell(x);
+  const color = (mode, number) =>
+    mode === 0 ? "default" : mode === 3 << 24 ? number.toString(16).padStart(6, "0") : number;
+  const paper = color(cell.getBgColorMode(), cell.getBgColor());
+  const ink = color(cell.getFgColorMode(), cell.getFgColor());
+  const marks = [cell.isBold(), cell.isInverse(), cell.isUnderline()].map(Boolean);
+  const sign = cell.getChars() || " ";
+  return sign === " " && !marks[1] && !marks[2] ? [sign, paper] : [sign, paper, ink, ...marks];
+}))
+"""
+_DRAWN = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+_PIXELS = """
+async ([picture, places]) => {
+  const image = await createImageBitmap(await (await fetch(picture)).blob());
+  const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+  context.drawImage(image, 0, 0);
+  const bytes = context.getImageData(0, 0, image.width, image.height).data;
+  return places.map(([x, y]) => [...bytes.subarray(4 * (y * image.width + x)).subarray(0, 3)]);
+}
+"""
 
 
 @contextmanager
@@ -47,6 +70,16 @@ def chromium() -> Iterator[Browser]:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         yield browser
         browser.close()
+
+
+@contextmanager
+def zoomed(browser: Browser, zoom: float) -> Iterator[Browser]:
+    """Run another one with a zoom; Playwright's own scale factor leaves canvases blurred."""
+    size = f"{SIZE['width'] / zoom:.0f},{SIZE['height'] / zoom:.0f}"
+    args = ["--no-sandbox", f"--force-device-scale-factor={zoom}", f"--window-size={size}"]
+    other = browser.browser_type.launch(executable_path=CHROMIUM, args=args)
+    yield other
+    other.close()
 
 
 @contextmanager
@@ -70,13 +103,12 @@ class Seat:
     Args:
         browser: Where the page is opened, in a profile of its own.
         address: Of the page.
-        zoom: As the browser's zoom: the same window has fewer, larger CSS pixels.
+        size: Of the page; if None, of the browser's window.
     """
 
-    def __init__(self, browser: Browser, address: str, zoom: float = 1.0) -> None:
-        size = ViewportSize(width=round(SIZE["width"] / zoom), height=round(SIZE["height"] / zoom))
-        context = browser.new_context(viewport=size, device_scale_factor=zoom)
-        self.page: Page = context.new_page()
+    def __init__(self, browser: Browser, address: str, size: ViewportSize | None = SIZE) -> None:
+        context = browser.new_context(viewport=size, no_viewport=size is None)
+        self.page = context.new_page()
         self.screen = pyte.Screen(1, 1)  # of the latest connection
         self.errors: list[str] = []
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
@@ -108,9 +140,35 @@ class Seat:
 
     def shows(self, text: str) -> None:
         """Wait until a text is in the page's own buffer, and drawn."""
-        self.page.wait_for_function(_SHOWN, arg=text, polling="raf", timeout=1000 * PATIENCE)
+        self.page.wait_for_function(_SHOWN, arg=text, polling=20, timeout=1000 * PATIENCE)
 
-    def press(self, *keys: str, sees: str = "") -> None:
+    def looks(self) -> list[list[tuple[object, ...]]]:
+        """Return the page's own buffer, as `tests.terminal.looks` does a terminal's screen."""
+        return [[tuple(cell) for cell in row] for row in self.page.evaluate(_LOOKS)]
+
+    def pixels(self, places: Sequence[tuple[int, int]]) -> list[str]:
+        """Return the colours in a picture of the page; x and y are in the screen's pixels."""
+        self.page.evaluate(_DRAWN)
+        picture = b64encode(self.page.screenshot(scale="device")).decode()
+        with self.page.context.new_page() as page:
+            colors = page.evaluate(_PIXELS, ["data:image/png;base64," + picture, places])
+        return ["".join(f"{part:02x}" for part in color) for color in colors]
+
+    @property
+    def cell_size(self) -> tuple[float, float]:
+        """The width and height of a cell in CSS pixels."""
+        box = self.page.locator(".xterm-screen").bounding_box()
+        assert box
+        return box["width"] / self.screen.columns, box["height"] / self.screen.lines
+
+    def click(self, text: str, sees: str) -> None:
+        line = next(y for y, line in enumerate(self.screen.display) if text in line)
+        width, height = self.cell_size
+        column = self.screen.display[line].index(text)
+        self.page.mouse.click((column + 0.5) * width, (line + 0.5) * height)
+        self.sees(sees)
+
+    def press(self, *keys: str, sees: str | Callable[[], object] = "") -> None:
         for key in keys:
             self.page.keyboard.press(key)
         if sees:
@@ -131,7 +189,8 @@ class Client(Terminal):
         self, address: str, *, size: tuple[int, int], port: int | None = None, compress: bool = True
     ) -> None:
         super().__init__([], size=size)
-        page, _, self._key = address.partition("#")
+        page, _, key = address.partition("#")
+        self._protocols = ["logical-robots", key] if key else ["logical-robots"]
         self._origin = page.rstrip("/")
         server = self._origin if port is None else f"http://127.0.0.1:{port}"
         self._url = f"{server}/ws?width={size[0]}&height={size[1]}"
@@ -156,7 +215,7 @@ class Client(Terminal):
         async with (
             aiohttp.ClientSession(headers=headers) as session,
             session.ws_connect(
-                self._url, protocols=["logical-robots", self._key], compress=self._compress
+                self._url, protocols=self._protocols, compress=self._compress
             ) as page,
         ):
             output = asyncio.create_task(_receive(page, writer))

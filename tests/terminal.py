@@ -188,7 +188,8 @@ class Terminal:
             return False
         self._keep(chunk)
         questions = self._raw.count(WHERE_IS_THE_CURSOR)
-        self.send("\x1b[1;1R" * (questions - self._answered))
+        if questions > self._answered:
+            self.send("\x1b[1;1R" * (questions - self._answered))
         self._answered = questions
         return bool(chunk)
 

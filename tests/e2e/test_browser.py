@@ -9,15 +9,21 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, FileChooser, expect
 
-from tests.browser import CHROMIUM, SIZE, Seat, chromium, serving
+from logical_robots_tui.tui.labyrinth.drawing.cells import BLOCKS
+from tests.browser import CHROMIUM, SIZE, Client, Seat, chromium, serving, zoomed
 from tests.e2e.test_supervisor import texts
 from tests.processes import run_command
-from tests.waiting import PATIENCE
+from tests.terminal import Terminal, looks
+from tests.waiting import PATIENCE, until
 
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(CHROMIUM is None and "CI" not in os.environ, reason="there is no Chromium"),
 ]
+
+BAR_IS_LAST = """
+() => terminal.buffer.active.getLine(terminal.rows - 1).translateToString().includes("Run")
+"""
 
 
 @pytest.fixture(scope="module")
@@ -177,6 +183,106 @@ def test_the_end_of_a_game_in_plain_text_is_told(browser: Browser, address: str)
     page.context.close()
 
 
+def test_the_first_level_is_won_with_the_mouse(browser: Browser, tmp_path: Path) -> None:
+    with serving(tmp_path, "01-first-steps", "first-steps") as address:
+        seat = Seat(browser, address)
+        seat.sees("· applied")
+        for speed in ("80/s", "160/s", "320/s"):
+            seat.click("+ Speed", sees=speed)
+        seat.click("Run", sees="WON")
+        seat.page.context.close()
+
+
+def test_a_first_start_shows_the_player_round(browser: Browser, tmp_path: Path) -> None:
+    with serving(tmp_path) as address:
+        seat = Seat(browser, address)
+        seat.press(sees="skip the tour")
+
+        def has_ended() -> bool:
+            seat.press("Enter")
+            return "skip the tour" not in seat.text
+
+        seat.sees(has_ended)
+        seat.page.context.close()
+
+
+def test_keys_that_a_browser_takes_have_second_ones(seat: Seat) -> None:
+    seat.press("2", sees="Leave")
+    seat.page.keyboard.type("hello world")
+    seat.sees("hello world")
+    seat.press("Alt+Backspace")
+    seat.sees(lambda: "hello" in seat.text and "world" not in seat.text)
+    seat.press("F10")
+    seat.sees(lambda: "Leave" not in seat.text)
+    seat.press("1", "k")
+    seat.sees(lambda: "Program" not in seat.text)
+
+
+def test_two_pages_are_two_games(seat: Seat, browser: Browser, address: str) -> None:
+    other = Seat(browser, address)
+    other.sees("· applied")
+    seat.press("n", sees="tick 1 ")
+    other.press("n", "n", sees="tick 2 ")
+    assert "tick 1 " in seat.text
+    other.page.context.close()
+
+
+def test_a_window_of_another_size_is_filled(seat: Seat) -> None:
+    columns, lines = seat.screen.columns, seat.screen.lines
+    seat.page.set_viewport_size({"width": 900, "height": 600})
+    seat.page.wait_for_function("columns => window.terminal.cols < columns", arg=columns)
+    width, height = seat.page.evaluate("[terminal.cols, terminal.rows]")
+    assert (columns, lines) > (width, height)
+    seat.screen.resize(height, width)
+    seat.shows("Quit")
+    seat.page.wait_for_function(BAR_IS_LAST)
+
+
+def test_a_page_shows_what_a_terminal_shows(seat: Seat, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps"]
+    size = seat.screen.columns, seat.screen.lines
+    with Terminal([*command, "--data-dir", tmp_path / "other"], size=size) as terminal:
+        terminal.wait_for("· applied")
+        for tick in ("tick 1 ", "tick 2 ", "tick 3 "):
+            terminal.send("n", sees=tick)
+            seat.press("n", sees=tick)
+            seat.shows(tick)
+        terminal.wait_for("Robots · tick 3")
+        seat.shows("Robots · tick 3")
+        *page_rows, page_bar = seat.looks()
+        *rows, bar = looks(terminal.screen)
+    assert page_rows == rows
+    assert page_bar[:12] == bar[:12]  # later keys are those that a browser passes on
+
+
+def test_a_map_has_no_gaps_at_any_zoom(browser: Browser, address: str) -> None:
+    """The pixels in the corners of each cell have the colours of its quadrants."""
+    for zoom in (0.5, 0.67, 0.8, 1, 1.1, 1.25, 1.5, 2):
+        with zoomed(browser, zoom) as window:
+            seat = Seat(window, address, size=None)
+            seat.shows("tick 0")
+            width, height = (round(side * zoom) for side in seat.cell_size)
+            colors = quadrant_corners(seat.looks(), width, height)
+            assert len(colors) > 100
+            assert (zoom, seat.pixels([*colors])) == (zoom, [*colors.values()])
+
+
+def quadrant_corners(
+    cells: list[list[tuple[object, ...]]], width: int, height: int
+) -> dict[tuple[int, int], object]:
+    """Return the colours of pixels by their x and y, of cells in all columns and lines."""
+    colors = {}
+    for y, row in enumerate(cells):
+        for x, (sign, paper, *marks) in enumerate(row):
+            if (x + y) % 4 == 0 and str(sign) in BLOCKS[4].strip():
+                filled, ink = BLOCKS[4].index(str(sign)), marks[0]
+                for quadrant in range(4):
+                    corner_x = (x + quadrant % 2) * width - quadrant % 2
+                    corner_y = (y + quadrant // 2) * height - quadrant // 2
+                    colors[corner_x, corner_y] = ink if filled >> quadrant & 1 else paper
+    return colors
+
+
 @pytest.mark.parametrize("key", ["", "#", "#wrong", "#ö"])
 def test_nobody_plays_without_the_key(key: str, browser: Browser, address: str) -> None:
     page = browser.new_context().new_page()
@@ -184,3 +290,10 @@ def test_nobody_plays_without_the_key(key: str, browser: Browser, address: str) 
     page.wait_for_selector("#end:not([hidden])")
     assert "no valid key" in page.inner_text("#reason")
     page.context.close()
+
+
+@pytest.mark.parametrize("key", ["", "#wrong"])
+def test_a_websocket_without_the_key_gets_no_game(key: str, address: str) -> None:
+    with Client(address.partition("#")[0] + key, size=(80, 24)) as client:
+        until(lambda: not client.receive())
+        assert client.everything == ""
