@@ -2,7 +2,7 @@
 
 ``python -m docs.screenshot playing`` draws the first program of the README winning the first level,
 as a moving picture; ``levels`` draws the level screen after some victories; ``convoy`` draws a
-whole run of level 8, as `replay export` does.
+whole run of level 8, as `replay export` does. ``browser`` takes a PNG of the page in Chromium.
 
 Block and line characters become rectangles, so that the picture has no seams in any font.
 """
@@ -26,6 +26,7 @@ from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.simulation import Simulation
 from logical_robots_tui.tui.labyrinth.svg import moving_svg
 from logical_robots_tui.world import list_levels, load_level
+from tests.browser import Seat, chromium, serving
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -74,8 +75,11 @@ SHAPES: dict[str, Shape] = {
 
 def main() -> None:
     """Draw the pictures that are named, or all."""
-    for name in sys.argv[1:] or PICTURES:
-        (DOCS / f"{name}.svg").write_text(PICTURES[name](), encoding="utf-8")
+    for name in sys.argv[1:] or (*PICTURES, "browser"):
+        if name == "browser":
+            (DOCS / "browser.png").write_bytes(photograph_browser())
+        else:
+            (DOCS / f"{name}.svg").write_text(PICTURES[name](), encoding="utf-8")
 
 
 def draw_playing() -> str:
@@ -130,6 +134,22 @@ def draw_convoy() -> str:
         while not simulation.over:
             states.append(simulation.step().after)
     return moving_svg(simulation.level, states, simulation.tick)[0]
+
+
+def photograph_browser() -> bytes:
+    """Return a picture of a page in which robots are on their way."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        serving(Path(folder), "05-lighthouse", "lighthouse") as address,
+        chromium() as browser,
+    ):
+        seat = Seat(browser, address, {"width": 1080, "height": 680})
+        seat.sees("· applied")
+        seat.press("U", sees="Run until tick")
+        seat.page.keyboard.type("200\n")
+        seat.shows("tick 200 of 200")
+        seat.shows("Robots · tick 200")
+        return seat.page.screenshot()
 
 
 PICTURES = {"playing": draw_playing, "levels": draw_levels, "convoy": draw_convoy}

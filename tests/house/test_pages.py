@@ -96,6 +96,10 @@ def test_a_picture_is_small(name: str) -> None:
     assert len((DOCS / f"{name}.svg").read_bytes()) < LARGEST
 
 
+def test_the_picture_of_a_browser_is_small() -> None:
+    assert (DOCS / "browser.png").stat().st_size < LARGEST / 2
+
+
 PAGE = (CHECKOUT / "docs" / "security.md").read_text("utf-8")
 
 
