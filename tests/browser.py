@@ -35,14 +35,18 @@ Object.defineProperty(Object.prototype, "fitAddon", {configurable: true, set(add
   window.terminal = this.terminal;
   Object.defineProperty(this, "fitAddon", {value: addon});
 }});
+window.lineAt = y => {
+  const buffer = window.terminal.buffer.active;
+  return buffer.getLine(buffer.baseY + y);
+};
 """
 _SHOWN = """
 text => [...Array(window.terminal?.rows ?? 0).keys()].some(
-  y => window.terminal.buffer.active.getLine(y).translateToString().includes(text))
+  y => lineAt(y).translateToString().includes(text))
 """
 _LOOKS = """
 () => [...Array(terminal.rows).keys()].map(y => [...Array(terminal.cols).keys()].map(x => {
-  const cell = terminal.buffer.active.getLine(y).getCell(x);
+  const cell = lineAt(y).getCell(x);
   const color = (mode, number) =>
     mode === 0 ? "default" : mode === 3 << 24 ? number.toString(16).padStart(6, "0") : number;
   const paper = color(cell.getBgColorMode(), cell.getBgColor());

@@ -61,7 +61,7 @@ class Players:
             self._version = version
             try:
                 self._digests = _digests_in(_read(self._file))
-            except LogicalRobotsError as error:
+            except (LogicalRobotsError, OSError) as error:
                 self._report(f"{error}\nThe players stay as they were.")
         return self._digests
 
