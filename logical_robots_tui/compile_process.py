@@ -1,10 +1,20 @@
-"""The compile process: compiles programs, decomposes their rules, and reads calls."""
+"""The compile process: compiles programs, decomposes their rules, and reads calls.
+
+A host of games has a warm one, which forks those of all games: it reads two numbers from a game,
+and gives it pipes to a process that has given up everything else before it reads a program. The
+warm one ends with the last game after the host.
+"""
 
 from __future__ import annotations
 
-from contextlib import closing
+import os
+import socket
+import sys
+from contextlib import closing, suppress
 from dataclasses import replace
 from functools import partial
+from selectors import EVENT_READ, DefaultSelector
+from typing import NamedTuple
 
 from logical_robots_tui.explain import decomposition
 from logical_robots_tui.explain.calls import read_call
@@ -16,9 +26,15 @@ from logical_robots_tui.mind.compiling import worker
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.tuning import tune_all
 
+_LARGEST = 100  # bytes of a request
+
 
 def main() -> None:
-    worker.serve(JOBS)
+    """Do tasks, or with the words host and DESCRIPTOR fork processes that do, until the end."""
+    if sys.argv[1] == "host":
+        _serve_games(socket.socket(fileno=int(sys.argv[2])))
+    else:
+        worker.serve(JOBS)
 
 
 def _decompose(task: Decompose) -> Probing:
@@ -49,3 +65,70 @@ JOBS: dict[type[Task], worker.Job] = {
     PrepareCheckup: _check_up,
     ReadCall: lambda task: read_call(task.text),
 }
+
+
+class _Fork(NamedTuple):
+    pid: int
+    game: socket.socket
+
+
+def _serve_games(host: socket.socket) -> None:
+    """Fork compile processes until there are no games, and no host to tell of others."""
+    worker.warm_up()
+    selector = DefaultSelector()
+    selector.register(host, EVENT_READ)
+    working: set[socket.socket] = set()
+    while selector.get_map():
+        for key, _ in selector.select():
+            if isinstance(key.data, _Fork):
+                selector.unregister(key.fd)
+                os.close(key.fd)
+                status = os.waitstatus_to_exitcode(os.waitpid(key.data.pid, 0)[1])
+                working.discard(key.data.game)
+                with suppress(OSError):
+                    key.data.game.send(str(status).encode())
+                continue
+            connection = key.fileobj
+            assert isinstance(connection, socket.socket)
+            content = b""
+            with suppress(OSError, ValueError):  # no game at the host's end
+                if connection is host:
+                    _, [game], *_ = socket.recv_fds(host, _LARGEST, 1)
+                    selector.register(socket.socket(fileno=game), EVENT_READ)
+                    continue
+                content = connection.recv(_LARGEST)  # without descriptors
+            if (arguments := _arguments(content)) is None or connection in working:
+                selector.unregister(connection)
+                connection.close()
+            else:
+                process = _fork(connection, arguments)
+                working.add(connection)
+                selector.register(os.pidfd_open(process.pid), EVENT_READ, process)
+
+
+def _arguments(content: bytes) -> list[str] | None:
+    """Return a compile process's arguments from a request, or None if it is not one."""
+    try:
+        size, seconds = content.split()
+        return [str(int(size)), str(float(seconds))]
+    except ValueError:
+        return None
+
+
+def _fork(game: socket.socket, arguments: list[str]) -> _Fork:
+    """Fork a compile process for a game, and give the game the other ends of its pipes."""
+    (stdin, to_stdin), (from_stdout, stdout), (lifeline, our_end) = (os.pipe() for _ in range(3))
+    pid = os.fork()
+    if pid == 0:
+        os.setsid()
+        os.dup2(stdin, 0)
+        os.dup2(stdout, 1)
+        lifeline = os.dup2(lifeline, 3)
+        os.closerange(4, os.sysconf("SC_OPEN_MAX"))
+        sys.argv[1:] = [str(lifeline), *arguments]
+        worker.serve(JOBS)
+    with suppress(OSError):
+        socket.send_fds(game, [str(pid).encode()], [to_stdin, from_stdout, our_end])
+    for descriptor in (stdin, to_stdin, from_stdout, stdout, lifeline, our_end):
+        os.close(descriptor)
+    return _Fork(pid, game)

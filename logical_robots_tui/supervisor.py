@@ -16,17 +16,21 @@ import termios
 from collections.abc import Iterable
 from contextlib import suppress
 from time import clock_gettime, monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.processes.lifeline import (
     AWAY,
     BEATS,
+    HEARTBEAT_BYTES,
     LEFT,
     MOST_IN_A_CALL,
     bound_calls,
     share_heartbeat,
     signal_when_closed,
 )
+
+if TYPE_CHECKING:
+    from logical_robots_tui.processes.hosted import HostedGame
 
 STUCK = 70  # as for any other bug: EX_SOFTWARE in sysexits.h
 
@@ -43,6 +47,7 @@ _IDLE = 0.01  # processor seconds between two looks; threads that only wait take
 _ENDS = frozenset((signal.SIGHUP, signal.SIGTERM))
 _AWAITED = frozenset((*_ENDS, signal.SIGCHLD, signal.SIGCONT, signal.SIGINT, signal.SIGTSTP))
 _BLOCKED = frozenset((*_AWAITED, signal.SIGTTOU))  # or setting the terminal would stop it
+_PASSED_ON = frozenset((signal.SIGWINCH,))  # to a game that has no controlling terminal
 
 _PLAIN_SCREEN = (
     "\x1b[?2026l"  # no synchronized output
@@ -73,7 +78,7 @@ def main() -> int:
     status = None
     if hasattr(signal, "sigtimedwait"):
         if _opens_screen(words):
-            status = _supervise()
+            status = _supervise(words)
         elif words and words[0] in _THINKING:
             status = _run_bounded()
     if status is not None:
@@ -93,17 +98,35 @@ def _opens_screen(words: list[str]) -> bool:
     return words[:2] == ["replay", "play"] or not words or words[0].startswith(("-", "play"))
 
 
-def _supervise() -> int | None:
-    """Fork; return None in the game, and the game's exit status in this process."""
-    shared = mmap.mmap(-1, 3)
+def _supervise(words: list[str]) -> int | None:
+    """Fork, here or in a host; return None in the game, and its exit status in this process."""
     terminal: list[Any] | None = None
     with suppress(termios.error):
         terminal = termios.tcgetattr(0)  # before the game can change it
+    if folder := _host_folder(words):
+        from logical_robots_tui.processes.hosted import request_game
+
+        previous_mask = signal.pthread_sigmask(signal.SIG_BLOCK, _BLOCKED | _PASSED_ON)
+        encodings = [str(stream.encoding) for stream in (sys.stdin, sys.stdout, sys.stderr)]
+        hosted = request_game(folder, words, encodings)
+        if hosted is not None:
+            return _Supervisor(hosted, hosted.heartbeat, terminal).run()
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous_mask)
+    shared = mmap.mmap(-1, HEARTBEAT_BYTES)
     game = _fork(_BLOCKED, signal.SIGHUP)
     if game == 0:
         share_heartbeat(shared)
         return None
-    return _Supervisor(game, shared, terminal).run()
+    return _Supervisor(_ForkedGame(game), shared, terminal).run()
+
+
+def _host_folder(words: list[str]) -> str:
+    """Return the value of --host, or ""."""
+    for word, value in zip(words, [*words[1:], ""], strict=True):
+        name, equals, text = word.partition("=")
+        if name == "--host":
+            return text if equals else value
+    return ""
 
 
 def _fork(blocked: Iterable[signal.Signals], end: signal.Signals) -> int:
@@ -148,11 +171,34 @@ def _run_bounded() -> int | None:
         return code if code >= 0 else 128 - code
 
 
+class _ForkedGame:
+    """A game that this process has forked."""
+
+    def __init__(self, pid: int) -> None:
+        self.pid = pid
+
+    def status(self) -> int | None:
+        """Return its exit status, None while it runs; suspend this process together with it."""
+        pid, status = os.waitpid(self.pid, os.WNOHANG | os.WUNTRACED)
+        if pid == 0:
+            return None
+        if os.WIFSTOPPED(status):
+            os.kill(os.getpid(), signal.SIGSTOP)
+            return None
+        return os.waitstatus_to_exitcode(status)
+
+    def wait(self) -> int:
+        return os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
+
+
 class _Supervisor:
     """Waits for a game and for signals, and monitors the game's heartbeat."""
 
-    def __init__(self, game: int, shared: mmap.mmap, terminal: list[Any] | None) -> None:
+    def __init__(
+        self, game: _ForkedGame | HostedGame, shared: mmap.mmap, terminal: list[Any] | None
+    ) -> None:
         self._game = game
+        self._awaited = _AWAITED | (_PASSED_ON if not isinstance(game, _ForkedGame) else set())
         self._shared = shared
         self._terminal = terminal
         self._raw: list[Any] | None = None  # the game's settings while ^C is a signal
@@ -163,17 +209,17 @@ class _Supervisor:
 
     def run(self) -> int:
         while True:
-            event = signal.sigtimedwait(_AWAITED, _LOOK_SECONDS)
+            event = signal.sigtimedwait(self._awaited, _LOOK_SECONDS)
             number = 0 if event is None else event.si_signo
             if number == signal.SIGCHLD or number == 0:
-                status = self._status()
+                status = self._game.status()
                 if status is not None:
                     return self._exit_status(status)
             if number in _ENDS:
                 self._end(signal.Signals(number))
                 self._restore_terminal()
                 return 128 + number
-            if number == signal.SIGTSTP:
+            if number == signal.SIGTSTP or number in _PASSED_ON:
                 self._send(number)
             if number == signal.SIGCONT:
                 self._continue()
@@ -182,27 +228,16 @@ class _Supervisor:
             if number == 0 and self._is_stuck():
                 return self._exit_status(self._end(signal.SIGTERM), "was stuck and was ended")
 
-    def _status(self) -> int | None:
-        """Return the game's exit status, None while it runs; suspend together with it."""
-        pid, status = os.waitpid(self._game, os.WNOHANG | os.WUNTRACED)
-        if pid == 0:
-            return None
-        if os.WIFSTOPPED(status):
-            os.kill(os.getpid(), signal.SIGSTOP)
-            self._continue()
-            return None
-        return os.waitstatus_to_exitcode(status)
-
     def _continue(self) -> None:
         """Continue the game, unless a shell continued both: it would take the terminal twice."""
-        if _state(self._game) == "T":
+        if _state(self._game.pid) == "T":
             self._send(signal.SIGCONT)
         self._restart_timeout()
 
     def _restart_timeout(self) -> None:
         """Restart the timeout: the game has shown that it is alive, or was suspended."""
         self._looks = self._idle_looks = 0
-        self._computed = self._last_computed = _processor_seconds(self._game)
+        self._computed = self._last_computed = _processor_seconds(self._game.pid)
         if self._raw is not None:
             self._set_terminal(self._raw)
             self._raw = None
@@ -213,7 +248,7 @@ class _Supervisor:
             self._beats, self._has_begun = beats, beats != 0
             self._restart_timeout()
             return False
-        seconds = _processor_seconds(self._game)
+        seconds = _processor_seconds(self._game.pid)
         self._looks += 1
         self._idle_looks = self._idle_looks + 1 if seconds - self._last_computed < _IDLE else 0
         self._last_computed = seconds
@@ -246,31 +281,31 @@ class _Supervisor:
     def _end(self, number: signal.Signals) -> int:
         """Ask the game to end, then kill it; return its exit status."""
         self._send(number)
-        if _state(self._game) in ("T", ""):
+        if _state(self._game.pid) in ("T", ""):
             self._send(signal.SIGCONT)
-        start, computed = monotonic(), _processor_seconds(self._game)
+        start, computed = monotonic(), _processor_seconds(self._game.pid)
         while True:
-            pid, status = os.waitpid(self._game, os.WNOHANG)
-            if pid:
-                return os.waitstatus_to_exitcode(status)
+            status = self._game.status()
+            if status is not None:
+                return status
             waited = monotonic() - start
-            if _processor_seconds(self._game) - computed > _COMPUTED_TO_END:
+            if _processor_seconds(self._game.pid) - computed > _COMPUTED_TO_END:
                 break
             if waited > _STARVED_TO_END or (waited > _TO_END and not self._is_starved()):
                 break
             signal.sigtimedwait({signal.SIGCHLD}, _LOOK_SECONDS / 5)
         self._send(signal.SIGKILL)
-        return os.waitstatus_to_exitcode(os.waitpid(self._game, 0)[1])
+        return self._game.wait()
 
     def _is_starved(self) -> bool:
         threads: list[str] = []
         with suppress(OSError):
-            threads = os.listdir(f"/proc/{self._game}/task")  # noqa: PTH208 - pathlib takes a while to load
+            threads = os.listdir(f"/proc/{self._game.pid}/task")  # noqa: PTH208 - pathlib takes a while to load
         return any(_state(int(thread)) in ("R", "D") for thread in threads)
 
     def _send(self, number: int) -> None:
         with suppress(ProcessLookupError):
-            os.kill(self._game, number)
+            os.kill(self._game.pid, number)
 
     def _exit_status(self, status: int, reason: str = "") -> int:
         """Return the command's exit status; print the reason if the game did not end by itself."""

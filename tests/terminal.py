@@ -120,7 +120,8 @@ class Terminal:
     def resize(self, columns: int, lines: int) -> None:
         """Tell the game that its terminal has another size; what the test sees keeps its own."""
         ioctl(self._ours, termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
-        os.kill(self.game, signal.SIGWINCH)
+        if not self._controls:  # else the kernel does
+            os.kill(self.game, signal.SIGWINCH)
 
     def wait_for(self, condition: str | Callable[[], object]) -> None:
         """Read on until a text stands on the screen, or a condition holds."""

@@ -27,7 +27,7 @@ from logical_robots_tui.processes.helper import collect_seldom
 PROGRAM = "logical-robots"
 
 _MODULES = (
-    ("play", "play serve"),
+    ("play", "play serve host"),
     ("run", "run trace"),
     ("query", "query when"),
     ("why", "why origin"),

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.player.recovery import OpenGames
 
+FRAMES_A_SECOND = "120"
+"""For Textual: text about a tick appears at most this long after its picture. Its default is 60."""
+
 SIZES = ("small", "medium", "large")
 
 
@@ -84,6 +87,7 @@ def _player(text: str) -> str:
     ),
     command.NO_SOLUTIONS,
     command.flag("--allow-clipboard", "let the restricted game write to your terminal's clipboard"),
+    command.option("--host", "FOLDER", "start sooner, from the host at work there"),  # `supervisor`
 )
 def play(options: argparse.Namespace) -> int:
     """open the game in this terminal
@@ -284,6 +288,29 @@ def _change_class(options: argparse.Namespace, url: str) -> int:
     return 0
 
 
+@command.declare("host", command.option("folder", "FOLDER", "where games look for it", type=Path))
+def host(options: argparse.Namespace) -> int:
+    """let the games of a shared computer start sooner
+
+    Keep the game loaded, and fork a copy for each player who starts `play --host FOLDER`.
+    Where no host answers, games start without it.
+
+    examples:
+      logical-robots host /run/robots
+      logical-robots play --restricted --player ada --host /run/robots
+
+    exit status: 2 if FOLDER can't be used
+    """
+    from logical_robots_tui.processes.hosting import GameHost, listen
+
+    os.environ["TEXTUAL_FPS"] = FRAMES_A_SECOND
+    games = GameHost(listen(options.folder))
+    games.warm_up()
+    print(f"Games that are started with --host {options.folder} are forked.", flush=True)
+    words = games.serve()
+    return int(import_module("logical_robots_tui.cli.main").main(words))
+
+
 def play_replay(options: argparse.Namespace, replay: Replay) -> int:
     """Open a replay on the screen; raise InputError if there is no terminal."""
     _prepare_screen()
@@ -327,8 +354,7 @@ def _prepare_screen() -> None:
         replace_unwritable,
     )
 
-    # Text about a tick appears at most this long after its picture; Textual's default is 60.
-    os.environ.setdefault("TEXTUAL_FPS", "120")
+    os.environ.setdefault("TEXTUAL_FPS", FRAMES_A_SECOND)
     if os.environ.get("TEXTUAL_DRIVER"):
         assume_browser(os.environ, sys.__stderr__)
         collect_later()  # after the first picture

@@ -22,6 +22,7 @@ from logical_robots_tui.caching import CacheFolder, cache_place, digest_of_code
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.processes.helper import COMPILE_PROCESS, Helper
+from logical_robots_tui.processes.hosted import HostedHelper, forked_compile_process
 
 Report: TypeAlias = "Callable[[int, int], None]"
 """Called with the number of compiled predicates and of all."""
@@ -33,6 +34,7 @@ _log = logging.getLogger(__name__)
 _CACHED_RESULTS = 64
 _POLL_SECONDS = 0.02
 _PATIENCE = 20  # seconds to wait for each processor second, on a busy computer
+_IDLE_SECONDS = 60.0
 _MAX_ANSWER = 32_000_000  # bytes
 MAX_ENTRIES = 5_000
 MAX_BYTES = 50_000_000
@@ -125,9 +127,10 @@ def check_text(text: str, limits: Limits | None) -> None:
 
 class _Compiler:
     def __init__(self) -> None:
-        self._process: Helper | None = None
+        self._process: Helper | HostedHelper | None = None
         self._bounds = ("", "")
         self._lock = threading.Lock()
+        self._used_at = 0.0
         self._cache: OrderedDict[bytes, Any] = OrderedDict()
 
     def result(
@@ -174,6 +177,15 @@ class _Compiler:
         if process is not None:
             process.end()
 
+    def close_idle(self, seconds: float = _IDLE_SECONDS) -> None:
+        """End the process if it has had no task for a while; the next one starts another."""
+        if self._lock.acquire(blocking=False):
+            try:
+                if monotonic() - self._used_at > seconds:
+                    self.close()
+            finally:
+                self._lock.release()
+
     def _compute(
         self,
         request: bytes,
@@ -212,6 +224,7 @@ class _Compiler:
         self, request: bytes, limits: Limits, deadline: float, stop: threading.Event | None
     ) -> Iterator[bytes]:
         process = self._running_process(limits)
+        self._used_at = monotonic()
         assert process.stdin is not None
         assert process.stdout is not None
         stdin, stdout = process.stdin.fileno(), process.stdout.fileno()
@@ -240,14 +253,14 @@ class _Compiler:
                 if len(answer) > _MAX_ANSWER:
                     raise OSError("the compile process sent too much")
 
-    def _running_process(self, limits: Limits) -> Helper:
+    def _running_process(self, limits: Limits) -> Helper | HostedHelper:
         bounds = str(limits.compile_bytes), str(limits.compile_seconds)
         is_running = self._process is not None and self._process.poll() is None
         if self._process is not None and is_running and bounds == self._bounds:
             return self._process
         self.close()
         self._bounds = bounds
-        self._process = Helper(COMPILE_PROCESS, *bounds)
+        self._process = forked_compile_process(*bounds) or Helper(COMPILE_PROCESS, *bounds)
         return self._process
 
 
@@ -264,7 +277,7 @@ def _timeout_error(limits: Limits) -> ProgramError:
     )
 
 
-def _exit_error(status: int, limits: Limits) -> ProgramError:
+def _exit_error(status: int | None, limits: Limits) -> ProgramError:
     """Return why the compile process ended with an exit status."""
     if status == -signal.SIGPROF:
         return _timeout_error(limits)
@@ -291,6 +304,7 @@ def _refusal(
 
 _compiler = _Compiler()
 compile_task, stop_compiling = _compiler.result, _compiler.close
+stop_idle_compiling = _compiler.close_idle
 
 
 # -- on disk -------------------------------------------------------------------------------------

@@ -58,18 +58,12 @@ class Helper(subprocess.Popen[bytes]):
         read_end, self._lifeline = os.pipe()
         try:
             super().__init__(
-                _words(module, str(read_end), *arguments),
+                helper_command(module, str(read_end), *arguments),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 cwd="/",
-                env={
-                    "HOME": "/",
-                    "LOGICAL_ROBOTS_CACHE_DIR": "",
-                    "OPENBLAS_NUM_THREADS": "1",
-                    "PYTHONNOUSERSITE": "1",
-                    **{name: os.environ[name] for name in _INHERITED_VARIABLES & os.environ.keys()},
-                },
+                env=helper_environment(),
                 pass_fds=[read_end],
                 start_new_session=True,  # a keyboard interrupt is for the game alone
             )
@@ -96,10 +90,21 @@ def is_helper(executable: object, words: object) -> bool:
     if executable != sys.executable or not isinstance(words, list) or len(words) < len(_FLAGS) + 6:
         return False
     module, lifeline, *arguments = words[len(_FLAGS) + 4 :]
-    return module in _MODULES and words == _words(module, lifeline, *arguments)
+    return module in _MODULES and words == helper_command(module, lifeline, *arguments)
 
 
-def _words(module: str, *arguments: str) -> list[str]:
+def helper_environment() -> dict[str, str]:
+    inherited = {name: os.environ[name] for name in _INHERITED_VARIABLES & os.environ.keys()}
+    return {
+        "HOME": "/",
+        "LOGICAL_ROBOTS_CACHE_DIR": "",
+        "OPENBLAS_NUM_THREADS": "1",
+        "PYTHONNOUSERSITE": "1",
+        **inherited,
+    }
+
+
+def helper_command(module: str, *arguments: str) -> list[str]:
     home = str(Path(__file__).resolve().parents[2])
     paths = dict.fromkeys([home, *(str(Path(p).resolve()) for p in sys.path if p)])
     return [sys.executable, *_FLAGS, "-c", _BEGIN, os.pathsep.join(paths), module, *arguments]

@@ -36,6 +36,8 @@ The first counts up, and is 0 before the first beat; then `away`, and whether th
 left its screen.
 """
 
+HEARTBEAT_BYTES = 3
+
 _BEAT_SECONDS = 1.0
 _MAX_COMPUTED = 30.0  # processor seconds without a heartbeat after which the kernel ends the game
 

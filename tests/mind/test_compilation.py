@@ -17,6 +17,7 @@ from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, comp
 from logical_robots_tui.mind.compilation import CompileProgram
 from logical_robots_tui.mind.compiling import compiler, worker
 from logical_robots_tui.processes import helper
+from logical_robots_tui.processes.helper import Helper
 from tests.mind.rows import ROBOT, python, slow
 from tests.processes import is_running, run_command
 from tests.waiting import PATIENCE, until
@@ -37,11 +38,11 @@ def _nothing_is_compiled_yet(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(FOLDER_VARIABLE, "")
 
 
-def process() -> subprocess.Popen[bytes]:
+def process() -> Helper:
     with suppress(ProgramError):
         Program.compile("Robot(")
     running = compilation._compiler._process
-    assert running is not None
+    assert isinstance(running, Helper)
     return running
 
 

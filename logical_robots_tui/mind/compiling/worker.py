@@ -18,7 +18,7 @@ import traceback
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import replace
-from functools import partial, reduce
+from functools import cache, partial, reduce
 from operator import or_
 from time import process_time
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
@@ -117,6 +117,7 @@ def _write(answers: IO[bytes], answer: CompileProgress | TaskResult | Refusal | 
     answers.flush()
 
 
+@cache
 def warm_up() -> None:
     """Load everything that compiling may need while files can still be opened."""
     sys.modules["numpy"] = None  # type: ignore[assignment]  # the package would load it for speed

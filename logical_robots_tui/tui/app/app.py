@@ -16,6 +16,7 @@ from textual.geometry import Region
 from textual.widgets import Input, TextArea
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.mind.compilation import stop_idle_compiling
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
 from logical_robots_tui.player.settings import (
     Settings,
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
+_LOOK_FOR_IDLENESS = 10.0  # seconds between looks whether the compile process has had no work
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 _INPUT = (events.InputEvent, events.Paste)
@@ -126,6 +128,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
                 self.watch_terminal()
         if self._games is not None:
             self.set_interval(_LOOK_FOR_WISHES, self._end_if_asked)
+        self.set_interval(_LOOK_FOR_IDLENESS, stop_idle_compiling)
         for row in rows():
             if row.name != "theme":  # it was there before the first picture
                 self._follow(row.name, getattr(self._settings, row.name))
