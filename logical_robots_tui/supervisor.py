@@ -103,7 +103,7 @@ def _supervise(words: list[str]) -> int | None:
     terminal: list[Any] | None = None
     with suppress(termios.error):
         terminal = termios.tcgetattr(0)  # before the game can change it
-    if folder := _host_folder(words):
+    if _is_restricted() and (folder := _host_folder(words)):
         from logical_robots_tui.processes.hosted import request_game
 
         previous_mask = signal.pthread_sigmask(signal.SIG_BLOCK, _BLOCKED | _PASSED_ON)
@@ -121,12 +121,12 @@ def _supervise(words: list[str]) -> int | None:
 
 
 def _host_folder(words: list[str]) -> str:
-    """Return the value of --host, or ""."""
+    """Return the value of --host, by default of its variable, or ""."""
     for word, value in zip(words, [*words[1:], ""], strict=True):
         name, equals, text = word.partition("=")
         if name == "--host":
             return text if equals else value
-    return ""
+    return os.environ.get("LOGICAL_ROBOTS_HOST", "")
 
 
 def _fork(blocked: Iterable[signal.Signals], end: signal.Signals) -> int:

@@ -16,7 +16,6 @@ from mmap import mmap
 from pathlib import Path
 from typing import IO, NamedTuple
 
-from logical_robots_tui import __version__
 from logical_robots_tui.processes.lifeline import HEARTBEAT_BYTES, signal_when_closed
 
 SOCKET = "host.socket"
@@ -25,7 +24,7 @@ SOCKET = "host.socket"
 LARGEST = 200_000
 """Bytes of a request."""
 
-VERSION = f"{__version__} {Path(__file__).parents[1]}"
+VERSION = f"{__file__} {Path(__file__).stat().st_mtime_ns}"
 """What client and host must have in common."""
 
 DESCRIPTORS = 5

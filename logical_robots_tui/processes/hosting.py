@@ -214,7 +214,7 @@ def _become(
     sys.argv[1:] = request.words
     # New ones, because the host's may be files, and of another encoding.
     for number, (name, encoding) in enumerate(zip(_STREAMS, request.encodings, strict=True)):
-        stream = open(number, "w" if number else "r", 1, encoding, closefd=False)  # noqa: SIM115
+        stream = open(number, "w" if number else "r", 1, encoding, closefd=False)  # noqa: SIM115 - stays open
         setattr(sys, name, stream)
         setattr(sys, f"__{name}__", stream)
     from textual import constants

@@ -7,7 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import combinations
 from pathlib import Path
@@ -37,21 +37,31 @@ def descriptors(process: int) -> set[str]:
     return {str(link.readlink()) for link in links if int(link.name) > 2}
 
 
+@contextmanager
+def killed(process: subprocess.Popen[str]) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        process.kill()
+
+
 @pytest.fixture
 def host(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
     command = [*GAME, "host", str(tmp_path / "host")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert "are forked" in process.stdout.readline()
-        yield process
-        process.kill()
+        with killed(process):
+            yield process
 
 
 @contextmanager
-def playing(tmp_path: Path, player: str = "ada") -> Iterator[Terminal]:
-    words = ["play", "02-open-space", "--restricted", "--player", player]
-    folders = ["--data-dir", str(tmp_path), "--host", str(tmp_path / "host")]
-    with Terminal([*GAME, *words, *folders], size=SIZE, controls=True) as terminal:
+def playing(
+    tmp_path: Path, player: str = "ada", options: Sequence[str] | None = None
+) -> Iterator[Terminal]:
+    words = ["play", "02-open-space", "--restricted", "--player", player, "--data-dir", tmp_path]
+    options = ["--host", str(tmp_path / "host")] if options is None else options
+    with Terminal([*GAME, *words, *options], size=SIZE, controls=True) as terminal:
         terminal.wait_for("applied")
         yield terminal
 
@@ -97,7 +107,7 @@ def test_the_end_of_a_game_is_told_and_its_text_is_kept(
     folder = tmp_path / "players" / "ada"
     with playing(tmp_path) as terminal:
         terminal.send("2hello", sees="hello")
-        terminal.wait_for(lambda: [*folder.glob("drafts/**/*")])
+        until(lambda: terminal.receive() and any(folder.glob("drafts/**/*")))
         os.kill(children(host.pid)[1], number)
         assert terminal.finish() == 128 + number
         assert f"was ended by {number.name}" in terminal.text
@@ -154,11 +164,41 @@ def test_one_host_works_in_a_folder_and_takes_over_from_one_that_was_killed(
     host.kill()
     host.wait(PATIENCE)
     command = [*GAME, "host", str(tmp_path / "host")]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+    with (
+        subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process,
+        killed(process),
+    ):
         assert process.stdout is not None
         assert "are forked" in process.stdout.readline()
         with playing(tmp_path) as terminal:
             assert len(children(process.pid)) == 2
             terminal.send("q")
             assert terminal.finish() == 0
-        process.kill()
+
+
+AS_SYSTEMD = """if True:
+    import os, sys
+    os.dup2(int(sys.argv[1]), 3)
+    os.environ["LISTEN_PID"] = str(os.getpid())
+    os.execv(sys.argv[2], sys.argv[2:])
+"""
+
+
+def test_a_socket_and_a_variable_are_enough(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "host").mkdir()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listener:
+        listener.bind(str(tmp_path / "host" / hosted.SOCKET))
+        listener.listen()
+        number = listener.fileno()
+        command = [sys.executable, "-c", AS_SYSTEMD, str(number), *GAME, "host", "unused"]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, pass_fds=[number])
+    with process, killed(process):
+        assert process.stdout is not None
+        assert "are forked" in process.stdout.readline()
+        monkeypatch.setenv("LOGICAL_ROBOTS_HOST", str(tmp_path / "host"))
+        with playing(tmp_path, options=[]) as terminal:
+            assert len(children(process.pid)) == 2
+            terminal.send("q")
+            assert terminal.finish() == 0
