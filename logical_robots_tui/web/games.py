@@ -82,24 +82,28 @@ class WebGame(AppService):
         if self.page is not None:
             await dismiss(self.page, reason)
 
+    async def open(self, width: int, height: int) -> None:
+        """Start the game, for a page that has it or will take it over; raises OSError."""
+        try:
+            await self.start(width, height)
+        except OSError:
+            self._on_end(self)
+            raise
+        self.is_open = True
+
     async def attach(self, page: WebSocketResponse, width: int, height: int) -> None:
         """Show the game in a page, instead of the one it had; raises OSError at its start."""
         if self._absence is not None:
             self._absence.cancel()
         previous, self.page = self.page, page
         if self._process is None:
-            try:
-                await self.start(width, height)
-            except OSError:
-                self._on_end(self)
-                raise
-            self.is_open = True
+            await self.open(width, height)
             return
         await self.send_meta({"type": "attach", "width": width, "height": height})
         if previous is not None:
             await dismiss(previous, "The game goes on in another tab.")
 
-    def detach(self, page: WebSocketResponse, patience: float) -> None:
+    def detach(self, page: WebSocketResponse | None, patience: float) -> None:
         """End the game so many seconds after its page is gone, unless another comes."""
         if self.page is page:
             self.page = None
@@ -198,7 +202,7 @@ class PlainGame(WebGame):
             with suppress(ConnectionError):
                 await self._send_bytes(chunk)
 
-    def detach(self, page: WebSocketResponse, patience: float) -> None:
+    def detach(self, page: WebSocketResponse | None, patience: float) -> None:
         """End the game: what another page would show of it is gone."""
         super().detach(page, 0)
 

@@ -12,6 +12,7 @@ import secrets
 import socket
 import zlib
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from contextlib import suppress
 from ipaddress import ip_address
 from pathlib import Path
 from types import SimpleNamespace
@@ -87,8 +88,17 @@ class GameServer:
             application.router.add_get(base, self._redirect)
         application.on_response_prepare.append(_add_headers)
         application.cleanup_ctx.append(self._run_revocations)
+        application.on_startup.append(self._start_early)
         application.on_shutdown.append(self._end_games)
         return application
+
+    async def _start_early(self, _application: web.Application) -> None:
+        """Start the game of an only player while the browser still opens its page."""
+        if digest := self._digests().get(""):
+            with suppress(OSError):  # which the page will be told
+                game = await self._game_for("", digest, "", WebGame)
+                await game.open(80, 24)
+                game.detach(None, self._absence)
 
     async def _page(self, request: web.Request) -> web.FileResponse:
         return web.FileResponse(_HERE / ("plain.html" if "plain" in request.query else "page.html"))

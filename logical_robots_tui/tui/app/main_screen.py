@@ -50,6 +50,7 @@ from logical_robots_tui.tui.layout.command_bar import (
     PaneTabs,
     RobotChosen,
 )
+from logical_robots_tui.tui.layout.dialogs import drop_stale_size
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour import TourController
@@ -317,6 +318,8 @@ class MainScreen(Screen[None], SessionListener):
     # -- layout --------------------------------------------------------------------------------
 
     def on_resize(self, event: events.Resize) -> None:
+        if drop_stale_size(event, self):
+            return
         previous_layout = self.arrangement.layout
         self._fit(event.size)
         if self.arrangement.layout is previous_layout:

@@ -6,7 +6,7 @@ import asyncio
 import re
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 from textual import events, on
 from textual.await_complete import AwaitComplete
@@ -41,8 +41,23 @@ def keys_in_style(text: str) -> Content:
     )
 
 
+def drop_stale_size(event: events.Resize, screen: Screen[Any]) -> bool:
+    """Prevent a screen from taking a size that the terminal no longer has; return whether it did.
+
+    Textual sends each size that a screen takes to the screen again: two at once would alternate.
+    """
+    is_stale = event.size != screen.app.size
+    if is_stale:
+        event.prevent_default()
+    return is_stale
+
+
 class ClosedOnce(Screen[Result]):
     """A screen that closes only once; Textual would also close the one below, or the app."""
+
+    @on(events.Resize)
+    def _drop_stale_size(self, event: events.Resize) -> None:
+        drop_stale_size(event, self)
 
     def dismiss(self, result: Result | None = None) -> AwaitComplete:
         return super().dismiss(result) if self.is_active else AwaitComplete()

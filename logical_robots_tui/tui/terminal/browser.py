@@ -31,7 +31,8 @@ class BrowserDriver(ListeningDriver, WebDriver):
 
     def __init__(self, app: App[Any], **options: Any) -> None:
         super().__init__(app, **options)
-        self._write_lock, self._input_end = Lock(), Event()
+        self._write_lock, self._has_drawn, self._input_end = Lock(), Event(), Event()
+        self._has_started = False
         self._write = self._write_whole  # type: ignore[assignment] # typed as a partial of os.write
 
     def _write_whole(self, packet: bytes) -> None:
@@ -39,6 +40,11 @@ class BrowserDriver(ListeningDriver, WebDriver):
         with self._write_lock, suppress(BrokenPipeError):
             while packet:
                 packet = packet[os.write(self.fileno, packet) :]
+
+    def write(self, data: str) -> None:
+        super().write(data)
+        if self._has_started:
+            self._has_drawn.set()
 
     def start_application_mode(self) -> None:
         loop = asyncio.get_running_loop()
@@ -49,6 +55,11 @@ class BrowserDriver(ListeningDriver, WebDriver):
         for number, handler in handlers.items():
             loop.remove_signal_handler(number)
             signal.signal(number, handler)
+        self._has_started = True
+
+    def disable_input(self) -> None:
+        self._has_drawn.set()
+        super().disable_input()
 
     def stop_application_mode(self) -> None:
         super().stop_application_mode()
@@ -81,6 +92,7 @@ class BrowserDriver(ListeningDriver, WebDriver):
 
     def _listen(self) -> None:
         packets = b""
+        self._has_drawn.wait()  # Textual's own size at the start would come after the page's
         for chunk in self._chunks(_STDIN):
             packets += chunk
             while len(packets) >= (end := _HEAD + int.from_bytes(packets[1:_HEAD], "big")):
