@@ -18,7 +18,7 @@ import pyte
 
 from tests.waiting import PATIENCE
 
-__all__ = ["Terminal", "looks"]
+__all__ = ["WHERE_IS_THE_CURSOR", "Terminal", "looks"]
 
 CHUNK = 65536
 WHERE_IS_THE_CURSOR = b"\x1b[6n"

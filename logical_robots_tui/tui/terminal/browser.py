@@ -41,8 +41,8 @@ class BrowserDriver(ListeningDriver, WebDriver):
             while packet:
                 packet = packet[os.write(self.fileno, packet) :]
 
-    def write(self, data: str) -> None:
-        super().write(data)
+    def write(self, text: str) -> None:
+        super().write(text)
         if self._has_started:
             self._has_drawn.set()
 
