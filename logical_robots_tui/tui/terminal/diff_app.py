@@ -164,8 +164,8 @@ class DiffApp(CrashSafeApp):
 
     def tell_page(self, kind: str, **content: str) -> bool:
         """Send what is not on the screen; return whether the game is in a page of its own."""
-        driver = self._driver
-        return isinstance(driver, ListeningDriver) and driver.tell_page(kind, **content)
+        driver: Any = self._driver
+        return self.is_web and bool(driver.tell_page(kind, **content))
 
     def redraw(self) -> None:
         """Send everything again, because the terminal may show something else."""

@@ -298,10 +298,6 @@ class ListeningDriver(Driver):
         except Exception as error:  # it would end the thread unnoticed
             self.loop.call_soon_threadsafe(handle_exception, self.app, error)
 
-    def tell_page(self, kind: str, **content: str) -> bool:
-        del kind, content
-        return False  # in a terminal
-
     @abstractmethod
     def _listen(self) -> None:
         """Receive input until the driver stops or the terminal is gone."""
