@@ -132,8 +132,12 @@ class WebGame(AppService):
         assert process.stdout is not None
         assert process.stderr is not None
         errors = asyncio.create_task(process.stderr.read())
-        with suppress(asyncio.IncompleteReadError):
+        try:
             await self._relay(process.stdout)
+        except asyncio.IncompleteReadError:
+            pass
+        except (LookupError, ValueError):  # no packet, so its place must not stay taken
+            self._send(signal.SIGHUP)
         self.is_open = False
         await process.wait()
         self._on_end(self)
