@@ -296,10 +296,10 @@ def host(options: argparse.Namespace) -> int:
     Where no host answers, games start without it.
 
     examples:
-      logical-robots host /run/robots
-      logical-robots play --restricted --player ada --host /run/robots
+      logical-robots host ./host
+      logical-robots play --restricted --player ada --host ./host
 
-    exit status: 2 if FOLDER can't be used
+    exit status: 0 after ^C, 2 if FOLDER can't be used
     """
     from logical_robots_tui.processes.hosting import GameHost, listen
 
@@ -307,7 +307,10 @@ def host(options: argparse.Namespace) -> int:
     games = GameHost(listen(options.folder))
     games.warm_up()
     print(f"Games that are started with --host {options.folder} are forked.", flush=True)
-    words = games.serve()
+    try:
+        words = games.serve()
+    except KeyboardInterrupt:
+        return 0
     return int(import_module("logical_robots_tui.cli.main").main(words))
 
 

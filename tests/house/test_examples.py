@@ -34,7 +34,7 @@ ALSO_FINE = {"run": 1, "trace": 1, "why": 1, "diagnose": 1, "learn": 1}
 """Statuses other than 0 that are an answer: not won yet, there is no row, there are warnings,
 the answer is wrong."""
 
-OF_A_TERMINAL = {"doctor", "serve"}
+OF_A_TERMINAL = {"doctor", "host", "serve"}
 FALSE = ("a bug in the game", "uses something that robots may not use", "Traceback")
 
 DOCS = CHECKOUT / "docs"
@@ -223,6 +223,9 @@ def _run_in_terminal(arguments: list[str]) -> tuple[int, str]:
             if not {"--add", "--revoke"} & {*arguments}:
                 terminal.wait_for("http://127.0.0.1:")
                 terminal.send("\x03")
+        elif arguments[:1] == ["host"]:
+            terminal.wait_for("are forked")
+            terminal.send("\x03")
         elif "--plain" in arguments:
             terminal.wait_for("help")
             terminal.send("quit\n")
