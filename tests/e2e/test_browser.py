@@ -4,11 +4,9 @@ import os
 import re
 import sys
 from collections.abc import Iterator
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-import aiohttp
 import pytest
 from playwright.sync_api import Browser, FileChooser, expect
 
@@ -16,7 +14,7 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import BLOCKS
 from tests.browser import CHROMIUM, SIZE, Client, Seat, chromium, serving, zoomed
 from tests.e2e.test_supervisor import texts
 from tests.processes import run_command
-from tests.terminal import WHERE_IS_THE_CURSOR, Terminal, looks
+from tests.terminal import Terminal, looks
 from tests.waiting import PATIENCE, until
 
 pytestmark = [
@@ -239,26 +237,6 @@ def test_a_window_of_another_size_is_filled(seat: Seat) -> None:
     seat.screen.resize(height, width)
     seat.shows("Quit")
     seat.page.wait_for_function(BAR_IS_LAST)
-
-
-async def test_a_page_that_is_resized_at_once_is_drawn_once(address: str) -> None:
-    origin, _, key = address.partition("/#")
-    async with (
-        aiohttp.ClientSession(headers={"Origin": origin}) as session,
-        session.ws_connect(f"{origin}/ws", protocols=["logical-robots", key, "x"]) as page,
-    ):
-        await page.send_json(["resize", {"width": 140, "height": 40}])
-        size = 0  # bytes: 67,000, and 20,000 of each further picture
-        timeout = None
-        with suppress(TimeoutError):
-            while size < 300_000:
-                message = await page.receive(timeout=timeout)
-                if message.type == aiohttp.WSMsgType.BINARY:
-                    size += len(message.data)
-                    timeout = 1.0 if b"applied" in message.data else timeout
-                    for _ in range(message.data.count(WHERE_IS_THE_CURSOR)):
-                        await page.send_json(["stdin", "\x1b[1;1R"])
-        assert size < 300_000
 
 
 def test_a_page_shows_what_a_terminal_shows(seat: Seat, tmp_path: Path) -> None:

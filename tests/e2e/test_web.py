@@ -1,11 +1,15 @@
 """The game behind a web server, which gives it pipes instead of a terminal."""
 
 import sys
+from contextlib import suppress
 from pathlib import Path
 
+import aiohttp
 import pytest
 
+from tests.browser import serving
 from tests.e2e.test_supervisor import GETS_STUCK, NEVER, WHOLE, texts
+from tests.terminal import WHERE_IS_THE_CURSOR
 from tests.waiting import until
 from tests.web import WEB_DRIVER, WebTerminal
 
@@ -79,3 +83,31 @@ def test_a_stuck_game_is_ended_and_closes_its_page(tmp_path: Path) -> None:
         assert page.process.stderr is not None
         assert b"The game was stuck and was ended" in page.process.stderr.read()
     assert texts(tmp_path) == ["hello"]
+
+
+MOST_DRAWN = 300_000  # bytes
+
+
+async def test_a_page_that_is_resized_at_once_is_drawn_once(tmp_path: Path) -> None:
+    with serving(tmp_path, "01-first-steps") as address:
+        assert await drawn_bytes(address) < MOST_DRAWN
+
+
+async def drawn_bytes(address: str) -> int:
+    origin, _, key = address.partition("/#")
+    async with (
+        aiohttp.ClientSession(headers={"Origin": origin}) as session,
+        session.ws_connect(f"{origin}/ws", protocols=["logical-robots", key, "x"]) as page,
+    ):
+        await page.send_json(["resize", {"width": 140, "height": 40}])
+        size = 0  # bytes: 67,000, and 20,000 of each further picture
+        timeout = None
+        with suppress(TimeoutError):
+            while size < MOST_DRAWN:
+                message = await page.receive(timeout=timeout)
+                if message.type == aiohttp.WSMsgType.BINARY:
+                    size += len(message.data)
+                    timeout = 1.0 if b"applied" in message.data else timeout
+                    for _ in range(message.data.count(WHERE_IS_THE_CURSOR)):
+                        await page.send_json(["stdin", "\x1b[1;1R"])
+    return size
