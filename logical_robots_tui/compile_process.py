@@ -14,7 +14,6 @@ from contextlib import closing, suppress
 from dataclasses import replace
 from functools import partial
 from selectors import EVENT_READ, DefaultSelector
-from typing import NamedTuple
 
 from logical_robots_tui.explain import decomposition
 from logical_robots_tui.explain.calls import read_call
@@ -25,6 +24,7 @@ from logical_robots_tui.mind.compilation import Task
 from logical_robots_tui.mind.compiling import worker
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.tuning import tune_all
+from logical_robots_tui.processes.hosted import Fork
 
 _LARGEST = 100  # bytes of a request
 
@@ -67,11 +67,6 @@ JOBS: dict[type[Task], worker.Job] = {
 }
 
 
-class _Fork(NamedTuple):
-    pid: int
-    game: socket.socket
-
-
 def _serve_games(host: socket.socket) -> None:
     """Fork compile processes until there are no games, and no host to tell of others."""
     worker.warm_up()
@@ -80,13 +75,9 @@ def _serve_games(host: socket.socket) -> None:
     working: set[socket.socket] = set()
     while selector.get_map():
         for key, _ in selector.select():
-            if isinstance(key.data, _Fork):
-                selector.unregister(key.fd)
-                os.close(key.fd)
-                status = os.waitstatus_to_exitcode(os.waitpid(key.data.pid, 0)[1])
-                working.discard(key.data.game)
-                with suppress(OSError):
-                    key.data.game.send(str(status).encode())
+            if isinstance(key.data, Fork):
+                working.discard(key.data.client)
+                key.data.tell_end(selector, key.fd)
                 continue
             connection = key.fileobj
             assert isinstance(connection, socket.socket)
@@ -101,9 +92,8 @@ def _serve_games(host: socket.socket) -> None:
                 selector.unregister(connection)
                 connection.close()
             else:
-                process = _fork(connection, arguments)
                 working.add(connection)
-                selector.register(os.pidfd_open(process.pid), EVENT_READ, process)
+                _fork(connection, arguments).watch(selector)
 
 
 def _arguments(content: bytes) -> list[str] | None:
@@ -115,7 +105,7 @@ def _arguments(content: bytes) -> list[str] | None:
         return None
 
 
-def _fork(game: socket.socket, arguments: list[str]) -> _Fork:
+def _fork(game: socket.socket, arguments: list[str]) -> Fork:
     """Fork a compile process for a game, and give the game the other ends of its pipes."""
     (stdin, to_stdin), (from_stdout, stdout), (lifeline, our_end) = (os.pipe() for _ in range(3))
     pid = os.fork()
@@ -131,4 +121,4 @@ def _fork(game: socket.socket, arguments: list[str]) -> _Fork:
         socket.send_fds(game, [str(pid).encode()], [to_stdin, from_stdout, our_end])
     for descriptor in (stdin, to_stdin, from_stdout, stdout, lifeline, our_end):
         os.close(descriptor)
-    return _Fork(pid, game)
+    return Fork(pid, game)

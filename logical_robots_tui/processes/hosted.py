@@ -14,6 +14,7 @@ import socket
 from contextlib import suppress
 from mmap import mmap
 from pathlib import Path
+from selectors import EVENT_READ, BaseSelector
 from typing import IO, NamedTuple
 
 from logical_robots_tui.processes.lifeline import HEARTBEAT_BYTES, signal_when_closed
@@ -42,6 +43,25 @@ class GameRequest(NamedTuple):
     folder: str
     encodings: list[str]
     version: str = VERSION
+
+
+class Fork(NamedTuple):
+    """A process that a host has forked for a client."""
+
+    pid: int
+    client: socket.socket
+
+    def watch(self, selector: BaseSelector) -> None:
+        """Let a selector say when the process has ended."""
+        selector.register(os.pidfd_open(self.pid), EVENT_READ, self)
+
+    def tell_end(self, selector: BaseSelector, process: int) -> None:
+        """Tell the client the exit status of the process, which a selector said has ended."""
+        selector.unregister(process)
+        os.close(process)
+        status = os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
+        with suppress(OSError):
+            self.client.send(str(status).encode())
 
 
 class HostedGame:

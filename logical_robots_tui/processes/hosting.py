@@ -20,10 +20,8 @@ from importlib import import_module
 from mmap import mmap
 from pathlib import Path
 from selectors import EVENT_READ, DefaultSelector
-from typing import NamedTuple
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import is_folder
 from logical_robots_tui.processes.helper import (
     COMPILE_PROCESS,
     collect_later,
@@ -35,6 +33,7 @@ from logical_robots_tui.processes.hosted import (
     LARGEST,
     SOCKET,
     VERSION,
+    Fork,
     GameRequest,
     use_compile_host,
 )
@@ -59,7 +58,7 @@ def listen(folder: Path) -> socket.socket:
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if is_folder(path.parent) and path.is_socket():
+        if path.is_socket():
             with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as client:
                 if client.connect_ex(str(path)) == 0:
                     raise InputError("A host is at work there already", place=str(folder))
@@ -71,11 +70,6 @@ def listen(folder: Path) -> socket.socket:
         reason = error.strerror or str(error)
         raise InputError(f"The folder can't be used: {reason}", place=str(folder)) from None
     return listener
-
-
-class _Child(NamedTuple):
-    pid: int
-    client: socket.socket
 
 
 class GameHost:
@@ -103,8 +97,9 @@ class GameHost:
         """Wait for clients for ever; return in each game that is forked, with its words."""
         while True:
             for key, _ in self._selector.select():
-                if isinstance(key.data, _Child):
-                    self._tell_end(key.fd, key.data)
+                if isinstance(key.data, Fork):
+                    key.data.tell_end(self._selector, key.fd)
+                    key.data.client.close()
                 elif key.fileobj is self._listener:
                     with suppress(OSError):
                         client, _ = self._listener.accept()
@@ -119,13 +114,11 @@ class GameHost:
 
     def _start_game(self, client: socket.socket) -> list[str] | None:
         """Fork a game for a client that has sent its request; return its words in the game."""
-        try:
+        request, descriptors = None, list[int]()
+        with suppress(OSError, ValueError, TypeError):
             content, descriptors, *_ = socket.recv_fds(client, LARGEST, DESCRIPTORS)
             request = GameRequest(*json.loads(content))
-        except (OSError, ValueError, TypeError):
-            client.close()
-            return None
-        if request.version != VERSION or len(descriptors) != DESCRIPTORS:
+        if request is None or request.version != VERSION or len(descriptors) != DESCRIPTORS:
             client.close()
             for descriptor in descriptors:
                 os.close(descriptor)
@@ -140,18 +133,10 @@ class GameHost:
         ours.close()
         for descriptor in descriptors:
             os.close(descriptor)
-        self._selector.register(os.pidfd_open(pid), EVENT_READ, _Child(pid, client))
+        Fork(pid, client).watch(self._selector)
         with suppress(OSError):
             client.send(str(pid).encode())
         return None
-
-    def _tell_end(self, process: int, game: _Child) -> None:
-        self._selector.unregister(process)
-        os.close(process)
-        status = os.waitstatus_to_exitcode(os.waitpid(game.pid, 0)[1])
-        with suppress(OSError):
-            game.client.send(str(status).encode())
-        game.client.close()
 
     def _start_compile_host(self) -> None:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -188,7 +173,7 @@ class GameHost:
             for connection in (key.fileobj, getattr(key.data, "client", None)):
                 if isinstance(connection, socket.socket):
                     connection.close()
-            if isinstance(key.data, _Child):
+            if isinstance(key.data, Fork):
                 os.close(key.fd)
         self._selector.close()
         if self._compile_host is not None:

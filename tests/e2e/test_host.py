@@ -147,11 +147,13 @@ def test_a_host_forks_no_game_of_another_version(
     host: subprocess.Popen[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     request = hosted.GameRequest([], {}, "/", [], version="0.1 elsewhere")
+    opened = descriptors(host.pid)
     for content in (json.dumps(request).encode(), b"[", b"{}", b"[1]"):
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as client:
             client.connect(str(tmp_path / "host" / hosted.SOCKET))
-            client.send(content)
+            socket.send_fds(client, [content], [client.fileno()])
             assert client.recv(100) == b""
+            until(lambda: descriptors(host.pid) == opened)
     assert len(children(host.pid)) == 1
 
 
