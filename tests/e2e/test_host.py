@@ -107,7 +107,7 @@ def test_the_end_of_a_game_is_told_and_its_text_is_kept(
     folder = tmp_path / "players" / "ada"
     with playing(tmp_path) as terminal:
         terminal.send("2hello", sees="hello")
-        until(lambda: terminal.receive() and any(folder.glob("drafts/**/*")))
+        until(lambda: terminal.receive() and any(folder.glob("drafts/*.json")))
         os.kill(children(host.pid)[1], number)
         assert terminal.finish() == 128 + number
         assert f"was ended by {number.name}" in terminal.text
