@@ -104,9 +104,9 @@ def number(name: str, read: Callable[[str], float], default: float, about: str) 
     return option(name, "N", f"{about} (default: {default})", type=read, default=default)
 
 
-def flag(name: str, about: str, default: Callable[[], bool] = bool) -> Part:
+def flag(name: str, about: str, default: Callable[[], bool] = bool, **settings: Any) -> Part:
     return lambda parser: parser.add_argument(
-        name, help=about, action="store_true", default=default()
+        name, help=about, action="store_true", default=default(), **settings
     )
 
 
@@ -191,6 +191,13 @@ NO_SOLUTIONS = flag(
     "--no-solutions",
     "for a class: hide the solution of each level until it is won",
     lambda: is_set("LOGICAL_ROBOTS_NO_SOLUTIONS"),
+)
+BOARD = option(
+    "--board",
+    "FOLDER",
+    "compare victories with those of all players of this server",
+    type=Path,
+    default=lambda: os.environ.get("LOGICAL_ROBOTS_BOARD") or None,
 )
 JSON = flag("--json", "print JSON")
 FORCE = flag("--force", "replace an existing file")

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import mimetypes
 import os
+import pwd
 import re
 import resource
 import site
 import sys
+from collections.abc import Iterable
 from contextlib import closing
 from datetime import date
 from functools import partial
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.player.recovery import OpenGames
+    from logical_robots_tui.progress.board import Board
 
 FRAMES_A_SECOND = "120"
 """For Textual: text about a tick appears at most this long after its picture. Its default is 60."""
@@ -88,6 +91,8 @@ def _player(text: str) -> str:
     command.NO_SOLUTIONS,
     command.flag("--allow-clipboard", "let the restricted game write to your terminal's clipboard"),
     command.option("--host", "FOLDER", "start sooner, from the host at work there"),  # `supervisor`
+    command.BOARD,
+    command.flag("--class", "let the teacher see what you do, with --board", dest="is_class"),
 )
 def play(options: argparse.Namespace) -> int:
     """open the game in this terminal
@@ -121,12 +126,12 @@ def play(options: argparse.Namespace) -> int:
     if options.daily is not None:
         _choose_daily(options)
     home = f"logical_robots_tui.{'cli.plain' if options.plain else 'tui.app.app'}"
-    games = None
+    games, board = None, _open_board(options)
     if options.restricted:
         import_module(home)  # afterwards no library can be loaded
         mimetypes.init(())  # a download would read tables of the system
         options.data_dir = options.data_dir.absolute()
-        games = restrict(options.data_dir)
+        games = restrict(options.data_dir, board.places if board is not None else ())
     recorder = _recorder(options)
     from logical_robots_tui.player.opening import Permissions, open_game
 
@@ -142,9 +147,29 @@ def play(options: argparse.Namespace) -> int:
             clipboard=not options.restricted or options.allow_clipboard,
         ),
         games=games,
+        board=board,
+        is_class=options.is_class,
     )
     status: int = import_module(home).play(opening, recorder)
     return status
+
+
+def _open_board(options: argparse.Namespace) -> Board | None:
+    """Return the board of the player, made if it is missing; raise InputError without a name."""
+    if options.board is None:
+        if options.is_class:
+            hint = "Add --board FOLDER."
+            raise InputError("--class tells the board what a player does", hint=hint)
+        return None
+    from logical_robots_tui.progress.board import Board
+
+    board = Board(options.board.absolute(), options.player or _account())
+    board.create()
+    return board
+
+
+def _account() -> str:
+    return re.sub(r"[^A-Za-z0-9_.-]", "_", pwd.getpwuid(os.getuid()).pw_name)[:32]
 
 
 def _base_path(text: str) -> str:
@@ -195,6 +220,7 @@ _NO_TLS = (
     ),
     command.flag("--no-open", "print the address only, without opening a browser"),
     command.DATA_DIR,
+    command.BOARD,
     command.NO_SOLUTIONS,
 )
 def serve(options: argparse.Namespace) -> int:
@@ -235,6 +261,8 @@ def serve(options: argparse.Namespace) -> int:
         words += ["--data-dir", str(options.data_dir)]
     if options.no_solutions:
         words.append("--no-solutions")
+    if options.board is not None:
+        words += ["--board", str(options.board.absolute()), *["--class"] * is_class]
     is_local, token = is_loopback(options.host), new_token()
     if is_class:
         words += ["--restricted", "--allow-clipboard"]  # that of the player's browser
@@ -422,11 +450,12 @@ def clear_environment() -> None:
             del os.environ[name]
 
 
-def restrict(folder: Path) -> OpenGames:
+def restrict(folder: Path, places: Iterable[Path] = ()) -> OpenGames:
     """Confine this process and its children to a folder and to `LIMITS`, permanently.
 
-    The folder becomes the home directory, and is created if missing. Returns the player's open
-    games; raises InputError if there are too many, or the folder can't be used.
+    The folder becomes the home directory, and is created if missing. `places` can be written as
+    well, but not by what the player names. Returns the player's open games; raises InputError if
+    there are too many, or the folder can't be used.
     """
     from logical_robots_tui.confinement import confine
     from logical_robots_tui.player.recovery import OpenGames
@@ -451,5 +480,5 @@ def restrict(folder: Path) -> OpenGames:
             maximum = min(maximum, hard)
         resource.setrlimit(kind, (min(bound, maximum), maximum))
     confine(folder, shipped_folder("levels"), shipped_folder("programs"))
-    allow_only(folder, is_helper)
+    allow_only(folder, is_helper, places)
     return games

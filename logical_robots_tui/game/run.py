@@ -224,6 +224,14 @@ class Run:
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:
     """Return the digest of everything on which the ticks of a run depend, including the code."""
+    parts = [level_digest(level), program.texts, asdict(limits)]
+    digest = hashlib.sha256(simulation_digest())
+    digest.update(json.dumps(parts).encode())
+    return digest.hexdigest()
+
+
+def level_digest(level: Level) -> str:
+    """Return the digest of everything in a level on which its ticks depend."""
     parts = {
         "size": (level.width, level.height),
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
@@ -231,14 +239,10 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "sensors": asdict(level.sensors),
         "match_ticks": level.match_ticks,
         **{key: getattr(level, key) for key in FLAGS},
-        "programs": program.texts,
-        "limits": asdict(limits),
     }
     for kind in ("robots", "beacons", "areas", "teams", "scores"):
         parts[kind] = [asdict(entity) for entity in getattr(level, kind)]
-    digest = hashlib.sha256(simulation_digest())
-    digest.update(json.dumps(parts).encode())
-    return digest.hexdigest()
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
 SIMULATION = (

@@ -15,6 +15,7 @@ from logical_robots_tui.game.pace import SPEEDS
 from logical_robots_tui.game.source import ProgramSource, load_program, programs_for
 from logical_robots_tui.game.victory import level_key
 from logical_robots_tui.player.best_runs import BestRuns
+from logical_robots_tui.player.board import BoardRecorder
 from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
 from logical_robots_tui.player.learning import Learning
 from logical_robots_tui.player.library import Library
@@ -28,6 +29,7 @@ from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
+    from logical_robots_tui.progress.board import Board
 
 
 class Permissions(NamedTuple):
@@ -44,7 +46,8 @@ class Opening(NamedTuple):
     """What the game opens with.
 
     `sources` are by team, "" without teams; `text` is the player's version of the program,
-    `welcome` starts the tour. The event loop must have the clock's time.
+    `welcome` starts the tour. The event loop must have the clock's time. In a class the teacher
+    sees on the board what the player does.
     """
 
     level: Level
@@ -56,6 +59,8 @@ class Opening(NamedTuple):
     replay: Replay | None = None
     games: OpenGames | None = None
     clock: Clock = CLOCK
+    board: Board | None = None
+    is_class: bool = False
 
 
 def open_game(
@@ -68,6 +73,8 @@ def open_game(
     start: int = 0,
     permissions: Permissions = Permissions(),  # noqa: B008 - immutable
     games: OpenGames | None = None,
+    board: Board | None = None,
+    is_class: bool = False,
 ) -> Opening:
     """Return what a game opens with: by default the last level, with the player's last program.
 
@@ -88,6 +95,8 @@ def open_game(
         welcome=not level_name and progress.fact(TOUR) is None,
         permissions=permissions,
         games=games,
+        board=board,
+        is_class=is_class,
     )
 
 
@@ -198,6 +207,10 @@ class LocalPlayer:
         library = self.library = Library(
             session, ui, recorder, drafts, autosave, program, opening.data_dir
         )
+        self.board = BoardRecorder(
+            opening.board, session, ui, recorder, on_change, is_class=opening.is_class
+        )
+        session.listeners.append(self.board)
         self.best_runs = BestRuns(session, ui, opening.data_dir / "best-runs")
         session.listeners.append(self.best_runs)
         self.learning = Learning(session, ui, recorder, program, library.open_program, with_keys)
@@ -225,5 +238,6 @@ class LocalPlayer:
     async def close(self) -> None:
         self.autosave.stop()
         self.drafts.close()
+        await self.board.close()
         await self.session.close()
         await self.recorder.close()

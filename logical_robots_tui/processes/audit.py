@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import sysconfig
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from errno import EACCES
 from pathlib import Path
 from typing import Any
@@ -45,20 +45,29 @@ _REFUSED_EVENTS = frozenset(
 
 
 def allow_only(
-    folder: Path | None, may_start: Callable[[object, object], bool] = lambda *_: False
+    folder: Path | None,
+    may_start: Callable[[object, object], bool] = lambda *_: False,
+    places: Iterable[Path] = (),
 ) -> None:
     """Allow this process only files in a folder, and only some programs, permanently.
 
     Without a folder only the game and Python can be read. `may_start` gets path and words.
+    `places` are files and folders elsewhere that it can write, too.
     """
-    sys.addaudithook(_AuditHook(folder, may_start))
+    sys.addaudithook(_AuditHook(folder, may_start, places))
 
 
 class _AuditHook:
     """Refuses operations that Python announces, by raising PermissionError."""
 
-    def __init__(self, root: Path | None, may_start: Callable[[object, object], bool]) -> None:
+    def __init__(
+        self,
+        root: Path | None,
+        may_start: Callable[[object, object], bool],
+        places: Iterable[Path],
+    ) -> None:
         self._folder = "" if root is None else str(root)
+        self._places = tuple(map(os.path.realpath, places))
         self._may_start = may_start
         # Not sys.prefix, which may be /usr, with much else in it.
         code: set[str | Path] = {
@@ -110,6 +119,8 @@ class _AuditHook:
             if not is_writing or _is_visible(real[len(self._folder) + 1 :]):
                 return
         elif not is_writing and any(_is_within(real, folder) for folder in self._code_folders):
+            return
+        if any(_is_within(real, place) for place in self._places):
             return
         raise PermissionError(EACCES, REFUSAL, str(path))
 

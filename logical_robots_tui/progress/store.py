@@ -11,7 +11,7 @@ import fcntl
 import os
 import sqlite3
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias, TypeVar
@@ -79,6 +79,15 @@ NEW = LevelRecord()
 
 APPLICATION_ID = 0x4C524F42
 """Identifies the file as ours in its header ("LROB")."""
+
+
+class Schema(NamedTuple):
+    """What a file of ours is: its noun, its number in the header, and the steps that make it."""
+
+    noun: str
+    application_id: int
+    tables: frozenset[str]
+    migrations: tuple[tuple[str, ...], ...]
 
 
 def _rename_levels(levels: Mapping[str, str], arenas: Mapping[str, str]) -> tuple[str, ...]:
@@ -194,7 +203,9 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
     ),
 )
 
-_TABLES = {"level", "version", "fact"}
+PROGRESS = Schema(
+    "record of progress", APPLICATION_ID, frozenset(("level", "version", "fact")), MIGRATIONS
+)
 
 
 class DamagedStoreError(Exception):
@@ -205,15 +216,14 @@ class NewerError(Exception):
     """The file was written by a newer version of the game."""
 
 
-def prepare(
-    connection: sqlite3.Connection, migrations: Sequence[Sequence[str]] = MIGRATIONS
-) -> None:
+def prepare(connection: sqlite3.Connection, schema: Schema = PROGRESS) -> None:
     """Check a file and migrate it to the current version in one transaction.
 
     ``user_version`` is the number of migrations applied. The connection must be in autocommit
     mode. Raises DamagedError, NewerError or sqlite3.Error.
     """
-    version = _checked_version(connection, len(migrations))
+    migrations = schema.migrations
+    version = _checked_version(connection, schema)
     if version == len(migrations):
         return
     from hashlib import sha256  # takes time that the first picture needs
@@ -227,20 +237,20 @@ def prepare(
         for step in migrations[_pragma(connection, "user_version") :]:
             for statement in step:
                 connection.execute(statement)
-        connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        connection.execute(f"PRAGMA application_id = {schema.application_id}")
         connection.execute(f"PRAGMA user_version = {len(migrations)}")
 
 
-def _checked_version(connection: sqlite3.Connection, newest: int) -> int:
+def _checked_version(connection: sqlite3.Connection, schema: Schema) -> int:
     version = _pragma(connection, "user_version")
     names = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
     if not names and version == 0:
         return 0
-    if _pragma(connection, "application_id") != APPLICATION_ID:
-        raise DamagedStoreError("it is not a record of progress")
-    if version > newest:
+    if _pragma(connection, "application_id") != schema.application_id:
+        raise DamagedStoreError(f"it is not a {schema.noun}")
+    if version > len(schema.migrations):
         raise NewerError
-    if version < 1 or not names >= _TABLES:
+    if version < 1 or not names >= schema.tables:
         raise DamagedStoreError("tables are missing")
     (check_result,) = connection.execute("PRAGMA quick_check(1)").fetchone()
     if check_result != "ok":
@@ -258,8 +268,8 @@ T = TypeVar("T")
 BUSY_SECONDS = 10.0
 """Seconds that a transaction waits for those of other games."""
 
-_DAMAGE_CODES = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
-_REASONS = {
+DAMAGE_CODES = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
+REASONS = {
     sqlite3.SQLITE_FULL: "the disk is full",
     sqlite3.SQLITE_READONLY: "it is read-only",
     sqlite3.SQLITE_PERM: "you have no permission to change it",
@@ -333,11 +343,11 @@ class Store:
                     copy=False,
                 )
             except sqlite3.DatabaseError as error:
-                code = _code(error)
-                if code in _DAMAGE_CODES and self._in_memory is None:
+                code = error_code(error)
+                if code in DAMAGE_CODES and self._in_memory is None:
                     self._rename_damaged()
                 else:
-                    self._continue_in_memory(_cannot_save(_REASONS.get(code, str(error))))
+                    self._continue_in_memory(_cannot_save(REASONS.get(code, str(error))))
             except OSError as error:
                 self._continue_in_memory(_cannot_save(error.strerror or str(error)))
         self._continue_in_memory(_cannot_save("it keeps getting damaged"))
@@ -454,11 +464,11 @@ def _is_sound(file: Path) -> bool:
     except DamagedStoreError:
         return False
     except sqlite3.DatabaseError as error:
-        return _code(error) not in _DAMAGE_CODES
+        return error_code(error) not in DAMAGE_CODES
     return True
 
 
-def _code(error: sqlite3.Error) -> int:
+def error_code(error: sqlite3.Error) -> int:
     return getattr(error, "sqlite_errorcode", 0) & 0xFF
 
 

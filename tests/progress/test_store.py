@@ -13,7 +13,7 @@ import pytest
 
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.progress import store as store_module
-from logical_robots_tui.progress.store import APPLICATION_ID, MIGRATIONS, prepare
+from logical_robots_tui.progress.store import APPLICATION_ID, MIGRATIONS, PROGRESS, prepare
 from tests.waiting import PATIENCE, until
 
 WRITE_MANY = """
@@ -357,7 +357,7 @@ MOVED_NEXT = {
 def test_records_follow_renamed_levels(file: Path, steps: int, moved: dict[str, str]) -> None:
     last = [*moved][1]
     with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
-        prepare(connection, MIGRATIONS[:steps])
+        prepare(connection, PROGRESS._replace(migrations=MIGRATIONS[:steps]))
         for level in moved:
             connection.execute("INSERT INTO level (name, hints) VALUES (?, 1)", (level,))
             connection.execute(
@@ -378,11 +378,13 @@ def test_records_follow_renamed_levels(file: Path, steps: int, moved: dict[str, 
 def test_a_step_of_migration_is_done_wholly_or_not_at_all(file: Path) -> None:
     Progress(file, pytest.fail).keep("level", "text")
     step = ("ALTER TABLE level ADD COLUMN stars INTEGER", "UPDATE version SET text = text || '!'")
+    broken = PROGRESS._replace(migrations=(*MIGRATIONS, (*step, "nonsense")))
+    longer = PROGRESS._replace(migrations=(*MIGRATIONS, step))
     with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
         with pytest.raises(sqlite3.OperationalError, match="nonsense"):
-            prepare(connection, (*MIGRATIONS, (*step, "nonsense")))
+            prepare(connection, broken)
         assert connection.execute("SELECT text FROM version").fetchall() == [("text",)]
-        prepare(connection, (*MIGRATIONS, step))
-        prepare(connection, (*MIGRATIONS, step))
+        prepare(connection, longer)
+        prepare(connection, longer)
         assert connection.execute("SELECT text FROM version").fetchall() == [("text!",)]
         assert connection.execute("SELECT stars FROM level").fetchall() == [(None,)]

@@ -1,0 +1,289 @@
+"""What a player's game writes on the board, and what it knows of it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import Superseded
+from logical_robots_tui.game.history.marks import trouble
+from logical_robots_tui.game.victory import is_shipped, level_key
+from logical_robots_tui.player.session_state import SessionListener, Ui, Work
+from logical_robots_tui.wording import clip, one_line
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.game.replay import Replay
+    from logical_robots_tui.game.victory import Victory
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.progress import Measures
+    from logical_robots_tui.progress.board import Board, BoardMembership, BoardStanding, GhostEntry
+    from logical_robots_tui.world import Level
+
+T = TypeVar("T")
+
+_LONGEST_TROUBLE = 200  # characters
+_SECONDS = 1.0  # between two reports of what the player does
+
+
+class _PendingEntry(NamedTuple):
+    level: Level
+    text: str
+    measures: Measures
+    ghost: Replay | None
+
+
+class BoardRecorder(SessionListener):
+    """Enters the player's victories, and in a class what they do; nothing here delays a key.
+
+    Without a board it does nothing. `on_change` is called when one of the attributes changed.
+
+    Attributes:
+        membership: What the player has chosen; None before that, or before it is known.
+        standings: The bests of all who won the level at hand, if this player did; else empty.
+        asks_for_help: Whether the teacher is asked to look.
+    """
+
+    def __init__(
+        self,
+        board: Board | None,
+        session: Session,
+        ui: Ui,
+        recorder: ProgressRecorder,
+        on_change: Callable[[], None],
+        *,
+        is_class: bool,
+    ) -> None:
+        self.membership: BoardMembership | None = None
+        self.standings: Sequence[BoardStanding] = ()
+        self.asks_for_help = False
+        self.is_class = is_class
+        self._board, self._session, self._ui = board, session, ui
+        self._recorder, self._on_change = recorder, on_change
+        self._pending: _PendingEntry | None = None
+        self._activity: dict[str, object] = {}
+        self._is_reporting = False
+        self._runs, self._trouble = 0, ""
+        self._is_new_run = True
+        self._complaint = ""
+
+    @property
+    def is_on(self) -> bool:
+        return self._board is not None
+
+    @property
+    def must_ask(self) -> bool:
+        """Whether a victory waits for the player to choose a name."""
+        return self._pending is not None and self.membership is None
+
+    # -- what happens ------------------------------------------------------------------------
+
+    def level_opened(self, level: Level) -> None:
+        from logical_robots_tui.progress.board import timestamp
+
+        self.standings = ()
+        self._runs, self._is_new_run = 0, True
+        self._spawn(partial(self._load, level))
+        self._report(level=level.name, since=timestamp(), runs=0, trouble="", is_open=True)
+
+    def restarted(self) -> None:
+        self._is_new_run = True
+
+    def program_used(self, program: Program) -> None:
+        self._is_new_run = True
+
+    def program_rejected(self) -> None:
+        mistakes = self._session.state.mistakes
+        if mistakes:
+            first = mistakes[0]
+            self._note_trouble(f"Line {first.line}: {first.message}")
+
+    def tick_shown(self, frame: Frame) -> None:
+        if not self.is_class:
+            return
+        if self._is_new_run and frame.tick:
+            self._is_new_run, self._trouble = False, ""
+            self._runs += 1
+            self._report(runs=self._runs, trouble="")
+        for decision in frame.decisions:
+            for notice in decision.notices:
+                self._note_trouble(f"{decision.robot_name}: {notice.message}")
+                return
+        history = self._session.history
+        for mark in history.marks.marks_at(frame.tick) if history is not None else ():
+            if words := trouble(mark):
+                self._note_trouble(words)
+
+    def won(self, victory: Victory) -> None:
+        from logical_robots_tui.progress.board import timestamp
+
+        self._runs, self._is_new_run = 0, True
+        self._report(runs=0, won_level=victory.level.name, won=timestamp(), trouble="")
+        if (
+            victory.verdict == "counts"
+            and victory.measures is not None
+            and _has_board(victory.level)
+        ):
+            self._spawn(partial(self._enter, victory, victory.measures))
+
+    async def close(self) -> None:
+        if self.is_class and self._board is not None:
+            self._activity["is_open"] = False
+            await self._flush()
+
+    # -- what the player does ----------------------------------------------------------------
+
+    async def join(self, membership: BoardMembership) -> None:
+        """Choose how to be on the board, or leave it; a victory that waits is entered.
+
+        Raises InputError if the board can't be used, or another player has the name.
+        """
+        assert self._board is not None
+        await asyncio.to_thread(self._board.join, membership)
+        self.membership = membership
+        pending, self._pending = self._pending, None
+        if pending is not None and membership.is_listed:
+            await self._add(pending)
+        await self._load(self._session.opened)
+
+    async def ask_for_help(self, text: str) -> None:
+        """Show the program's text to the teacher, or if it is shown take it back."""
+        from logical_robots_tui.progress.board import timestamp
+
+        assert self._board is not None
+        wants_help = not self.asks_for_help
+        await asyncio.to_thread(self._board.show_program, text if wants_help else None)
+        self.asks_for_help = wants_help
+        self._report(help_since=timestamp() if wants_help else None)
+
+    async def standings_of(self, level: Level) -> Sequence[BoardStanding]:
+        """Return the bests of all who won a level; empty without a board that can be read."""
+        from logical_robots_tui.game.run import level_digest
+
+        if self._board is None or not _has_board(level):
+            return ()
+        return await self._attempt(self._board.standings, level_digest(level)) or ()
+
+    async def ghosts(self, level: Level) -> Sequence[GhostEntry]:
+        from logical_robots_tui.game.run import level_digest
+
+        if self._board is None or not _has_board(level):
+            return ()
+        return await self._attempt(self._board.ghosts, level_digest(level)) or ()
+
+    async def ghost(self, number: int) -> bytes | None:
+        return None if self._board is None else await self._attempt(self._board.ghost, number)
+
+    # -- in the background -------------------------------------------------------------------
+
+    async def _load(self, level: Level) -> None:
+        assert self._board is not None
+        self.membership = await self._attempt(self._board.membership)
+        key = level_key(level)
+        record = await self._recorder.ask(lambda progress: progress.record(key))
+        if record.state == "won":
+            standings = await self.standings_of(level)
+            if level is self._session.opened:
+                self.standings = standings
+        self._on_change()
+
+    async def _enter(self, victory: Victory, measures: Measures) -> None:
+        assert self._board is not None
+        if self.membership is None:
+            self.membership = await self._attempt(self._board.membership)
+        if self.membership is not None and not self.membership.is_listed:
+            return
+        entry = _PendingEntry(
+            victory.level, victory.program.text, measures, await self._replay(victory)
+        )
+        if self.membership is None:
+            self._pending = entry
+            self._on_change()
+        else:
+            await self._add(entry)
+            await self._load(victory.level)
+
+    async def _replay(self, victory: Victory) -> Replay | None:
+        from logical_robots_tui.editing.level_text import write_native
+        from logical_robots_tui.game.replay import gather
+
+        history = self._session.history
+        if history is None or history.first:
+            return None
+        try:
+            return await gather(
+                history, write_native, lambda _: "", with_programs=False, last=victory.tick
+            )
+        except (Superseded, InputError):  # the robots went another way meanwhile
+            return None
+
+    async def _add(self, victory: _PendingEntry) -> None:
+        assert self._board is not None
+        assert self.membership is not None
+        await self._attempt(_add, self._board, self.membership, victory)
+
+    async def _attempt(self, work: Callable[..., T], *values: object) -> T | None:
+        """Run work in a thread; None, with a warning that is given once, if the board fails."""
+        try:
+            return await asyncio.to_thread(work, *values)
+        except InputError as error:
+            if str(error) != self._complaint:
+                self._complaint = str(error)
+                self._ui.warn(f"{error}. The game goes on without it.")
+            return None
+
+    def _spawn(self, work: Work) -> None:
+        if self._board is not None:
+            self._ui.spawn(work, "board", exclusive=False)
+
+    def _note_trouble(self, words: str) -> None:
+        if words != self._trouble:
+            self._trouble = words
+            self._report(trouble=clip(one_line(words), _LONGEST_TROUBLE))
+
+    def _report(self, **values: object) -> None:
+        """Tell the class's board, at most once a second."""
+        if not self.is_class or self._board is None:
+            return
+        self._activity |= values
+        if not self._is_reporting:
+            self._is_reporting = True
+            self._ui.spawn(self._report_soon, "activity", exclusive=False)
+
+    async def _report_soon(self) -> None:
+        await self._flush()
+        await asyncio.sleep(_SECONDS)
+        self._is_reporting = False
+        if self._activity:
+            self._report()
+
+    async def _flush(self) -> None:
+        assert self._board is not None
+        activity, self._activity = self._activity, {}
+        await self._attempt(partial(self._board.report, **activity))
+
+
+def _has_board(level: Level) -> bool:
+    """Return whether everybody has the level: a shipped one, or a labyrinth of a day."""
+    from logical_robots_tui.world.levels.labyrinths import Daily
+
+    return is_shipped(level) or Daily.parse(level.name) is not None
+
+
+def _add(board: Board, membership: BoardMembership, victory: _PendingEntry) -> None:
+    from logical_robots_tui.game.run import level_digest, simulation_digest
+
+    ghost = victory.ghost if membership.shares else None
+    board.add(
+        victory.level.name,
+        level_digest(victory.level),
+        simulation_digest().hex(),
+        victory.text,
+        victory.measures,
+        None if ghost is None else ghost.to_bytes(),
+    )
