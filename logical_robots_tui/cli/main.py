@@ -28,6 +28,7 @@ PROGRAM = "logical-robots"
 
 _MODULES = (
     ("play", "play serve host"),
+    ("ladder", "ladder"),
     ("run", "run trace"),
     ("query", "query when"),
     ("why", "why origin"),

@@ -316,15 +316,21 @@ def _change_class(options: argparse.Namespace, url: str) -> int:
     return 0
 
 
-@command.declare("host", command.option("folder", "FOLDER", "where games look for it", type=Path))
+@command.declare(
+    "host",
+    command.option("folder", "FOLDER", "where games look for it", type=Path),
+    command.BOARD,
+)
 def host(options: argparse.Namespace) -> int:
     """let the games of a shared computer start sooner
 
     Keep the game loaded, and fork a copy for each player who starts `play --host FOLDER`.
-    Where no host answers, games start without it.
+    Where no host answers, games start without it. With --board, the ladder of that board is
+    at work as well.
 
     examples:
       logical-robots host ./host
+      logical-robots host ./host --board ./board
       logical-robots play --restricted --player ada --host ./host
 
     exit status: 0 after ^C, 2 if FOLDER can't be used
@@ -333,6 +339,8 @@ def host(options: argparse.Namespace) -> int:
 
     os.environ["TEXTUAL_FPS"] = FRAMES_A_SECOND
     games = GameHost(listen(options.folder))
+    if options.board is not None:
+        games.companions.append(_start_ladder(options.board))
     games.warm_up()
     print(f"Games that are started with --host {options.folder} are forked.", flush=True)
     try:
@@ -340,6 +348,24 @@ def host(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         return 0
     return int(import_module("logical_robots_tui.cli.main").main(words))
+
+
+def _start_ladder(board: Path) -> int:
+    """Start the ladder of a board; return the end of a pipe that keeps it running while open."""
+    import subprocess
+
+    from logical_robots_tui.processes.lifeline import LIFELINE
+
+    read_end, write_end = os.pipe()
+    subprocess.Popen(  # noqa: S603 - our own command
+        [sys.executable, "-m", "logical_robots_tui", "ladder", str(board.absolute())],
+        stdin=subprocess.DEVNULL,
+        env=os.environ | {LIFELINE: str(read_end)},
+        pass_fds=[read_end],
+        start_new_session=True,
+    )
+    os.close(read_end)
+    return write_end
 
 
 def play_replay(options: argparse.Namespace, replay: Replay) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,10 @@ from logical_robots_tui.game.verification import SECONDS, FileBudget, OverBudget
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
+    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.replay import Replay, Verifier
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world import Level
 
 SAME, DIFFERENT = 0, 3
 
@@ -65,35 +68,52 @@ def _record(options: argparse.Namespace) -> int:
 
     exit status: 0 recorded, 2 bad level or program, or the file can't be written
     """
-    from logical_robots_tui.editing.level_text import write_native
-    from logical_robots_tui.game.replay import MOST_TICKS, gather
+    from logical_robots_tui.game.replay import MOST_TICKS
 
     if options.ticks > MOST_TICKS:
         raise InputError(f"--ticks {options.ticks}: a replay has at most {MOST_TICKS:,} ticks")
     refuse_existing(options.output, force=options.force)
     level, program = open_run(options)
 
-    async def run() -> Replay:
-        live_game = game.Game(level, program, history=options.ticks)
-        try:
-            with progress_bar(level.title, options.ticks) as show:
-                live_game.listen(lambda frame: show(frame.tick))
-                await live_game.run_until(tick=options.ticks)
-            name = "-".join(Path(program).stem for program in named_programs(options))
-            return await gather(
-                live_game.history,
-                write_native,
-                lambda _: name,
+    name = "-".join(Path(program).stem for program in named_programs(options))
+    with progress_bar(level.title, options.ticks) as show:
+        replay = asyncio.run(
+            record_run(
+                level,
+                program,
+                options.ticks,
+                name,
                 with_programs=not options.no_programs,
+                show=lambda frame: show(frame.tick),
             )
-        finally:
-            await live_game.close()
-
-    replay = asyncio.run(run())
+        )
     content = replay.to_bytes()
     write(options.output, content)
     print(harmless(f"Recorded {_ticks(replay)} in {options.output} ({len(content):,} bytes)."))
     return SAME
+
+
+async def record_run(
+    level: Level,
+    program: Program,
+    ticks: int,
+    name: str,
+    *,
+    with_programs: bool,
+    show: Callable[[Frame], None] = lambda _: None,
+) -> Replay:
+    """Run a program in a level until it is won or over, for at most so many ticks."""
+    from logical_robots_tui.editing.level_text import write_native
+    from logical_robots_tui.game.replay import gather
+
+    live_game = game.Game(level, program, history=ticks)
+    try:
+        live_game.listen(show)
+        await live_game.run_until(tick=ticks)
+        history = live_game.history
+        return await gather(history, write_native, lambda _: name, with_programs=with_programs)
+    finally:
+        await live_game.close()
 
 
 def _ticks(replay: Replay) -> str:

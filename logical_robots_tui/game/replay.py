@@ -230,13 +230,18 @@ def load_replay(path: Path) -> Replay:
         content = read_ordinary(path, _MOST_BYTES + 1)
     except OSError as error:
         raise InputError(f"can't be read: {error.strerror or error}", place=str(path)) from error
+    return read_replay(content, str(path))
+
+
+def read_replay(content: bytes, place: str = "The file") -> Replay:
+    """Read a replay's content, fully checked as it may come from anybody, or raise InputError."""
     try:
         replay = _read(content)
         replay.check()
     except (ValueError, lzma.LZMAError, RecursionError, LevelError) as error:
         reason = error.message if isinstance(error, LevelError) else str(error)
         hint = "Make a new one: logical-robots replay record"
-        raise InputError(f"is not a replay file: {reason}", place=str(path), hint=hint) from error
+        raise InputError(f"is not a replay file: {reason}", place=place, hint=hint) from error
     return replay
 
 

@@ -73,9 +73,13 @@ def listen(folder: Path) -> socket.socket:
 
 
 class GameHost:
-    """Forks games, and tells their clients how they ended."""
+    """Forks games, and tells their clients how they ended.
+
+    `companions` are pipes that keep other processes running; games close them.
+    """
 
     def __init__(self, listener: socket.socket) -> None:
+        self.companions: list[int] = []
         self._listener = listener
         self._compile_host: socket.socket | None = None
         self._selector = DefaultSelector()
@@ -176,6 +180,8 @@ class GameHost:
             if isinstance(key.data, Fork):
                 os.close(key.fd)
         self._selector.close()
+        for pipe in self.companions:
+            os.close(pipe)
         if self._compile_host is not None:
             self._compile_host.close()
 

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from mmap import mmap
 
 
+LIFELINE = "LOGICAL_ROBOTS_LIFELINE"
+"""Names the environment variable with the pipe that keeps a command running."""
+
+
 def signal_when_closed(lifeline: int, number: signal.Signals) -> None:
     """Let the kernel signal this process when the other end of a pipe is closed.
 

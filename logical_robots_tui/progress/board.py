@@ -40,7 +40,7 @@ MOST_GHOST_BYTES = 1_000_000
 SCHEMA = Schema(
     "board",
     0x4C524F43,  # "LROC"
-    frozenset(("player", "entry", "activity")),
+    frozenset(("player", "entry", "activity", "challenger", "match")),
     (
         (
             # name: null if anonymous. shares: whether others may race against the runs.
@@ -86,6 +86,34 @@ SCHEMA = Schema(
                 trouble TEXT NOT NULL DEFAULT '',
                 help_since TEXT
             ) WITHOUT ROWID
+            """,
+            # The ladder of an arena. program: digest of what was handed in last; played: of what
+            # the numbers are of, null before the first match. problem: why it does not play.
+            """
+            CREATE TABLE challenger (
+                arena TEXT NOT NULL,
+                player TEXT NOT NULL,
+                program TEXT NOT NULL,
+                played TEXT,
+                rank TEXT NOT NULL DEFAULT '',
+                share REAL NOT NULL DEFAULT 0,
+                low REAL NOT NULL DEFAULT 0,
+                high REAL NOT NULL DEFAULT 0,
+                strength REAL NOT NULL DEFAULT 0,
+                problem TEXT NOT NULL DEFAULT '',
+                PRIMARY KEY (arena, player)
+            ) WITHOUT ROWID
+            """,
+            # programs: digests of both. replay: without programs.
+            """
+            CREATE TABLE match (
+                arena TEXT NOT NULL,
+                upper TEXT NOT NULL,
+                lower TEXT NOT NULL,
+                programs TEXT NOT NULL,
+                replay BLOB NOT NULL,
+                PRIMARY KEY (arena, upper, lower)
+            )
             """,
         ),
     ),
@@ -227,7 +255,7 @@ class Board:
     def membership(self) -> BoardMembership | None:
         """Return what the player has chosen, or None before that."""
         query = "SELECT is_listed, name, shares FROM player WHERE player = :player"
-        rows = self._rows(query)
+        rows = self.rows(query)
         return BoardMembership(bool(rows[0][0]), rows[0][1], bool(rows[0][2])) if rows else None
 
     def join(self, membership: BoardMembership) -> None:
@@ -252,9 +280,11 @@ class Board:
                 connection.execute("UPDATE entry SET ghost = NULL WHERE player = :player", values)
             if not membership.is_listed:
                 connection.execute("DELETE FROM entry WHERE player = :player", values)
+                connection.execute("DELETE FROM challenger WHERE player = :player", values)
+                connection.execute("DELETE FROM match WHERE :player IN (upper, lower)", values)
 
-        self._write(write)
-        self._write(self._remove_programs)
+        self.write(write)
+        self.write(self._remove_programs)
 
     def add(
         self,
@@ -281,21 +311,21 @@ class Board:
         }
 
         def write(connection: sqlite3.Connection) -> None:
-            self._save_program(f"{program}.l", text)
+            self.save_program(f"{program}.l", text)
             connection.execute(_ADD, values)
             connection.execute(_FORGET, values)
 
-        self._write(write)
-        self._write(self._remove_programs)
+        self.write(write)
+        self.write(self._remove_programs)
 
     def standings(self, level_digest: str) -> list[BoardStanding]:
         """Return the bests of all who won a level, the fewest ticks first."""
-        rows = self._rows(_STANDINGS, level_digest=level_digest)
+        rows = self.rows(_STANDINGS, level_digest=level_digest)
         return [BoardStanding(name, bool(is_me), *bests) for name, is_me, *bests in rows]
 
     def ghosts(self, level_digest: str) -> list[GhostEntry]:
         """Return the entries of a level that others may race against, the fewest ticks first."""
-        rows = self._rows(
+        rows = self.rows(
             "SELECT number, name, ticks, size FROM entry JOIN player USING (player) "
             "WHERE level_digest = :level_digest AND ghost NOT NULL AND struck IS NULL "
             "ORDER BY ticks, number",
@@ -305,11 +335,11 @@ class Board:
 
     def ghost(self, number: int) -> bytes | None:
         """Return the replay of an entry, or None if it is no longer there."""
-        rows = self._rows("SELECT ghost FROM entry WHERE number = :number", number=number)
+        rows = self.rows("SELECT ghost FROM entry WHERE number = :number", number=number)
         return rows[0][0] if rows else None
 
     def entries(self) -> list[BoardEntry]:
-        rows = self._rows(
+        rows = self.rows(
             "SELECT number, level, level_digest, player, name, program, engine, ticks, size, "
             "distance, won, confirmed, struck FROM entry JOIN player USING (player) "
             "ORDER BY level, level_digest, ticks, number"
@@ -323,16 +353,16 @@ class Board:
             UPDATE entry SET confirmed = :engine, struck = :struck
             WHERE number = :number AND ticks = :ticks AND distance = :distance
         """
-        self._write(lambda connection: connection.execute(statement, values))
+        self.write(lambda connection: connection.execute(statement, values))
 
-    def program(self, entry: BoardEntry) -> str:
-        """Return the text of an entry; raise InputError if it is gone or another one."""
-        path = self._programs / entry.player / f"{entry.program}.l"
+    def program(self, player: str, digest: str) -> str:
+        """Return a program of a player; raise InputError if it is gone or another one."""
+        path = self._programs / player / f"{digest}.l"
         try:
             text = path.read_text("utf-8")
         except (OSError, UnicodeError):
             text = ""
-        if program_digest(text) != entry.program:
+        if program_digest(text) != digest:
             raise InputError("The program is missing, or was changed")
         return text
 
@@ -346,13 +376,13 @@ class Board:
             ON CONFLICT (player) DO UPDATE SET {changes}
         """  # noqa: S608 - names of columns
         row = {"player": self.player, "last_seen": timestamp(), **values}
-        self._write(lambda connection: connection.execute(statement, row))
+        self.write(lambda connection: connection.execute(statement, row))
 
     def activities(self) -> list[Activity]:
         """Return what all players do, who asks for help first, then by name."""
         columns = ", ".join(Activity._fields)
         query = f"SELECT {columns} FROM activity ORDER BY help_since IS NULL, help_since, player"  # noqa: S608 - ours
-        rows = [Activity(*row) for row in self._rows(query)]
+        rows = [Activity(*row) for row in self.rows(query)]
         return [row._replace(is_open=bool(row.is_open)) for row in rows]
 
     def show_program(self, text: str | None) -> None:
@@ -361,7 +391,7 @@ class Board:
             with suppress(OSError):
                 (self.places[1] / _HELP).unlink()
         else:
-            self._save_program(_HELP, text)
+            self.save_program(_HELP, text)
 
     def shown_program(self, player: str) -> str | None:
         """Return the program of a player who asked for help."""
@@ -370,7 +400,7 @@ class Board:
         except OSError:
             return None
 
-    def _save_program(self, name: str, text: str) -> None:
+    def save_program(self, name: str, text: str) -> None:
         path = self.places[1] / name
         temporary = path.with_name(f"{path.name}.{os.getpid()}")
         try:
@@ -381,18 +411,23 @@ class Board:
 
     def _remove_programs(self, connection: sqlite3.Connection) -> None:
         """Remove the texts without entries; in a transaction, as another game may be adding one."""
-        query = "SELECT program FROM entry WHERE player = ?"
-        names = {f"{program}.l" for (program,) in connection.execute(query, (self.player,))}
+        query = """
+            SELECT program FROM entry WHERE player = :player
+            UNION SELECT program FROM challenger WHERE player = :player
+        """
+        names = {
+            f"{program}.l" for (program,) in connection.execute(query, {"player": self.player})
+        }
         with suppress(OSError):
             for path in self.places[1].glob("*.l"):
                 if path.name not in names | {_HELP}:
                     path.unlink()
 
-    def _rows(self, query: str, **values: object) -> list[Any]:
+    def rows(self, query: str, **values: object) -> list[Any]:
         parameters = {"player": self.player, **values}
         return self._run(lambda connection: connection.execute(query, parameters).fetchall())
 
-    def _write(self, work: Callable[[sqlite3.Connection], T]) -> T:
+    def write(self, work: Callable[[sqlite3.Connection], T]) -> T:
         def transaction(connection: sqlite3.Connection) -> T:
             with connection:
                 connection.execute("BEGIN IMMEDIATE")

@@ -100,10 +100,10 @@ def test_a_program_that_was_changed_is_not_played(tmp_path: Path) -> None:
     ada = board_of(tmp_path, "ada")
     win(ada, "a", 7)
     (entry,) = ada.entries()
-    assert ada.program(entry) == "a"
+    assert ada.program(entry.player, entry.program) == "a"
     (tmp_path / "programs" / "ada" / f"{entry.program}.l").write_text("b")
     with pytest.raises(InputError, match="missing, or was changed"):
-        ada.program(entry)
+        ada.program(entry.player, entry.program)
 
 
 def test_activity_keeps_what_was_not_reported_anew(tmp_path: Path) -> None:
