@@ -13,6 +13,8 @@ from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import is_shipped, level_key
 from logical_robots_tui.player.session_state import SessionListener, Ui, Work
 from logical_robots_tui.wording import clip, one_line
+from logical_robots_tui.world import list_arenas, load_level
+from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.progress.board import Board, BoardMembership, BoardStanding, GhostEntry
+    from logical_robots_tui.progress.ladder import Challenger, Ladder
     from logical_robots_tui.world import Level
 
 T = TypeVar("T")
@@ -178,6 +181,40 @@ class BoardRecorder(SessionListener):
 
     async def ghost(self, number: int) -> bytes | None:
         return None if self._board is None else await self._attempt(self._board.ghost, number)
+
+    async def hand_in(self, text: str) -> None:
+        """Let a program play in the ladder of the arena at hand, or raise InputError."""
+        ladder = self._ladder()
+        assert self._board is not None
+        membership = await asyncio.to_thread(self._board.membership)
+        if membership is None or not membership.is_listed:
+            raise InputError("You are not on the board", hint="Choose a name there first.")
+        await asyncio.to_thread(ladder.hand_in, text)
+
+    async def challengers(self) -> list[Challenger]:
+        """Return who plays in the ladder of the arena at hand, or raise InputError."""
+        return await asyncio.to_thread(self._ladder().challengers)
+
+    async def match(self, opponent: Challenger) -> Replay:
+        """Return the player's match in the ladder at hand, or raise InputError."""
+        from logical_robots_tui.game.replay import read_replay
+
+        assert self._board is not None
+        content = await asyncio.to_thread(self._ladder().match, self._board.player, opponent.player)
+        if content is None:
+            hint = "Hand in a program, and choose somebody else's once it has a rank."
+            raise InputError("There is no match of yours against this program", hint=hint)
+        return await asyncio.to_thread(read_replay, content, "The match")
+
+    def _ladder(self) -> Ladder:
+        from logical_robots_tui.progress.ladder import Ladder
+
+        level = self._session.opened
+        if self._board is None:
+            raise InputError("There is no board", hint="Ladders are for the players of a server.")
+        if level.name not in list_arenas() or not alike(level, load_level(level.name)):
+            raise InputError(f"{level.title} has no ladder", hint="Open an arena.")
+        return Ladder(self._board, level.name)
 
     # -- in the background -------------------------------------------------------------------
 

@@ -220,6 +220,7 @@ class LocalPlayer:
     def start(self) -> None:
         """Begin to record and to compile, once all listen to the session."""
         self.recorder.level_opened(self.session.opened)
+        self.board.level_opened(self.session.opened)
         self.session.apply(self.first_text)
 
     def offerings(self, *extra: Offering) -> list[Offering]:

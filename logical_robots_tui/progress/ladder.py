@@ -119,12 +119,13 @@ class Ladder:
 
         self._board.write(write)
 
-    def match(self, upper: str, lower: str) -> bytes | None:
-        """Return the replay of a match of two players, the better one first, or None."""
+    def match(self, player: str, opponent: str) -> bytes | None:
+        """Return the replay of a match of two players, or None."""
         rows = self._board.rows(
-            "SELECT replay FROM match WHERE arena = :arena AND upper = :upper AND lower = :lower",
+            "SELECT replay FROM match WHERE arena = :arena AND :one <> :two "
+            "AND upper IN (:one, :two) AND lower IN (:one, :two)",
             arena=self.arena,
-            upper=upper,
-            lower=lower,
+            one=player,
+            two=opponent,
         )
         return rows[0][0] if rows else None

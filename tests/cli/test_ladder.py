@@ -59,7 +59,8 @@ def test_programs_are_ranked_and_their_matches_can_be_watched(
     assert b"# mine" not in content
     replay = read_replay(content)
     assert (replay.name, replay.has_programs) == (ARENA, False)
-    assert ada.match("ben", "ada") is None
+    assert ada.match("ben", "ada") == content
+    assert ada.match("ada", "cem") is None
 
 
 def test_a_ladder_plays_only_what_is_new(board: Path, monkeypatch: pytest.MonkeyPatch) -> None:

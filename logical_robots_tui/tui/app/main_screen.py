@@ -55,7 +55,7 @@ from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour import TourController
 from logical_robots_tui.tui.level_editor.controller import LevelController
-from logical_robots_tui.tui.library.controller import LibraryController
+from logical_robots_tui.tui.library.controller import LadderController, LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
@@ -148,6 +148,9 @@ class MainScreen(Screen[None], SessionListener):
         self.timeline_controller = TimelineController(session, ui, view)
         self.replays = Replays(
             session, ui, data_dir / "replays", library.programs, library.open_with
+        )
+        self.ladder = LadderController(
+            self.player.board, session, ui, program, self.replays.open_with_level
         )
         self.ghost = GhostController(session, ui, view, self.player.best_runs, data_dir / "replays")
         self.search = TickSearch(

@@ -138,6 +138,12 @@ learning.add("questions", "Questions of the lesson", "", lambda s: s.learning.qu
 learning.add("results", "Results", "m", lambda s: s.announcer.results(),
     "Compare your best results with those of the reference programs.", bar="Results", spare=7,
     also="score best")
+learning.add("hand_in", "Hand in to the ladder", "", lambda s: s.ladder.hand_in(),
+    "Let the program in the editor play all others in the ladder of this arena.",
+    worker="ladder", also="arena tournament compete")
+learning.add("ladder", "Ladder…", "", lambda s: s.ladder.show(),
+    "Show who is how strong in this arena, and watch your matches.", worker="ladder",
+    also="arena tournament rank board")
 learning.add("copy_result", "Copy my result", "", general.copy_result,
     "Copy the result of your last victory here as a line of text to share.", also="share export")
 learning.add("solution", "Reference programs", "W", lambda s: s.learning.solution(),

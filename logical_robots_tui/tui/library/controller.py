@@ -1,4 +1,4 @@
-"""Choosing a level or a program, and saving under another name."""
+"""Choosing a level or a program, saving under another name, and the ladder of an arena."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource
 
 if TYPE_CHECKING:
+    from logical_robots_tui.game.replay import Replay
+    from logical_robots_tui.player.board import BoardRecorder
     from logical_robots_tui.player.library import Library
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.player.session import Session
@@ -64,3 +67,34 @@ class LibraryController:
         saved = await self.ui.ask(SaveAs(former, text, self.library.programs))
         if saved is not None:
             self.library.saved(former, saved)
+
+
+@dataclass(eq=False)
+class LadderController:
+    """Hands programs in and shows ranks; `open_replay` opens a match in the game."""
+
+    board: BoardRecorder
+    session: Session
+    ui: Dialogs
+    program: ProgramText
+    open_replay: Callable[[Replay], Awaitable[None]]
+
+    async def hand_in(self) -> None:
+        try:
+            await self.board.hand_in(self.program.text)
+        except InputError as error:
+            self.ui.warn(str(error))
+        else:
+            self.ui.tell("Handed in. It plays in the background; the ladder shows its rank.")
+
+    async def show(self) -> None:
+        from logical_robots_tui.tui.library.ladder import LadderDialog
+
+        try:
+            challengers = await self.board.challengers()
+            dialog = LadderDialog(self.session.opened.title, challengers)
+            opponent = await self.ui.ask(dialog)
+            if opponent is not None:
+                await self.open_replay(await self.board.match(opponent))
+        except InputError as error:
+            self.ui.warn(str(error))
