@@ -129,7 +129,8 @@ def play(options: argparse.Namespace) -> int:
     games, board = None, _open_board(options)
     if options.restricted:
         import_module(home)  # afterwards no library can be loaded
-        mimetypes.init(())  # a download would read tables of the system
+        if not mimetypes.inited:  # as in a game that a host has forked
+            mimetypes.init(())  # a download would read tables of the system
         options.data_dir = options.data_dir.absolute()
         games = restrict(options.data_dir, board.places if board is not None else ())
     recorder = _recorder(options)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gc
 import json
+import mimetypes
 import os
 import pkgutil
 import signal
@@ -94,6 +95,7 @@ class GameHost:
             package = import_module(f"logical_robots_tui.{part}")
             for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
                 import_module(module.name)
+        mimetypes.init(())
         gc.collect()
         gc.freeze()
 

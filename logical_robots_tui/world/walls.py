@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import zlib
+from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -50,9 +51,7 @@ class Walls:
         if like is not None and like._walls.shape == walls.shape and like._reach == reach:
             self._room = self._updated_room(like)
             return
-        room = _room(np.pad(walls, _RIM, constant_values=True), reach)
-        # Rolled so that cell (0, 0) comes first; the margin to the left and above is at the end.
-        self._room = np.roll(room, -self._stride * _RIM - _RIM)
+        self._room = _rolled_room(PackedBits.pack(walls), reach)
 
     def distances(self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats) -> _Ints:
         """Return the first step of every ray in a wall, map units from 1, or the reach.
@@ -185,6 +184,18 @@ def _room(walls: _Bits, reach: int) -> _Bytes:
     """
     room = clearances(walls, reach)
     room -= np.uint8(1)
+    return room
+
+
+@lru_cache(maxsize=4)
+def _rolled_room(walls: PackedBits, reach: int) -> _Bytes:
+    """Return the free space around cells with a rim, not to be changed; worlds share their level's.
+
+    It is rolled so that cell (0, 0) comes first; the margin to the left and above is at the end.
+    """
+    room = _room(np.pad(walls.bits(), _RIM, constant_values=True), reach)
+    room = np.roll(room, -room.shape[1] * _RIM - _RIM)
+    room.flags.writeable = False
     return room
 
 
