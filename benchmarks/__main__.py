@@ -6,6 +6,7 @@ import os
 import sys
 
 from benchmarks.answers import answers
+from benchmarks.arrivals import arrivals
 from benchmarks.breakpoints import breakpoints
 from benchmarks.classes import classes, large_classes
 from benchmarks.diagnosing import diagnosing
@@ -63,6 +64,7 @@ SUITE = Suite(
         "ssh": ssh,
         "class": classes,
         "large-class": large_classes,
+        "arrivals": arrivals,
         "web": web,
         "lab": laboratory,
         "learning": learning,
@@ -71,7 +73,17 @@ SUITE = Suite(
         "first-frame": first_frame,
     },
     named=frozenset(
-        {"functions", "lab", "large-class", "learning", "memory", "safety", "tournament", "web"}
+        {
+            "arrivals",
+            "functions",
+            "lab",
+            "large-class",
+            "learning",
+            "memory",
+            "safety",
+            "tournament",
+            "web",
+        }
     ),
     thorough=frozenset(
         {"class", "editing", "folding", "inspector", "processor", "ssh", "teams", "traffic"}

@@ -343,14 +343,15 @@ class MainScreen(Screen[None], SessionListener):
 
     def _laid_out(self, _screen: Screen[object]) -> None:
         """Show messages over the lower left of the map, if it is not the only pane."""
-        region, rack = self.labyrinth.region, self.query_one("ToastRack")
+        region = self.labyrinth.region
         is_over_map = self.arrangement.layout.is_roomy and self.labyrinth.display
-        rack.set_class(is_over_map, "-over-map")
-        if is_over_map:
-            rack.styles.width = region.width - 2
-            rack.styles.margin = (0, 0, self.size.height - region.bottom + 1, 1)
-        elif rack.styles.inline.has_rule("margin"):  # to clear a rule lays out everything again
-            rack.styles.width = rack.styles.margin = None
+        for rack in self.query("ToastRack"):  # none while the screen closes
+            rack.set_class(is_over_map, "-over-map")
+            if is_over_map:
+                rack.styles.width = region.width - 2
+                rack.styles.margin = (0, 0, self.size.height - region.bottom + 1, 1)
+            elif rack.styles.inline.has_rule("margin"):  # to clear a rule lays out everything again
+                rack.styles.width = rack.styles.margin = None
         self.redraw_lines()
 
     def point_at(self, pane: Pane) -> None:
