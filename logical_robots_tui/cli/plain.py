@@ -18,10 +18,12 @@ from logical_robots_tui.game.source import target
 from logical_robots_tui.game.victory import Victory, brief, result_line, robustness_line
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_there
+from logical_robots_tui.player.board import NO_BOARD, NO_CLASS
 from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.player.opening import LocalPlayer, Opening
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session_state import SessionListener
+from logical_robots_tui.player.standings import ANONYMOUS, standing_rows
 from logical_robots_tui.player.surroundings import surroundings
 from logical_robots_tui.world import Level, list_shipped, load_level
 
@@ -128,6 +130,11 @@ class LineGame(SessionListener):
         if victory.verdict == "counts" and victory.measures is not None:
             say(result_line(victory.level, victory.measures))
             say(*(f"Bonus goal reached: {goal}." for goal in victory.measures.goals))
+        if self.player.board.must_ask:
+            say(
+                "The players of this server can see this result. Type board and a name, "
+                "board anonymous, or board leave."
+            )
 
     def level_opened(self, level: Level) -> None:
         self._last_frame, self._robot = self.session.frame, ""
@@ -378,6 +385,41 @@ class LineGame(SessionListener):
         references = self._recorder.references.items()
         say(*(f"{name}: {brief(measures)}" for name, measures in references))
 
+    async def board(self, name: str) -> None:
+        from logical_robots_tui.progress.board import BoardMembership
+
+        board = self.player.board
+        if not board.is_on:
+            raise InputError(NO_BOARD)
+        if name:
+            is_listed = name != "leave"
+            is_named = is_listed and name != ANONYMOUS
+            await board.join(BoardMembership(is_listed, name[:20] if is_named else None))
+            say("You are on the board." if is_listed else "You are not on the board.")
+        elif board.standings:
+            say(*columns(standing_rows(board.standings)))
+        else:
+            say("Win this level first, then the board shows who else has.")
+
+    async def ladder(self, argument: str) -> None:
+        board = self.player.board
+        if argument:
+            await board.hand_in(self._text.text)
+            say("Handed in. It plays in the background.")
+        rows = [challenger.cells for challenger in await board.challengers()]
+        say(*columns([("rank", "player", "share", "remark"), *rows]))
+
+    async def ask_help(self, _: str) -> None:
+        board = self.player.board
+        if not board.is_class:
+            raise InputError(NO_CLASS)
+        await board.ask_for_help(self._text.text)
+        say(
+            "The teacher sees that you need help, and your program. Type teacher to end it."
+            if board.asks_for_help
+            else "You no longer ask for help."
+        )
+
     def help(self, _: str) -> None:
         say(*columns([(entry.usage, entry.help) for entry in COMMANDS]))
 
@@ -453,6 +495,12 @@ COMMANDS = (
         "list the questions of the lesson, or answer question N with a query"),
     LineCommand("solution", "", LineGame.solution, "the reference programs"),
     LineCommand("results", "", LineGame.results, "your best results beside the reference programs"),
+    LineCommand("board", "[NAME]", LineGame.board,
+        "who has won this level and how well; or be there as NAME, anonymous, or leave"),
+    LineCommand("ladder", "[hand in]", LineGame.ladder,
+        "the ranks in this arena; with hand in your program plays there"),
+    LineCommand("teacher", "", LineGame.ask_help,
+        "ask the teacher of a class for help and show them your program, or stop that"),
     LineCommand("next", "", lambda game, _: game.player.library.next_level(),
         "open the next level"),
     LineCommand("level", "[NAME]", LineGame.open_level, "open a level, or list the levels"),

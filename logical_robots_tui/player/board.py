@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Program
     from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.recovery import Offers
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.progress.board import Board, BoardMembership, BoardStanding, GhostEntry
@@ -29,6 +30,15 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
 
 T = TypeVar("T")
+
+NOTICE = (
+    "In this class the teacher sees which level you play, how often you run it, what you win, and "
+    "errors and notices of your last run. Your program is shown only while you ask for help."
+)
+"""What players are told at login."""
+
+NO_BOARD = "There is no board: nobody else plays on this server."
+NO_CLASS = "Nobody watches this game: it is not played in a class."
 
 _LONGEST_TROUBLE = 200  # characters
 _SECONDS = 1.0  # between two reports of what the player does
@@ -70,7 +80,7 @@ class BoardRecorder(SessionListener):
         self._recorder, self._on_change = recorder, on_change
         self._pending: _PendingEntry | None = None
         self._activity: dict[str, object] = {}
-        self._is_reporting = False
+        self._is_reporting = self._is_closed = False
         self._runs, self._trouble = 0, ""
         self._is_new_run = True
         self._complaint = ""
@@ -82,7 +92,7 @@ class BoardRecorder(SessionListener):
     @property
     def must_ask(self) -> bool:
         """Whether a victory waits for the player to choose a name."""
-        return self._pending is not None and self.membership is None
+        return self._pending is not None and self.membership is None and not self._complaint
 
     # -- what happens ------------------------------------------------------------------------
 
@@ -99,6 +109,9 @@ class BoardRecorder(SessionListener):
 
     def program_used(self, program: Program) -> None:
         self._is_new_run = True
+        if self.asks_for_help and self._board is not None:
+            show = partial(self._attempt, self._board.show_program, program.first.text)
+            self._ui.spawn(show, "board", exclusive=False)
 
     def program_rejected(self) -> None:
         mistakes = self._session.state.mistakes
@@ -136,8 +149,14 @@ class BoardRecorder(SessionListener):
 
     async def close(self) -> None:
         if self.is_class and self._board is not None:
-            self._activity["is_open"] = False
+            self._report(is_open=False)
+            self._is_closed = True
             await self._flush()
+
+    async def offer_notice(self, offers: Offers) -> None:
+        """Tell a player of a class what the teacher sees."""
+        if self.is_class and self._board is not None:
+            await offers.ask("A class", NOTICE, [("ok", "OK")])
 
     # -- what the player does ----------------------------------------------------------------
 
@@ -172,15 +191,26 @@ class BoardRecorder(SessionListener):
             return ()
         return await self._attempt(self._board.standings, level_digest(level)) or ()
 
-    async def ghosts(self, level: Level) -> Sequence[GhostEntry]:
+    async def ghosts(self) -> Sequence[GhostEntry]:
+        """Return whom the player may race in the level at hand, or raise InputError."""
         from logical_robots_tui.game.run import level_digest
 
-        if self._board is None or not _has_board(level):
-            return ()
-        return await self._attempt(self._board.ghosts, level_digest(level)) or ()
+        level = self._session.opened
+        if self._board is None:
+            raise InputError(NO_BOARD)
+        if self._recorder.record.state != "won":
+            raise InputError(f"Win {level.title} first; then you can race others.")
+        return await asyncio.to_thread(self._board.ghosts, level_digest(level))
 
-    async def ghost(self, number: int) -> bytes | None:
-        return None if self._board is None else await self._attempt(self._board.ghost, number)
+    async def ghost(self, entry: GhostEntry) -> Replay:
+        """Return the run of an entry, or raise InputError."""
+        from logical_robots_tui.game.replay import read_replay
+
+        assert self._board is not None
+        content = await asyncio.to_thread(self._board.ghost, entry.number)
+        if content is None:
+            raise InputError("This run is no longer shared.")
+        return await asyncio.to_thread(read_replay, content, "The run")
 
     async def hand_in(self, text: str) -> None:
         """Let a program play in the ladder of the arena at hand, or raise InputError."""
@@ -211,7 +241,7 @@ class BoardRecorder(SessionListener):
 
         level = self._session.opened
         if self._board is None:
-            raise InputError("There is no board", hint="Ladders are for the players of a server.")
+            raise InputError(NO_BOARD)
         if level.name not in list_arenas() or not alike(level, load_level(level.name)):
             raise InputError(f"{level.title} has no ladder", hint="Open an arena.")
         return Ladder(self._board, level.name)
@@ -285,16 +315,18 @@ class BoardRecorder(SessionListener):
 
     def _report(self, **values: object) -> None:
         """Tell the class's board, at most once a second."""
-        if not self.is_class or self._board is None:
+        if not self.is_class or self._board is None or self._is_closed:
             return
         self._activity |= values
         if not self._is_reporting:
             self._is_reporting = True
-            self._ui.spawn(self._report_soon, "activity", exclusive=False)
+            self._ui.spawn(self._report_now, "activity", exclusive=False)
 
-    async def _report_soon(self) -> None:
+    async def _report_now(self) -> None:
         await self._flush()
-        await asyncio.sleep(_SECONDS)
+        asyncio.get_running_loop().call_later(_SECONDS, self._report_rest)
+
+    def _report_rest(self) -> None:
         self._is_reporting = False
         if self._activity:
             self._report()

@@ -227,7 +227,7 @@ class LocalPlayer:
         """Return what to offer from earlier sessions, in order."""
         games = self._opening.games
         first = [] if games is None else [partial(offer_to_end_games, games, self._ui)]
-        return [*first, self.library.offer, *extra, self.bookmark.offer]
+        return [self.board.offer_notice, *first, self.library.offer, *extra, self.bookmark.offer]
 
     def shift_speed(self, steps: int) -> None:
         """Choose a faster speed, or with negative steps a slower one, also for later games."""

@@ -32,6 +32,26 @@ class Challenger(NamedTuple):
     is_new: bool
     result: LadderRank
 
+    @property
+    def label(self) -> str:
+        return "sparring partner" if self.player == HOUSE else self.name or "anonymous"
+
+    @property
+    def remark(self) -> str:
+        """Why there is no rank, or that it is of an earlier program."""
+        if self.result.problem:
+            return self.result.problem
+        if not self.result.rank:
+            return "waits for its first match"
+        return "a new program waits" if self.is_new else ""
+
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """Rank, name, share and remark, for a table."""
+        has_rank = self.result.rank and not self.result.problem
+        share = f"{100 * self.result.share:.1f}%" if has_rank else ""
+        return self.result.rank if has_rank else "-", self.label, share, self.remark
+
 
 class Ladder:
     """The ladder of an arena on a board; its methods raise as those of the board."""

@@ -6,11 +6,15 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+import pytest
+
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.player.board import BoardRecorder
 from logical_robots_tui.progress.board import Activity, Board, BoardMembership
 from logical_robots_tui.world import load_level
 from tests.player.test_session import Table, table
+from tests.short import AHEAD
 
 LEVEL = "01-first-steps"
 LISTED = BoardMembership(is_listed=True, name="Ada", shares=True)
@@ -53,10 +57,10 @@ async def test_the_first_victory_waits_until_a_name_is_chosen(tmp_path: Path) ->
         assert (standing.name, standing.is_me, standing.ticks) == ("Ada", True, tick)
         await win(at)
         assert not listener.must_ask
-        (ghost,) = await listener.ghosts(at.session.opened)
-        content = await listener.ghost(ghost.number)
-        assert content is not None
-        assert b"# mine" not in content
+        (entry,) = await listener.ghosts()
+        assert (entry.name, entry.ticks) == ("Ada", tick)
+        replay = await listener.ghost(entry)
+        assert (replay.last, replay.has_programs) == (tick, False)
 
 
 async def test_whoever_stays_off_the_board_is_not_asked_again(tmp_path: Path) -> None:
@@ -109,6 +113,8 @@ async def test_without_a_board_nothing_is_asked_or_told(tmp_path: Path) -> None:
         await win(at)
         assert not listener.must_ask
         assert await listener.standings_of(at.session.opened) == ()
+        with pytest.raises(InputError, match="There is no board"):
+            await listener.ghosts()
 
 
 def activity_in(folder: Path) -> Activity:
@@ -126,8 +132,7 @@ async def test_a_class_sees_levels_runs_victories_and_trouble(tmp_path: Path) ->
         at.session.apply("Robot(")
         at.session.run()
         await at.until(lambda: at.session.state.phase == "mistake")
-        await at.ui.drain(skip="measure")
-        assert activity_in(folder).trouble.startswith("Line 1: ")
+        await at.until(lambda: activity_in(folder).trouble.startswith("Line 1: "))
     assert not activity_in(folder).is_open
 
 
@@ -135,12 +140,12 @@ async def test_a_program_is_shown_to_whom_help_was_asked_of(tmp_path: Path) -> N
     folder = tmp_path / "board"
     async with listed(tmp_path, folder, is_class=True) as (at, listener):
         await listener.ask_for_help("my text")
-        await at.ui.drain(skip="measure")
-        assert activity_in(folder).help_since
+        await at.until(lambda: activity_in(folder).help_since)
         assert Board(folder).shown_program("ada") == "my text"
+        await at.apply(AHEAD)
+        await at.until(lambda: Board(folder).shown_program("ada") == AHEAD)
         await listener.ask_for_help("my text")
-        await at.ui.drain(skip="measure")
-        assert not activity_in(folder).help_since
+        await at.until(lambda: not activity_in(folder).help_since)
         assert Board(folder).shown_program("ada") is None
 
 

@@ -55,7 +55,7 @@ from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour import TourController
 from logical_robots_tui.tui.level_editor.controller import LevelController
-from logical_robots_tui.tui.library.controller import LadderController, LibraryController
+from logical_robots_tui.tui.library.controller import BoardController, LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
@@ -130,6 +130,7 @@ class MainScreen(Screen[None], SessionListener):
             data_dir / "levels",
             drawing=lambda: view.drawing,
             make_level=self.editing.make_level,
+            board=self.player.board,
         )
         self.offers = ScreenOffers(ui)
         self.learning = LearningController(self.player.learning, session, ui, program)
@@ -149,10 +150,15 @@ class MainScreen(Screen[None], SessionListener):
         self.replays = Replays(
             session, ui, data_dir / "replays", library.programs, library.open_with
         )
-        self.ladder = LadderController(
-            self.player.board, session, ui, program, self.replays.open_with_level
-        )
         self.ghost = GhostController(session, ui, view, self.player.best_runs, data_dir / "replays")
+        self.board = BoardController(
+            self.player.board,
+            session,
+            ui,
+            program,
+            self.replays.open_with_level,
+            self.ghost.race,
+        )
         self.search = TickSearch(
             session,
             ui,
@@ -170,6 +176,7 @@ class MainScreen(Screen[None], SessionListener):
             look=self._look_of_pictures,
             following=library.next_name,
             run=self.action_command,
+            board=self.board,
         )
         session.listeners += [self.editing, recorder, self.announcer]
         session.listeners += [self.timeline_controller, self.ghost, self]

@@ -138,12 +138,18 @@ learning.add("questions", "Questions of the lesson", "", lambda s: s.learning.qu
 learning.add("results", "Results", "m", lambda s: s.announcer.results(),
     "Compare your best results with those of the reference programs.", bar="Results", spare=7,
     also="score best")
-learning.add("hand_in", "Hand in to the ladder", "", lambda s: s.ladder.hand_in(),
+learning.add("board", "Board…", "", lambda s: s.board.join(),
+    "Choose under which name the players of this server see your results, or leave the board.",
+    worker="board", also="name anonymous class histogram rank")
+learning.add("hand_in", "Hand in to the ladder", "", lambda s: s.board.hand_in(),
     "Let the program in the editor play all others in the ladder of this arena.",
-    worker="ladder", also="arena tournament compete")
-learning.add("ladder", "Ladder…", "", lambda s: s.ladder.show(),
-    "Show who is how strong in this arena, and watch your matches.", worker="ladder",
+    worker="board", also="arena tournament compete")
+learning.add("ladder", "Ladder…", "", lambda s: s.board.show_ladder(),
+    "Show who is how strong in this arena, and watch your matches.", worker="board",
     also="arena tournament rank board")
+learning.add("ask_help", "Ask for help", "", lambda s: s.board.ask_for_help(),
+    "Tell the teacher of a class that you are stuck, and show them your program, or stop that.",
+    worker="board", also="teacher stuck question")
 learning.add("copy_result", "Copy my result", "", general.copy_result,
     "Copy the result of your last victory here as a line of text to share.", also="share export")
 learning.add("solution", "Reference programs", "W", lambda s: s.learning.solution(),
@@ -285,6 +291,9 @@ view.add("ghost", "Ghost", "G", lambda s: s.ghost.toggle(),
 view.add("race_replay", "Race a replay…", "", lambda s: s.ghost.choose(),
     "Show the robots of a saved replay of this level, faintly, to race against.",
     worker="ghost", also="ghost compare")
+view.add("race_player", "Race a player…", "", lambda s: s.board.choose_ghost(),
+    "Show the best run of another player of this server, faintly, to race against.",
+    worker="ghost", also="ghost compare board")
 view.add("drawing", "Drawing style", "d", general.drawing,
     "Draw the map in quadrants, half blocks, sextants, or plain characters.")
 

@@ -48,7 +48,7 @@ class GhostController(SessionListener):
         shelf = ReplayShelf(self._replays, "Race a replay", does="race")
         replay = await self._ui.ask(Chooser["Replay"](shelf, ""))
         if replay is not None:
-            await self._race(replay, REPLAY)
+            await self.race(replay, REPLAY)
 
     def level_opened(self, level: Level) -> None:
         self._view.ghost = None
@@ -105,9 +105,9 @@ class GhostController(SessionListener):
                 f"Your best run can't be read: it {error.message}. Win again to keep a new one."
             )
             return
-        await self._race(replay, BEST, is_told=not is_new)
+        await self.race(replay, BEST, is_told=not is_new)
 
-    async def _race(self, replay: Replay, name: str, *, is_told: bool = True) -> None:
+    async def race(self, replay: Replay, name: str, *, is_told: bool = True) -> None:
         level = self._session.level
         try:
             ghost = await asyncio.to_thread(ghost_of, replay, level, name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Button, Static
 
+from logical_robots_tui.player.standings import histograms
 from logical_robots_tui.tui.commands.keymap import command, with_keys
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.theme.themes import INK
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.progress import Bests, Measures
+    from logical_robots_tui.progress.board import BoardStanding
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
 
 _TITLES = ("ticks", "size", "distance", "robust")
@@ -32,11 +34,13 @@ _WIDTHS = (9, 7, 10, 11)
 _LABEL = 11
 
 
-def results_lines(recorder: ProgressRecorder, seconds: int = 0) -> list[Content]:
+def results_lines(
+    recorder: ProgressRecorder, seconds: int = 0, standings: Sequence[BoardStanding] = ()
+) -> list[Content]:
     """Return lines of equal width: victory, bests (new ones marked), solution, scales, trial.
 
     If several programs won together, the last one alone is measured, from the start. `seconds`
-    have passed since the trial's last step.
+    have passed since the trial's last step. `standings` of a board take the place of scales.
     """
     references, bests = recorder.references.values(), recorder.record.bests
     rows = [_row("", _TITLES, INK.dim)]
@@ -46,7 +50,7 @@ def results_lines(recorder: ProgressRecorder, seconds: int = 0) -> list[Content]
     rows.append(_row("your best", _numbers(bests), INK.text))
     if references:
         rows.append(_row("reference", _numbers(next(iter(references))), INK.dim))
-    rows += scale_lines(references, bests)
+    rows += histogram_lines(standings) if standings else scale_lines(references, bests)
     if recorder.trial is not None:
         trial = recorder.trial
         doing = f"tried: {trial.tried} of {trial.of_all}"
@@ -77,6 +81,29 @@ def scale_lines(references: Iterable[Measures], bests: Bests) -> Iterator[Conten
         scale_values = sorted({round(value) for value in amounts})
         if scale_values:
             yield _scale(title, scale_values, None if best is None else round(best))
+
+
+_LEVELS = "▁▂▃▄▅▆▇█"
+_NAME = 12  # characters of who is first
+
+
+def histogram_lines(standings: Sequence[BoardStanding]) -> Iterator[Content]:
+    """Yield a line for each measure: how many have how much, one's own mark and rank, the first."""
+    for histogram in histograms(standings, _SCALE):
+        line = Content.styled(f"{histogram.measure:<{_LABEL}}", INK.dim)
+        most = max(histogram.counts)
+        for index, count in enumerate(histogram.counts):
+            if index == histogram.bin:
+                line = line.append(_ink(_MINE))
+            elif count:
+                level = _LEVELS[-(-count * (len(_LEVELS) - 1) // most)]
+                line = line.append(Content.styled(level, INK.text))
+            else:
+                line = line.append(_ink("─"))
+        leader = clip(one_line(histogram.leader), _NAME)
+        rank = f"{histogram.rank} of {histogram.players}"
+        line = line.append(Content.styled(f"  {rank:<11}", f"bold {INK.key}"))
+        yield line.append(Content.styled(f"best {histogram.best:,.0f} {leader}", INK.dim))
 
 
 def _scale(title: str, references: list[int], best: int | None) -> Content:
@@ -187,6 +214,7 @@ class ResultsDialog(QuestionDialog):
         picture: The start of what comes next.
         noticing: Seconds before there are answers.
         explains: Whether a last line says what the signs mean.
+        standings: Returns those of the board, if there is one.
     """
 
     DEFAULT_CSS = """
@@ -209,6 +237,7 @@ class ResultsDialog(QuestionDialog):
         story: str = "",
         picture: Cells | None = None,
         explains: bool = True,
+        standings: Callable[[], Sequence[BoardStanding]] = tuple,
     ) -> None:
         keyed = [
             (name, f"{label}  {command(name).key_name}" if command(name).keys else label)
@@ -218,7 +247,7 @@ class ResultsDialog(QuestionDialog):
         self._recorder, self._headline, self._seed = recorder, headline, seed
         self._note, self._story = with_keys(note), story
         self._picture, self._explains = picture, explains
-        self._trial, self._seconds = recorder.trial, 0
+        self._trial, self._seconds, self._standings = recorder.trial, 0, standings
         self._rows = self._table()
         self._parts = [Static(id=name) for name in ("said", "goals", "table")]
 
@@ -256,7 +285,7 @@ class ResultsDialog(QuestionDialog):
         if challenge is not None:
             place = recorder.goals.index(challenge)
             goals[place] = goals[place].append(Content.styled(_CHALLENGE, INK.record))
-        rows = [*results_lines(recorder, self._seconds), *goals]
+        rows = [*results_lines(recorder, self._seconds, self._standings()), *goals]
         if recorder.latest is not None:
             return rows
         return [*(Content.styled(line, INK.warn) for line in wrap(self._note, STORY_WIDTH)), *rows]

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, Palette
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.labyrinth.results import ResultsDialog
+    from logical_robots_tui.tui.library.controller import BoardController
 
 _PICTURE_ROWS = 9
 _FURTHER = (("next_level", "First arena"), ("daily", "Daily"), ("new_level", "Own swarm"))
@@ -59,6 +60,7 @@ class VictoryAnnouncer(SessionListener):
         look: How pictures are drawn now, or None where there is no room for one.
         following: Finds the name of the next level, if there is one.
         run: Runs a command.
+        board: Has the standings, and asks how to be on the board.
     """
 
     session: Session
@@ -71,6 +73,7 @@ class VictoryAnnouncer(SessionListener):
     look: Callable[[], tuple[Drawing, Palette] | None]
     following: Callable[[], Awaitable[str | None]]
     run: Callable[[str], None]
+    board: BoardController
     _waiting: Victory | None = None
     _results: ResultsDialog | None = None
     _is_held: bool = False
@@ -140,7 +143,8 @@ class VictoryAnnouncer(SessionListener):
         from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
         answers = [("solution", "References"), ("versions", "Versions"), ("results", "Close")]
-        self._results = ResultsDialog(self.recorder, "", answers)
+        standings = self.board.standings
+        self._results = ResultsDialog(self.recorder, "", answers, standings=standings)
         self.ui.show(self._results, self._obey)
 
     def _announce(self) -> None:
@@ -183,9 +187,12 @@ class VictoryAnnouncer(SessionListener):
             story=story,
             picture=picture,
             explains=not self._has_explained,
+            standings=self.board.standings,
         )
         self._has_explained = True
-        self._obey(await self.offers.put(self._results))
+        answer = await self.offers.put(self._results)
+        await self.board.join_once()
+        self._obey(answer)
 
     async def _picture_of(self, level: str | None) -> Cells | None:
         """Draw what comes next; without it the story is told alone."""

@@ -1,14 +1,18 @@
-"""Choosing a level or a program, saving under another name, and the ladder of an arena."""
+"""Choosing a level or a program, saving under another name, and the board."""
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource
+from logical_robots_tui.player.board import NO_BOARD, NO_CLASS
+from logical_robots_tui.player.standings import ANONYMOUS
+from logical_robots_tui.tui.commands.keymap import with_keys
+from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
@@ -17,6 +21,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.player.session_state import ProgramText
+    from logical_robots_tui.progress.board import BoardStanding
     from logical_robots_tui.tui.app.ui import Dialogs
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 
@@ -31,11 +36,18 @@ class LibraryController:
     own_levels: Path
     drawing: Callable[[], Drawing]
     make_level: Callable[[], Awaitable[None]]
+    board: BoardRecorder
 
     async def choose_level(self) -> None:
         from logical_robots_tui.tui.library.level_screen import LevelScreen
 
-        choice = LevelScreen(self.session.opened, self.recorder, self.drawing(), self.own_levels)
+        choice = LevelScreen(
+            self.session.opened,
+            self.recorder,
+            self.drawing(),
+            self.own_levels,
+            self.board.standings_of,
+        )
         level = await self.ui.ask(choice)
         if level == "new":
             await self.make_level()
@@ -70,14 +82,67 @@ class LibraryController:
 
 
 @dataclass(eq=False)
-class LadderController:
-    """Hands programs in and shows ranks; `open_replay` opens a match in the game."""
+class BoardController:
+    """What a player does on the board.
+
+    `open_replay` opens a match in the game, `race` shows a run as a ghost with a name.
+    """
 
     board: BoardRecorder
     session: Session
     ui: Dialogs
     program: ProgramText
     open_replay: Callable[[Replay], Awaitable[None]]
+    race: Callable[[Replay, str], Awaitable[None]]
+
+    def standings(self) -> Sequence[BoardStanding]:
+        """Return the bests of all who won the level at hand; empty before one has won it."""
+        return self.board.standings
+
+    async def join(self) -> None:
+        """Ask how to be on the board."""
+        from logical_robots_tui.tui.library.board import JoinDialog
+
+        if not self.board.is_on:
+            self.ui.warn(NO_BOARD)
+            return
+        membership = await self.ui.ask(JoinDialog(self.board.membership, self.board.join))
+        if membership is not None and not membership.is_listed:
+            self.ui.tell("You are not on the board.")
+
+    async def join_once(self) -> None:
+        """Ask after the first victory."""
+        if self.board.must_ask:
+            await self.join()
+
+    async def choose_ghost(self) -> None:
+        from logical_robots_tui.tui.library.board import GhostPicker
+
+        try:
+            entries = await self.board.ghosts()
+            if not entries:
+                raise InputError("Nobody lets others race their run of this level yet.")
+            entry = await self.ui.ask(GhostPicker(entries))
+            if entry is not None:
+                replay = await self.board.ghost(entry)
+                await self.race(replay, f"run of {one_line(entry.name or ANONYMOUS)}")
+        except InputError as error:
+            self.ui.warn(str(error))
+
+    async def ask_for_help(self) -> None:
+        if not self.board.is_class:
+            self.ui.warn(NO_CLASS)
+            return
+        try:
+            await self.board.ask_for_help(self.program.text)
+        except InputError as error:
+            self.ui.warn(str(error))
+            return
+        if self.board.asks_for_help:
+            message = "The teacher sees that you need help, and your program. {ask_help} ends it."
+        else:
+            message = "You no longer ask for help. Your program is hidden again."
+        self.ui.tell(with_keys(message))
 
     async def hand_in(self) -> None:
         try:
@@ -87,8 +152,8 @@ class LadderController:
         else:
             self.ui.tell("Handed in. It plays in the background; the ladder shows its rank.")
 
-    async def show(self) -> None:
-        from logical_robots_tui.tui.library.ladder import LadderDialog
+    async def show_ladder(self) -> None:
+        from logical_robots_tui.tui.library.board import LadderDialog
 
         try:
             challengers = await self.board.challengers()

@@ -18,7 +18,7 @@ from logical_robots_tui.game.victory import references_for
 from logical_robots_tui.paths import is_file, pasted_path, typed_path
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
+from logical_robots_tui.tui.labyrinth.results import goal_lines, histogram_lines, scale_lines
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.library.cards import (
     DAILY,
@@ -34,7 +34,10 @@ from logical_robots_tui.world import Level, list_arenas, list_levels, list_shipp
 from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Sequence
+
     from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.progress.board import BoardStanding
 
 _ROOMY = 24  # lines of the screen from which there is space for the results of the chosen level
 
@@ -68,7 +71,12 @@ class LevelScreen(Dialog["Level | Wish"]):
     keys = "enter play   ←↑↓→ choose   ^N new level   esc close"
 
     def __init__(
-        self, level: Level, recorder: ProgressRecorder, drawing: Drawing, folder: Path
+        self,
+        level: Level,
+        recorder: ProgressRecorder,
+        drawing: Drawing,
+        folder: Path,
+        standings_of: Callable[[Level], Awaitable[Sequence[BoardStanding]]],
     ) -> None:
         placeholder = "type to filter, or the path of a .toml or .json file"
         line = Input(placeholder=placeholder, id="filter", select_on_focus=False)
@@ -76,7 +84,8 @@ class LevelScreen(Dialog["Level | Wish"]):
         self._cards = LevelCards()
         super().__init__("", Static(id="head"), line, self._cards, Static(id="detail"))
         self._folder, self._level = folder, level
-        self._recorder, self._drawing = recorder, drawing
+        self._recorder, self._drawing, self._standings_of = recorder, drawing, standings_of
+        self._standings: dict[str, Sequence[BoardStanding]] = {}
         self._all: list[LevelCard] = []
         self._shown: list[LevelCard] = []
         self._is_read = False
@@ -187,11 +196,22 @@ class LevelScreen(Dialog["Level | Wish"]):
             robots = f"{count_of(count, 'robot')} · " if count else ""
             detail = Content.assemble((robots, INK.dim), (card.idea, INK.text))
             if card.level is not None:
-                bests = card.record.bests
+                bests, standings = card.record.bests, self._standings.get(card.name)
                 scales = scale_lines(references_for(card.level).values(), bests)
+                if standings:
+                    scales = histogram_lines(standings)
+                elif standings is None and card.record.state == "won":
+                    self._standings[card.name] = ()
+                    read = partial(self._read_standings, card.name, card.level)
+                    in_background(self, read, "standings")
                 goals = Content("   ").join(goal_lines(card.level.second_goals, bests.goals))
                 detail = Content("\n").join([detail, *scales, goals])
         self.query_one("#detail", Static).update(detail)
+
+    async def _read_standings(self, name: str, level: Level) -> None:
+        self._standings[name] = await self._standings_of(level)
+        if self._chosen_card is not None and self._chosen_card.name == name:
+            self._tell_detail()
 
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:

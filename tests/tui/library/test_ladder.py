@@ -10,7 +10,7 @@ from logical_robots_tui.game.source import load_program
 from logical_robots_tui.player.opening import Opening
 from logical_robots_tui.progress.board import Board, BoardMembership, program_digest
 from logical_robots_tui.progress.ladder import Ladder, LadderRank
-from logical_robots_tui.tui.library.ladder import LadderDialog
+from logical_robots_tui.tui.library.board import LadderDialog
 from logical_robots_tui.world import load_level
 from tests.tui.conftest import STILL, showing
 from tests.virtual_time import VirtualClock
@@ -72,4 +72,4 @@ async def test_a_level_without_a_ladder_and_a_game_without_a_board_say_so(
         await game.sees("A short way has no ladder. Open an arena.")
     async with showing(opening._replace(board=None)) as game:
         await game.command("ladder")
-        await game.sees("There is no board.")
+        await game.sees("There is no board:")

@@ -1,0 +1,147 @@
+"""The board: how to be on it, whom to race, and the ladder of an arena."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+from textual import on
+from textual.binding import Binding
+from textual.content import Content
+from textual.widgets import Input, Static
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.player.standings import ANONYMOUS
+from logical_robots_tui.progress.board import BoardMembership, GhostEntry
+from logical_robots_tui.progress.ladder import Challenger
+from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.layout.dialogs import Dialog
+from logical_robots_tui.tui.library.picker import Picker
+from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import clip, count_of, one_line
+
+if TYPE_CHECKING:
+    from textual.app import ComposeResult
+
+_TEXT = (
+    "Everybody who plays on this server and has won this level sees how well you won it, under the "
+    "name that you choose. Nobody sees your program. Whoever stays off has no entries."
+)
+_MOST_LETTERS = 20
+
+
+class JoinDialog(Dialog[BoardMembership]):
+    """Asks how a player is on the board; `join` changes it, or raises InputError."""
+
+    DEFAULT_CSS = """
+    JoinDialog > #box { max-width: 72; padding: 1 2 0 2; }
+    JoinDialog #text { margin-bottom: 1; }
+    """
+
+    BINDINGS = [
+        Binding("ctrl+g", "share", priority=True),
+        Binding("ctrl+n", "stay_off", priority=True),
+    ]
+
+    heading = "The board"
+    keys = "enter join   ^G ghost   ^N stay off   esc later"
+
+    def __init__(
+        self,
+        membership: BoardMembership | None,
+        join: Callable[[BoardMembership], Awaitable[None]],
+    ) -> None:
+        self._join, self._shares = join, membership is not None and membership.shares
+        name = (membership and membership.name) or ""
+        self._ghost = Static(id="ghost")
+        super().__init__(
+            "",
+            Static(_TEXT, id="text", markup=False),
+            Input(name, "your name; without one: anonymous", max_length=_MOST_LETTERS, id="name"),
+            self._ghost,
+        )
+
+    def on_mount(self) -> None:
+        self._ghost.update(
+            Content.assemble(
+                ("☑" if self._shares else "☐", INK.key),
+                " others may race my best run as a ghost",
+            )
+        )
+
+    def action_share(self) -> None:
+        self._shares = not self._shares
+        self.on_mount()
+
+    def action_stay_off(self) -> None:
+        in_background(self, partial(self._leave_with, BoardMembership(is_listed=False)), "join")
+
+    @on(Input.Submitted)
+    def _submitted(self) -> None:
+        name = " ".join(self.query_one("#name", Input).value.split())
+        if not name.isprintable():
+            self.complain("A name has only letters, digits and signs.")
+            return
+        membership = BoardMembership(True, name or None, self._shares)
+        in_background(self, partial(self._leave_with, membership), "join")
+
+    async def _leave_with(self, membership: BoardMembership) -> None:
+        try:
+            await self._join(membership)
+        except InputError as error:
+            self.complain(str(error))
+        else:
+            self.dismiss(membership)
+
+
+class GhostPicker(Picker[GhostEntry, GhostEntry]):
+    heading = "Race a player"
+    keys = "enter race   ↑↓ choose   esc close"
+
+    def line(self, entry: GhostEntry) -> Content:
+        name = clip(one_line(entry.name or ANONYMOUS), _NAME)
+        return Content.assemble(
+            (f"{name:<{_NAME}}  ", INK.text),
+            (f"{count_of(entry.ticks, 'tick'):>12}  size {entry.size:,}", INK.dim),
+        )
+
+
+_NAME = 20
+_LINE = "{rank:>5}  {name:<20}  {share:>6}  {interval:<14}  {strength:>6}"
+_HEAD = _LINE.format(
+    rank="rank", name="player", share="share", interval="95% interval", strength="elo"
+)
+
+
+class LadderDialog(Picker[Challenger, Challenger]):
+    """Who plays in a ladder; the player who is taken is the opponent in a match to watch."""
+
+    placeholder = "type a name"
+    keys = "enter watch your match against them   ↑↓ choose   esc close"
+
+    DEFAULT_CSS = "LadderDialog #head { color: $ink-dim; padding-left: 1; }"
+
+    def __init__(self, title: str, challengers: Sequence[Challenger]) -> None:
+        self.heading = f"{title}: the ladder"
+        super().__init__(challengers, next((c for c in challengers if c.is_me), None))
+
+    def content_widgets(self) -> ComposeResult:
+        yield self._filter
+        yield Static(_HEAD, id="head", markup=False)
+        yield self._list
+
+    def line(self, entry: Challenger) -> Content:
+        result, name = entry.result, clip(one_line(entry.label), _NAME)
+        ink = f"bold {INK.key}" if entry.is_me else INK.text
+        if result.problem or not result.rank:
+            remark = clip(one_line(entry.remark), 40)
+            return Content.assemble((f"{'-':>5}  {name:<{_NAME}}  ", ink), (remark, INK.dim))
+        text = _LINE.format(
+            rank=result.rank,
+            name=name,
+            share=f"{100 * result.share:.1f}%",
+            interval=f"{100 * result.low:.1f} to {100 * result.high:.1f}",
+            strength=f"{round(result.strength):+d}",
+        )
+        return Content.assemble((text, ink), (f"  {entry.remark}", INK.dim))
