@@ -48,13 +48,13 @@ def histograms(standings: Sequence[BoardStanding], bins: int) -> Iterator[Histog
         counts = [0] * bins
         for value in values:
             counts[_bin(value, low, width, bins)] += 1
-        mine = next((v for v, s in zip(values, standings, strict=True) if s.is_me), None)
+        own_value = next((v for v, s in zip(values, standings, strict=True) if s.is_me), None)
         leaders = (name_of(s) for v, s in zip(values, standings, strict=True) if v == low)
         yield Histogram(
             measure,
             tuple(counts),
-            None if mine is None else _bin(mine, low, width, bins),
-            0 if mine is None else 1 + sum(value < mine for value in values),
+            None if own_value is None else _bin(own_value, low, width, bins),
+            0 if own_value is None else 1 + sum(value < own_value for value in values),
             low,
             min(leaders, key=lambda name: (name == ANONYMOUS, name)),
         )
@@ -72,7 +72,7 @@ def standing_rows(standings: Sequence[BoardStanding]) -> list[tuple[str, ...]]:
     """Return a table with a head, by ticks; one's own row is marked."""
     rows: list[tuple[str, ...]] = [("", "rank", "player", *MEASURES)]
     for standing in standings:
-        rank = 1 + sum(other.ticks < standing.ticks for other in standings)
+        rank = 1 + sum(rival.ticks < standing.ticks for rival in standings)
         numbers = (f"{standing.ticks:,}", f"{standing.size:,}", f"{standing.distance:,.0f}")
         rows.append(("you" if standing.is_me else "", str(rank), name_of(standing), *numbers))
     return rows

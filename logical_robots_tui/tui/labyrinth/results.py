@@ -84,19 +84,20 @@ def scale_lines(references: Iterable[Measures], bests: Bests) -> Iterator[Conten
 
 
 _LEVELS = "▁▂▃▄▅▆▇█"
-_NAME = 12  # characters of who is first
+_BINS = 17
+_NAME = 10  # characters of who is first
 
 
 def histogram_lines(standings: Sequence[BoardStanding]) -> Iterator[Content]:
     """Yield a line for each measure: how many have how much, one's own mark and rank, the first."""
-    for histogram in histograms(standings, _SCALE):
+    for histogram in histograms(standings, _BINS):
         line = Content.styled(f"{histogram.measure:<{_LABEL}}", INK.dim)
-        most = max(histogram.counts)
+        highest = max(histogram.counts)
         for index, count in enumerate(histogram.counts):
             if index == histogram.bin:
                 line = line.append(_ink(_MINE))
             elif count:
-                level = _LEVELS[-(-count * (len(_LEVELS) - 1) // most)]
+                level = _LEVELS[-(-count * (len(_LEVELS) - 1) // highest)]
                 line = line.append(Content.styled(level, INK.text))
             else:
                 line = line.append(_ink("─"))
