@@ -7,6 +7,7 @@ import sys
 
 from benchmarks.answers import answers
 from benchmarks.arrivals import arrivals
+from benchmarks.board import boards
 from benchmarks.breakpoints import breakpoints
 from benchmarks.classes import classes, large_classes
 from benchmarks.diagnosing import diagnosing
@@ -66,6 +67,7 @@ SUITE = Suite(
         "large-class": large_classes,
         "arrivals": arrivals,
         "web": web,
+        "board": boards,
         "lab": laboratory,
         "learning": learning,
         "tournament": tournament,

@@ -126,7 +126,7 @@ def _area_weights(
         return window, disc * (0.5 if active else 0.3), rim * 1.0
     if not active:
         dashes = max(round(2 * math.pi * radius / (6 * dot)), 4)
-        # Beyond rounding: on the axes the sine is 0, but for an error that depends on the processor.
+        # On the axes the sine is 0 but for rounding, which depends on the processor.
         rim *= np.sin(np.arctan2(dy, dx) * dashes) > 1e-6
         return window, disc * 0.07, rim * 0.42
 
