@@ -192,12 +192,18 @@ NO_SOLUTIONS = flag(
     "for a class: hide the solution of each level until it is won",
     lambda: is_set("LOGICAL_ROBOTS_NO_SOLUTIONS"),
 )
+
+
+def board_folder() -> str | None:
+    return os.environ.get("LOGICAL_ROBOTS_BOARD") or None
+
+
 BOARD = option(
     "--board",
     "FOLDER",
     "compare victories with those of all players of this server",
     type=Path,
-    default=lambda: os.environ.get("LOGICAL_ROBOTS_BOARD") or None,
+    default=board_folder,
 )
 JSON = flag("--json", "print JSON")
 FORCE = flag("--force", "replace an existing file")

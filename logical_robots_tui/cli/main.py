@@ -42,6 +42,7 @@ _MODULES = (
     ("doctor", "config"),
     ("replay", "replay"),
     ("progress", "progress"),
+    ("board", "board"),
     ("level", "level"),
     ("lab", "sweep grade grade-kit tournament lab"),
     ("doctor", "doctor"),
@@ -82,6 +83,7 @@ examples:
                                        record a run in a file
   logical-robots help ArgMin           explain a function of the language
   logical-robots progress              list your results
+  logical-robots board show ./board    compare the players of a server
   logical-robots level new maze.toml   create a level
   logical-robots sweep experiment.toml -o out
                                        run an experiment

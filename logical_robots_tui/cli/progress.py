@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import asyncio
 import csv
-import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
@@ -14,11 +13,18 @@ from typing import Annotated, Any
 
 import msgspec
 
-from logical_robots_tui import mind, world
+from logical_robots_tui import world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import columns, drawn_bar, harmless, open_progress, print_json
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.verification import SECONDS, FileBudget, OverBudgetError, check_size
+from logical_robots_tui.game.verification import (
+    SECONDS,
+    FileBudget,
+    check_size,
+    differences,
+    load_public_level,
+    play_again,
+)
 from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import read_text
 from logical_robots_tui.progress import LevelRecord, Measures, Progress
@@ -117,7 +123,6 @@ def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, A
 
 
 _MOST_BYTES = 20_000_000
-_SHARE_OF_GIVEN_UP = 0.9  # of the time that playing may take: the system counts it coarsely
 
 _Count = Annotated[int, msgspec.Meta(ge=0, le=1_000_000_000)]
 
@@ -190,7 +195,7 @@ def _check(file: Path, seconds: int, *, as_json: bool) -> int:
                 outcomes[level, text] = asyncio.run(_replay(level, text, budget, part, draw))
         outcome = outcomes[level, text]
         measures = None if isinstance(outcome, str) else outcome
-        problem = str(outcome) if measures is None else "; ".join(_differences(claim, measures))
+        problem = str(outcome) if measures is None else "; ".join(differences(claim, measures))
         results.append(
             {
                 "level": level,
@@ -218,42 +223,13 @@ async def _replay(
     level: str, text: str, budget: FileBudget, part: str, draw: Callable[[int, int, str, str], None]
 ) -> Measures | str:
     """Return a program's measures, or why there are none."""
-    from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
-    from logical_robots_tui.game.victory import is_reference
-    from logical_robots_tui.world.levels.labyrinths import Daily
-
-    if world.current_name(level) not in world.list_levels() and Daily.parse(level) is None:
-        return "neither a shipped level nor a labyrinth of the day"
-    loaded_level = world.load_level(level)
-    if is_reference(loaded_level, text):
-        return "this is a reference program"
+    from logical_robots_tui.game.measuring import Trial
 
     def report(trial: Trial) -> None:
         draw(trial.tried, trial.of_all, part, f"start {trial.tried} of {trial.of_all}")
 
     report(Trial())
     try:
-        program = await budget.compile(text)
-        seconds_left, limit = budget.remaining, budget.entry_seconds
-        measures = await measure(loaded_level, program, None, report, limit)
-    except OverBudgetError as error:
+        return await play_again(load_public_level(level), text, budget, report)
+    except InputError as error:
         return str(error)
-    except mind.ProgramError as error:
-        return f"line {error.first.line}: {error.first.message}"
-    except MeasuringError:
-        if seconds_left - budget.remaining > _SHARE_OF_GIVEN_UP * limit:
-            return f"{OverBudgetError(limit)}"
-        return "it could not be played to the end; try again"
-    return measures or "the program does not win"
-
-
-def _differences(claim: Measures, measures: Measures) -> Iterator[str]:
-    for name in ("ticks", "size", "distance"):
-        expected, actual = getattr(claim, name), getattr(measures, name)
-        if not math.isclose(expected, actual, rel_tol=1e-6):
-            yield f"{name}: {expected:,.10g} claimed, {actual:,.10g} found"
-    if claim.wins is not None and claim[3:5] != measures[3:5]:
-        yield f"robust: {claim.wins} of {claim.starts} claimed, {measures.wins} found"
-    for goal in claim.goals:
-        if goal not in measures.goals:
-            yield f'"{goal}" claimed, not reached'

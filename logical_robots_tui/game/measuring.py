@@ -221,11 +221,14 @@ async def measure(
     measures: Measures | None,
     report: Callable[[Trial], None] = lambda _trial: None,
     seconds: int = PROCESSOR_SECONDS,
+    *,
+    has_starts: bool = True,
 ) -> Measures | None:
     """Measure a program in a process; None if it does not win from the original start.
 
-    `report` is called on the event loop after each start. Raises MeasuringError if the process
-    ended early, after so many processor seconds at the latest, or the clock cut off a thought.
+    Without `has_starts` it plays from that start only. `report` is called on the event loop after
+    each varied start. Raises MeasuringError if the process ended early, after so many processor
+    seconds at the latest, or the clock cut off a thought.
     """
     loop = asyncio.get_running_loop()
     helper: TaskHelper
@@ -235,7 +238,7 @@ async def measure(
             report(trial)
 
     def exchange() -> Measures | None:
-        helper.send((level, program, measures))
+        helper.send((level, program, measures, has_starts))
         while "tried" in (answer := helper.answer()):
             trial = Trial(answer["tried"], answer["wins"])
             loop.call_soon_threadsafe(report_unless_over, trial)
@@ -257,20 +260,24 @@ async def measure(
 def main() -> None:
     begin(int(sys.argv[2]))
     os.nice(NICENESS)
-    level, program, measures = next_task()
+    level, program, measures, has_starts = next_task()
     try:
-        final = _measure(level, program, measures)
+        final = _measure(level, program, measures, has_starts=has_starts)
         send_answer({"late": False, "measures": final and final._asdict()})
     except LateError:
         send_answer({"late": True})
 
 
-def _measure(level: Level, program: Program, measures: Measures | None) -> Measures | None:
+def _measure(
+    level: Level, program: Program, measures: Measures | None, *, has_starts: bool = True
+) -> Measures | None:
     if measures is None:
         play = play_through(level, program, 2 * MOST_TICKS)
         if play.won_at is None:
             return None
         measures = measures_of(level, program, play.won_at, play.distance, play.is_blocked)
+    if not has_starts:
+        return measures
     patience = patience_for(measures.ticks)
     if measures.wins is None:
 

@@ -12,12 +12,12 @@ import sqlite3
 import time
 from collections.abc import Callable
 from contextlib import closing, suppress
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import is_there
+from logical_robots_tui.paths import PLAYER_NAME, is_there, read_ordinary
 from logical_robots_tui.progress.store import (
     BUSY_SECONDS,
     DAMAGE_CODES,
@@ -33,6 +33,10 @@ from logical_robots_tui.progress.store import (
 FILE_NAME = "board.sqlite"
 PROGRAMS = "programs"
 _HELP = "help.l"
+_MOST_PROGRAM_BYTES = 1_000_000
+
+GONE_AFTER = timedelta(minutes=2)
+"""How long after its last report a game counts as ended; it reports once a minute at least."""
 
 MOST_GHOST_BYTES = 1_000_000
 """The largest replay that an entry holds for others to race against."""
@@ -200,8 +204,8 @@ class GhostEntry(NamedTuple):
 class Activity(NamedTuple):
     """What a player of a class does; times are ISO 8601 in UTC.
 
-    `runs` are those since the last victory, or since the level was opened; `trouble` is what went
-    wrong in the last one.
+    `is_open` is whether the game is, as far as it reports. `runs` are those since the last victory,
+    or since the level was opened; `trouble` is what went wrong in the last one.
     """
 
     player: str
@@ -214,6 +218,14 @@ class Activity(NamedTuple):
     won: str | None
     trouble: str
     help_since: str | None
+
+    @property
+    def asks_for_help(self) -> bool:
+        return self.is_open and self.help_since is not None
+
+
+class MissingProgramError(InputError):
+    """The program of an entry is gone, or another one."""
 
 
 T = TypeVar("T")
@@ -283,8 +295,7 @@ class Board:
                 connection.execute("DELETE FROM challenger WHERE player = :player", values)
                 connection.execute("DELETE FROM match WHERE :player IN (upper, lower)", values)
 
-        self.write(write)
-        self.write(self._remove_programs)
+        self.write(write, self._remove_programs)
 
     def add(
         self,
@@ -315,8 +326,7 @@ class Board:
             connection.execute(_ADD, values)
             connection.execute(_FORGET, values)
 
-        self.write(write)
-        self.write(self._remove_programs)
+        self.write(write, self._remove_programs)
 
     def standings(self, level_digest: str) -> list[BoardStanding]:
         """Return the bests of all who won a level, the fewest ticks first."""
@@ -356,14 +366,13 @@ class Board:
         self.write(lambda connection: connection.execute(statement, values))
 
     def program(self, player: str, digest: str) -> str:
-        """Return a program of a player; raise InputError if it is gone or another one."""
-        path = self._programs / player / f"{digest}.l"
+        """Return a program of a player; raise MissingProgramError if it is gone or another one."""
         try:
-            text = path.read_text("utf-8")
-        except (OSError, UnicodeError):
-            text = ""
-        if program_digest(text) != digest:
-            raise InputError("The program is missing, or was changed")
+            text = self._read_program(player, f"{digest}.l")
+        except OSError as error:
+            raise self._unusable(error.strerror or str(error)) from error
+        if text is None or program_digest(text) != digest:
+            raise MissingProgramError("The program is missing, or was changed")
         return text
 
     def report(self, **values: object) -> None:
@@ -379,11 +388,19 @@ class Board:
         self.write(lambda connection: connection.execute(statement, row))
 
     def activities(self) -> list[Activity]:
-        """Return what all players do, who asks for help first, then by name."""
+        """Return what all players do: who asks for help first, then by name, who is gone last."""
         columns = ", ".join(Activity._fields)
-        query = f"SELECT {columns} FROM activity ORDER BY help_since IS NULL, help_since, player"  # noqa: S608 - ours
-        rows = [Activity(*row) for row in self.rows(query)]
-        return [row._replace(is_open=bool(row.is_open)) for row in rows]
+        earliest = timestamp(-GONE_AFTER)
+        rows = [Activity(*row) for row in self.rows(f"SELECT {columns} FROM activity")]  # noqa: S608 - ours
+        rows = [
+            row._replace(is_open=bool(row.is_open) and row.last_seen >= earliest) for row in rows
+        ]
+
+        def order(row: Activity) -> tuple[bool, bool, str, str]:
+            help_since = row.help_since if row.asks_for_help else None
+            return help_since is None, not row.is_open, help_since or "", row.player
+
+        return sorted(rows, key=order)
 
     def show_program(self, text: str | None) -> None:
         """Let the teacher see the player's program, or no longer."""
@@ -396,8 +413,17 @@ class Board:
     def shown_program(self, player: str) -> str | None:
         """Return the program of a player who asked for help."""
         try:
-            return (self._programs / player / _HELP).read_text("utf-8", "replace")
+            return self._read_program(player, _HELP)
         except OSError:
+            return None
+
+    def _read_program(self, player: str, name: str) -> str | None:
+        if not PLAYER_NAME.fullmatch(player):
+            return None
+        try:
+            path = self._programs / player / name
+            return read_ordinary(path, _MOST_PROGRAM_BYTES).decode("utf-8", "replace")
+        except FileNotFoundError:
             return None
 
     def save_program(self, name: str, text: str) -> None:
@@ -427,13 +453,16 @@ class Board:
         parameters = {"player": self.player, **values}
         return self._run(lambda connection: connection.execute(query, parameters).fetchall())
 
-    def write(self, work: Callable[[sqlite3.Connection], T]) -> T:
-        def transaction(connection: sqlite3.Connection) -> T:
-            with connection:
-                connection.execute("BEGIN IMMEDIATE")
-                return work(connection)
+    def write(self, *works: Callable[[sqlite3.Connection], object]) -> None:
+        """Do each work in a transaction of its own."""
 
-        return self._run(transaction)
+        def write_all(connection: sqlite3.Connection) -> None:
+            for work in works:
+                with connection:
+                    connection.execute("BEGIN IMMEDIATE")
+                    work(connection)
+
+        self._run(write_all)
 
     def _run(self, work: Callable[[sqlite3.Connection], T]) -> T:
         deadline = time.monotonic() + BUSY_SECONDS
@@ -477,5 +506,6 @@ def program_digest(text: str) -> str:
     return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
 
 
-def timestamp() -> str:
-    return datetime.now(UTC).isoformat(timespec="seconds")
+def timestamp(shift: timedelta = timedelta()) -> str:
+    """Return the time in UTC, in seconds; `shift` makes it an earlier or a later one."""
+    return (datetime.now(UTC) + shift).isoformat(timespec="seconds")

@@ -28,7 +28,17 @@ from tests.terminal import Terminal
 
 COMMANDS = (
     *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "lsp", "help"),
-    *("levels", "programs", "progress", "level", "config", "doctor", "serve", "completion"),
+    *(
+        "levels",
+        "programs",
+        "progress",
+        "level",
+        "config",
+        "doctor",
+        "serve",
+        "completion",
+        "board",
+    ),
 )
 SUBCOMMANDS = ("new", "check", "convert", "show")
 

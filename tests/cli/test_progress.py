@@ -106,8 +106,8 @@ def test_a_victory_of_the_day_is_played_again(command: Command, tmp_path: Path) 
     [
         (LEVEL, "Robot(", "line 1: "),
         (LEVEL, load_program("first-steps").text, "this is a reference program"),
-        ("no-such-level", "Robot();", "neither a shipped level nor"),
-        ("daily-2026-11-22-tiny", "Robot();", "neither a shipped level nor"),
+        ("no-such-level", "Robot();", "no-such-level is neither a shipped level nor"),
+        ("daily-2026-11-22-tiny", "Robot();", "daily-2026-11-22-tiny is neither a"),
         ("daily-2026-11-22-small", "Robot(", "line 1: "),
     ],
 )

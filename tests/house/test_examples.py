@@ -16,6 +16,7 @@ import pytest
 
 from logical_robots_tui import Program
 from logical_robots_tui.cli.main import PROGRAM, main
+from logical_robots_tui.progress.board import Board, BoardMembership
 from tests.house.examples import PAGES, blocks, commands, in_help, in_page
 from tests.installed import CHECKOUT
 from tests.processes import run_command
@@ -96,8 +97,21 @@ def _record(folder: Path) -> None:
     assert main(["replay", "record", *run, "-o", str(folder / "first.replay")]) == 0
 
 
+def _make_board(folder: Path) -> None:
+    board = Board(folder / "board", "ada")
+    board.create()
+    board.join(BoardMembership(is_listed=True, name="Ada"))
+    board.report(level="01-first-steps")
+
+
+def _write_for_all(folder: Path) -> None:
+    _write_files_of_lab(folder)
+    _make_board(folder)
+
+
 BEFORE: dict[str, Callable[[Path], None]] = {
     "docs/levels.md": _write_level,
+    "docs/commands.md": _make_board,
     f"{PROGRAM} level convert": _write_both_formats,
     f"{PROGRAM} level check": _write_maze,
     "docs/lab.md": _write_files_of_lab,
@@ -106,7 +120,8 @@ BEFORE: dict[str, Callable[[Path], None]] = {
     "docs/cluster.md": _write_files_of_lab,
     "docs/arena.md": _write_files_of_lab,
     "docs/teaching.md": _write_files_of_lab,
-    PROGRAM: _write_files_of_lab,
+    PROGRAM: _write_for_all,
+    **{f"{PROGRAM} board{name}": _make_board for name in ("", " show", " check")},
     f"{PROGRAM} sweep": _write_files_of_lab,
     f"{PROGRAM} grade": _write_files_of_lab,
     f"{PROGRAM} grade kit": _write_files_of_lab,
