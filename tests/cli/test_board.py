@@ -101,7 +101,7 @@ def test_what_holds_is_confirmed_and_the_rest_is_struck_out(
         ("Ada", "confirmed"): "",
         ("Ben", "struck"): f"ticks: 3 claimed, {measures.ticks:,} found",
         ("Cat", "struck"): verdicts["Cat", "struck"],
-        ("Dan", "struck"): "the program is missing, or was changed",
+        ("Dan", "struck"): "The program is missing, or was changed",
         ("Dan", "earlier version"): "the level is no longer the same, so it can't be played again",
     }
     assert verdicts["Cat", "struck"].startswith("line 1: ")
