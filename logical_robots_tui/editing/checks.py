@@ -222,7 +222,8 @@ class Reach:
 
 
 def always_solid(area: Area, beacons: set[str]) -> bool:
-    return area.impenetrable and not area.on_beacon and area.off_beacon not in beacons
+    is_switched = area.on_beacon or area.off_beacon in beacons or area.cycle
+    return area.impenetrable and not is_switched
 
 
 def units_of(area: Area, level: Level) -> tuple[tuple[slice, slice], NDArray[np.bool_]]:

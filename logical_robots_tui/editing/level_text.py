@@ -63,6 +63,7 @@ def record_of(entity: Entity) -> Record:
             "on_beacon": entity.on_beacon,
             "off_beacon": entity.off_beacon,
             "sticky": entity.sticky_switch,
+            "cycle": entity.cycle and entity.cycle._asdict(),
         }
         return record | _compact(fields, "radius")
     power, rate = entity.battery_capacity, entity.battery_consumption_rate
@@ -164,6 +165,7 @@ def toml_text(key: str, value: object) -> str:
 
 
 _IN_WEB = ("title", "width", "height", *KINDS, "visibility", "sensors")
+_NOT_IN_WEB = ("team", "cycle")
 _SEEN = Visibility(memory="all", sensor="all")
 
 
@@ -187,6 +189,8 @@ def lost_in_web(level: Level) -> list[str]:
         lost.append("visibility")
     if level.sensors != Sensors():
         lost.append("sensors")
+    if any(area.cycle for area in level.areas):
+        lost.append("cycle")
     if level.title != level.name:
         lost.insert(0, "title")
     return lost
@@ -194,5 +198,5 @@ def lost_in_web(level: Level) -> list[str]:
 
 def _record(entity: Entity) -> Record:
     """Return an object's record in a web platform file, without empty optional fields."""
-    record = {name: value for name, value in asdict(entity).items() if name != "team"}
+    record = {name: value for name, value in asdict(entity).items() if name not in _NOT_IN_WEB}
     return _compact(record, "name", "x", "y", "radius", "color", "victory_robots")

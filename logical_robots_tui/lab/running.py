@@ -216,8 +216,8 @@ class _RunMonitor:
 
     That is when world and memories are exactly as after the last tick that is a power of two
     (Brent's algorithm). Runs with questions, which may be about the clock, matches, and runs with
-    noise, which is of the tick, go on. A team loses a match after ten thoughts with too many
-    steps, or if all its robots failed in every tick.
+    noise or areas that the clock switches go on. A team loses a match after ten thoughts with too
+    many steps, or if all its robots failed in every tick.
     """
 
     def __init__(self, runner: _TaskRunner) -> None:
@@ -226,7 +226,8 @@ class _RunMonitor:
         self._level = level = runner.level
         tuned = runner.program.tuned.get("Robot")
         reads = {"clock"} if tuned is None else {*tuned.columns.get("Sensor", ())}
-        depends_on_tick = level.sensors.noise or not reads.isdisjoint({"clock", "sensor"})
+        is_timed = level.sensors.noise or any(area.cycle for area in level.areas)
+        depends_on_tick = is_timed or not reads.isdisjoint({"clock", "sensor"})
         self._until = runner.until
         self._can_repeat = not (questions or self._until or level.teams or depends_on_tick)
         self._team_of = {robot.name: robot.team for robot in level.robots}

@@ -76,6 +76,8 @@ def _area_text(area: Area, state: AreaState) -> str:
         words += f", goal of {join_names(area.victory_robots)}"
     if area.impenetrable:
         words += ", solid"
+    if area.cycle:
+        words += f", on in {area.cycle.words}"
     if not state.active:
         words += ", switched off"
     return words

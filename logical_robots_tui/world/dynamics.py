@@ -211,7 +211,7 @@ def _cost(robot: Robot, left: float, right: float) -> float:
     return robot.battery_consumption_rate * (abs(left) / 2 + abs(right) / 2)
 
 
-def next_active(area: Area, active: bool, visible_beacons: AbstractSet[str]) -> bool:
+def next_active(area: Area, active: bool, visible_beacons: AbstractSet[str], tick: int) -> bool:
     """Return whether an area is on after this tick; the beacons are those on any radar."""
     if area.off_beacon and area.off_beacon in visible_beacons:
         return False
@@ -219,7 +219,7 @@ def next_active(area: Area, active: bool, visible_beacons: AbstractSet[str]) -> 
         return True
     if area.sticky_switch and (area.on_beacon or area.off_beacon):
         return active
-    return not area.on_beacon  # as at the start
+    return area.is_on(tick)
 
 
 def is_won(areas: Iterable[tuple[Area, AreaState]], all_goals: bool = False) -> bool:

@@ -78,9 +78,28 @@ class Beacon:
     charging_station: bool = False
 
 
+class Cycle(NamedTuple):
+    """Ticks of every `period` in which an area is on, `first` to `last`, counted from 1."""
+
+    period: int
+    first: int
+    last: int
+
+    @property
+    def words(self) -> str:
+        """The ticks as a level's reader is told them."""
+        return f"ticks {self.first} to {self.last} of every {self.period}"
+
+    def has(self, tick: int) -> bool:
+        """Whether a tick is among them; tick 0, before a run, is as tick 1."""
+        return self.first <= max(0, tick - 1) % self.period + 1 <= self.last
+
+
 @dataclass(frozen=True, slots=True)
 class Area:
-    """A circle that may be solid, switched by beacons, or a goal. Names need not be unique.
+    """A circle that may be solid, a goal, or switched by beacons or the clock.
+
+    Names need not be unique.
 
     Attributes:
         name: The label that a radar reports while the area is solid and active.
@@ -93,6 +112,7 @@ class Area:
         off_beacon: Name of the beacon that switches it off when seen, or "".
         sticky_switch: Whether it keeps its state when the beacon is out of sight.
         impenetrable: Whether it is solid while active.
+        cycle: When the clock switches it on, or None; no beacon switches it then.
     """
 
     name: str
@@ -105,6 +125,11 @@ class Area:
     off_beacon: str = ""
     sticky_switch: bool = False
     impenetrable: bool = False
+    cycle: Cycle | None = None
+
+    def is_on(self, tick: int) -> bool:
+        """Whether it is active after a tick while no beacon switches it."""
+        return not self.on_beacon if self.cycle is None else self.cycle.has(tick)
 
 
 @dataclass(frozen=True, slots=True)

@@ -146,15 +146,15 @@ class World:
         robots = tuple(
             [RobotState(n, *body_of(m)) for n, m in zip(self._names, movers, strict=True)]
         )
+        tick, won_at = old_state.tick + 1, old_state.won_at
         areas = tuple(
             AreaState(
                 area.name,
-                next_active(area, state.active, self._visible_beacons),
+                next_active(area, state.active, self._visible_beacons, tick),
                 tuple([robot.name for robot in robots if is_inside(robot, area)]),
             )
             for area, state in pairs
         )
-        tick, won_at = old_state.tick + 1, old_state.won_at
         if won_at is None and is_won(zip(level.areas, areas, strict=True), level.all_goals):
             won_at = tick
         tallies = old_state.tallies
@@ -234,7 +234,7 @@ def start_state(level: Level) -> WorldState:
         RobotState(r.name, float(r.x), float(r.y), float(r.angle), float(r.battery_capacity))
         for r in level.robots
     )
-    areas = tuple(AreaState(area.name, not area.on_beacon) for area in level.areas)
+    areas = tuple(AreaState(area.name, area.is_on(0)) for area in level.areas)
     return WorldState(0, robots, areas, tallies=start_tallies(level, robots, areas))
 
 
@@ -273,7 +273,7 @@ def change_state(
     area_states = []
     for area in new.areas:
         states = old_states.get(_switch(area))
-        active = states.pop(0) if states else not area.on_beacon
+        active = states.pop(0) if states else area.is_on(state.tick)
         visitors = tuple(robot.name for robot in robots if is_inside(robot, area))
         area_states.append(AreaState(area.name, active, visitors))
     scoring, new_scoring = (
@@ -298,4 +298,4 @@ def former_names(old: Level, new: Level) -> dict[str, str]:
 
 
 def _switch(area: Area) -> tuple[object, ...]:
-    return area.name, area.on_beacon, area.off_beacon, area.sticky_switch
+    return area.name, area.on_beacon, area.off_beacon, area.sticky_switch, area.cycle

@@ -21,7 +21,7 @@ from logical_robots_tui.editing.level_text import KINDS, Kind
 from logical_robots_tui.editing.strokes import fill, paint, paint_rectangle
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
-from logical_robots_tui.world.level import LevelQuestion, SecondGoal, Sensors
+from logical_robots_tui.world.level import Cycle, LevelQuestion, SecondGoal, Sensors
 from tests.world.making import make_level
 
 CONFORMANCE = sorted((Path(__file__).parents[1] / "conformance" / "levels").glob("*.json"))
@@ -106,7 +106,10 @@ _THINGS = st.one_of(
 _VALUES: dict[Kind, dict[str, st.SearchStrategy[Any]]] = {
     "robots": {"angle": st.floats(-20, 20), "has_battery": _BOTH, "battery_capacity": _NUMBERS},
     "beacons": {"charging_station": _BOTH},
-    "areas": {"radius": _NUMBERS, "on_beacon": NAMES, "sticky_switch": _BOTH, "color": COLORS},
+    "areas": {
+        "radius": _NUMBERS, "on_beacon": NAMES, "sticky_switch": _BOTH, "color": COLORS,
+        "cycle": st.sampled_from([None, Cycle(600, 301, 600), Cycle(2, 1, 1), Cycle(2, 2, 1)]),
+    },
 }
 _ALL = {"name": NAMES, "x": PLACES, "y": PLACES}
 GOALS = st.sampled_from(

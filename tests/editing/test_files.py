@@ -20,7 +20,7 @@ from logical_robots_tui.editing.files import is_made_here, rewrite_text, save_le
 from logical_robots_tui.editing.level_text import lost_in_web, record_of, write_native, write_web
 from logical_robots_tui.editing.strokes import paint, paint_rectangle
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, load_level
-from logical_robots_tui.world.level import Sensors, alike
+from logical_robots_tui.world.level import Cycle, Sensors, alike
 from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
 from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room
@@ -268,6 +268,9 @@ def test_what_the_web_platform_can_not_say_is_named() -> None:
     level = load_level("01-first-steps")
     assert lost_in_web(level) == lost[:-1]
     assert lost_in_web(replace(level, sensors=Sensors(rays=7))) == lost
+    timed = replace(level, areas=(Area("Hill", 50, 50, 9, cycle=Cycle(4, 1, 2)),))
+    assert lost_in_web(timed) == [*lost[:-1], "cycle"]
+    assert "cycle" not in write_web(timed)
 
 
 def test_a_new_file_is_made_with_its_folders(tmp_path: Path) -> None:

@@ -42,6 +42,8 @@ def test_a_run_ends_where_nothing_can_change_any_more() -> None:
     assert only(execute(task(STILL.format("0.5", '""', SENSOR)))).outcome == "out of ticks"
     noisy = lane("A lane").replace("cell", "sensors = {noise = 1}\ncell", 1)
     assert only(execute(task(STANDING, level=noisy))).outcome == "out of ticks"
+    timed = lane("A lane") + "cycle = {period = 9, first = 1, last = 3}\n"
+    assert only(execute(task(STANDING, level=timed))).outcome == "out of ticks"
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.player.surroundings import surroundings
 from logical_robots_tui.world import Level, list_shipped, load_level
-from logical_robots_tui.world.level import Area, Beacon, Robot
+from logical_robots_tui.world.level import Area, Beacon, Cycle, Robot
 from logical_robots_tui.world.sensing import Senses
 from tests.tui.labyrinth.drawing.scenes import room
 
@@ -37,11 +37,13 @@ def test_things_are_told_by_direction_from_the_heading_the_nearest_first() -> No
 
 
 def test_areas_are_told_with_whom_they_are_a_goal_for_and_whether_they_are_on() -> None:
-    area = Area("Door", 65, 25, 6, victory_robots=("Pip",))
+    cycle = Cycle(400, 201, 400)
+    area = Area("Door", 65, 25, 6, victory_robots=("Pip",), cycle=cycle)
     gate = Area("Gate", 25, 45, 4, on_beacon="Key", impenetrable=True)
     assert around(replace(ROOM, areas=(area, gate)))[1:] == [
         "90° right: area Gate at 20, radius 4, solid, switched off.",
-        "ahead: area Door at 40, radius 6, goal of Pip.",
+        "ahead: area Door at 40, radius 6, goal of Pip, on in ticks 201 to 400 of every 400, "
+        "switched off.",
     ]
 
 

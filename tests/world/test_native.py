@@ -260,6 +260,7 @@ def test_a_bad_value_is_refused_at_its_key(
 
 
 NO_BEACON = 'Area "a" is switched by "lamp", but there is no such beacon.'
+ORDER = '"last" must be at least "first" and at most "period".'
 BAD_ADDITIONS = [
     ('[[robots]]\nname = "Ann"\nx = 2\ny = 1', "robots[1].name", 'Two robots are called "Ann".'),
     ('[[beacons]]\nname = "lamp"\nx = 20', "beacons[0].y", '"y" is missing.'),
@@ -269,6 +270,19 @@ BAD_ADDITIONS = [
     (ROUND + 'on_beacon = "lamp"', "areas[0].on_beacon", NO_BEACON),
     (ROUND + 'off_beacon = "lamp"', "areas[0].off_beacon", NO_BEACON),
     (ROUND + 'goal_for = ""', "areas[0].goal_for", '"goal_for" must be a list, not text.'),
+    *(
+        (ROUND + f"cycle = {{{text}}}", "areas[0].cycle" + key, message)
+        for text, key, message in (
+            ("period = 9, first = 0, last = 2", ".first", '"first" must be 1 or more, not 0.'),
+            ("period = 9, first = 2", ".last", '"last" is missing.'),
+            ("period = 9, first = 3, last = 2", "", ORDER),
+            ("period = 9, first = 3, last = 10", "", ORDER),
+        )
+    ),
+    (
+        ROUND + "sticky = true\ncycle = {period = 2, first = 1, last = 1}",
+        *("areas[0].sticky", 'A cycle switches this area, so it can\'t have "sticky".'),
+    ),
     (ROUND + 'solid = ""', "areas[0].solid", '"solid" must be true or false, not text.'),
     (
         "\n".join(f'[[beacons]]\nname = "b{i}"\nx = 1\ny = 1' for i in range(1001)),

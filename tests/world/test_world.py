@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Level, Robot, World
+from logical_robots_tui.world.level import Cycle
 from logical_robots_tui.world.world import change_state, former_names, start_state
 from tests.world.making import NAMES, levels, make_level
 
@@ -288,6 +289,33 @@ def test_areas_stay_switched_unless_their_switches_change() -> None:
     assert change_state(state, before, moved, {}).areas[1].active
     other = level(areas=(replace(GATE, on_beacon="Nothing"),))
     assert not change_state(state, before, other, {}).areas[0].active
+
+
+def test_the_clock_switches_an_area_on_in_some_ticks_of_every_period() -> None:
+    hours = replace(GATE, on_beacon="", sticky_switch=False, cycle=Cycle(5, 2, 3))
+    of = level(areas=(hours, replace(hours, cycle=Cycle(5, 1, 4))))
+    world, ticks = World(of), [start_state(of)]
+    for _ in range(12):
+        world.act({})
+        ticks.append(world.save())
+    first, second = ([s.tick for s in ticks if s.areas[i].active] for i in (0, 1))
+    assert first == [2, 3, 7, 8, 12]
+    assert second == [0, 1, 2, 3, 4, 6, 7, 8, 9, 11, 12]
+    world.restore(ticks[3])
+    world.act({})
+    assert world.save() == ticks[4]
+    other = level(areas=(replace(hours, cycle=Cycle(5, 5, 5)),))
+    assert [change_state(s, of, other, {}).areas[0].active for s in ticks[4:7]] == [0, 1, 0]
+
+
+def test_an_area_that_the_clock_makes_solid_pushes_robots_out_from_the_next_tick_on() -> None:
+    gate = Area("Gate", 30.5, 32.5, 12, impenetrable=True, cycle=Cycle(4, 3, 4))
+    world = World(level(areas=(gate,)))
+    places = []
+    for _ in range(4):
+        world.act({})
+        places.append(world.robots[0].y)
+    assert places == [30.5, 30.5, 30.5, pytest.approx(32.5 - 12.1)]
 
 
 def test_a_renamed_robot_goes_on_and_batteries_hold_no_more_than_they_can() -> None:

@@ -41,7 +41,7 @@ _STILL = "<style>@media (prefers-reduced-motion){.run{display:none}.end{display:
 def svg(level: Level, paths: Mapping[str, Sequence[Point]] | None = None) -> str:
     """Return a level at its start as SVG in dark colours; one SVG unit is one map unit."""
     paths = paths or {}
-    activity = tuple(not area.on_beacon for area in level.areas)
+    activity = tuple(area.is_on(0) for area in level.areas)
     trails = (_path(robot, paths.get(robot.name, ())) for robot in level.robots)
     return _document(level, *_objects(level, [_poses_of(level)], [activity], "", *trails))
 
@@ -52,7 +52,7 @@ def moving_svg(level: Level, states: Iterable[WorldState], ticks: int) -> tuple[
     Where a reader wants no motion, it shows the end.
     """
     speed = max(_TICKS_PER_SECOND, ticks / _LONGEST)
-    switches = sum(bool(area.on_beacon or area.off_beacon) for area in level.areas)
+    switches = sum(bool(area.on_beacon or area.off_beacon or area.cycle) for area in level.areas)
     size = ticks * (len(level.robots) * _POSE_BYTES + switches * _SWITCH_BYTES)
     step = math.ceil(max(size / _MOST_BYTES, speed / _FRAMES_PER_SECOND))
     poses, activities = _frames(level, states, ticks, step)
@@ -83,7 +83,7 @@ def _frames(
     A robot that a state lacks stays where it is in the level. Angles go on beyond a whole turn.
     """
     poses = dict(zip((robot.name for robot in level.robots), _poses_of(level), strict=True))
-    activity = tuple(not area.on_beacon for area in level.areas)
+    activity = tuple(area.is_on(0) for area in level.areas)
     all_poses, activities = [], []
     for number, state in enumerate(states):
         for robot in state.robots:

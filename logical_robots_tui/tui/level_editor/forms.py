@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -31,6 +32,7 @@ from logical_robots_tui.world import (
     Visibility,
     load_level,
 )
+from logical_robots_tui.world.level import Cycle
 from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 from logical_robots_tui.world.world import Pose
 
@@ -64,6 +66,18 @@ class NumberField(Input):
         if self._whole and not number.is_integer():
             raise LevelError(f"{self._subject} must be an integer, not {number:g}.")
         return int(number) if self._whole else number
+
+
+class CycleField(Input):
+    def __init__(self, name: str, value: Cycle | None) -> None:
+        text = value.words.removeprefix("ticks ") if value else ""
+        super().__init__(text, placeholder="such as 301 to 600 of every 600", id=name)
+
+    def read(self) -> Cycle | None:
+        match = re.fullmatch(r"(\d{1,9}) to (\d{1,9}) of every (\d{1,9})", self.value.strip())
+        if not match and self.value.strip():
+            raise LevelError("The ticks must be like “301 to 600 of every 600”.")
+        return Cycle(int(match[3]), int(match[1]), int(match[2])) if match else None
 
 
 class Lines(TextArea):
@@ -143,7 +157,7 @@ class Ticks(Listing):
         )
 
 
-Field: TypeAlias = TextField | NumberField | Lines | ChoiceField | Flag | Ticks
+Field: TypeAlias = TextField | NumberField | CycleField | Lines | ChoiceField | Flag | Ticks
 """A widget whose id names a value, which `read` returns; an invalid one raises `LevelError`."""
 
 
@@ -282,6 +296,7 @@ class ThingForm(Form):
             yield "Switched on by", ChoiceField("on_beacon", names, thing.on_beacon, always)
             yield "Switched off by", ChoiceField("off_beacon", names, thing.off_beacon, "no beacon")
             yield "Sticky", Flag("sticky_switch", "stays as it was switched", thing.sticky_switch)
+            yield "On in ticks", CycleField("cycle", thing.cycle)
             robots = [robot.name for robot in self._editor.level.robots]
             yield "Goal for", Ticks("victory_robots", robots, thing.victory_robots)
 

@@ -32,6 +32,7 @@ from logical_robots_tui.world.level import (
     SENSOR_BOUNDS,
     Area,
     Beacon,
+    Cycle,
     Level,
     LevelError,
     LevelQuestion,
@@ -60,7 +61,7 @@ _TEAM_KEYS = ("name", "program")
 _BEACON_KEYS = ("name", "x", "y", "charging_station")
 _AREA_KEYS = (
     *("name", "x", "y", "radius", "color", "goal_for"),
-    *("on_beacon", "off_beacon", "sticky", "solid"),
+    *("on_beacon", "off_beacon", "sticky", "solid", "cycle"),
 )
 
 
@@ -235,7 +236,22 @@ def read_area(fields: Fields) -> Area:
         off_beacon=fields.name("off_beacon", ""),
         sticky_switch=fields.flag("sticky"),
         impenetrable=fields.flag("solid"),
+        cycle=_cycle(fields) if fields.has("cycle") else None,
     )
+
+
+def _cycle(fields: Fields) -> Cycle:
+    table = fields.table("cycle", Cycle._fields)
+    cycle = Cycle(*(table.integer(key, minimum=1) for key in Cycle._fields))
+    if not cycle.first <= cycle.last <= cycle.period:
+        message = '"last" must be at least "first" and at most "period".'
+        raise fields.error(
+            "cycle", message, "Write cycle = {period = 600, first = 301, last = 600}."
+        )
+    if switches := [key for key in ("on_beacon", "off_beacon", "sticky") if fields.has(key)]:
+        message = f'A cycle switches this area, so it can\'t have "{switches[0]}".'
+        raise fields.error(switches[0], message, "Remove one of the two.")
+    return cycle
 
 
 def _score(fields: Fields) -> Score:

@@ -8,6 +8,7 @@ from textual.widgets import Input, Select
 
 from logical_robots_tui.tui.level_editor.forms import Form, LevelForm, ThingForm, Ticks
 from logical_robots_tui.world import Visibility
+from logical_robots_tui.world.level import Cycle
 from tests.tui.app.test_key_queue import press_at_once
 from tests.tui.conftest import Opened, opened
 from tests.tui.level_editor.conftest import Studio, fill, replace_in, studio
@@ -64,13 +65,17 @@ async def test_an_area_is_typed_ticked_and_chosen(data_dir: Path, room_file: Pat
         shown = await form(s, "i", ThingForm)
         fill(shown, radius="wide")
         await s.press("f2", sees="The radius must be a number")
-        fill(shown, radius="22", impenetrable=False, off_beacon="Lamp")
+        fill(shown, radius="22", cycle="1 to 2")
+        await s.press("f2", sees="The ticks must be like")
+        fill(shown, impenetrable=False, off_beacon="Lamp", cycle="1 to 2 of every 4")
+        await s.press("f2", sees='A cycle switches this area, so it can\'t have "off_beacon"')
+        shown.query_one("#off_beacon", Select).clear()
         shown.query_one("#victory_robots", Ticks).toggle("Pip")
         press_at_once(s.game, "ctrl+u", *"Gate", "f2")  # what was typed before it is applied counts
         await closed(s)
         area = s.level.areas[0]
         assert (area.name, area.radius, area.impenetrable) == ("Gate", 22, False)
-        assert (area.off_beacon, area.victory_robots) == ("Lamp", ())
+        assert (area.cycle, area.victory_robots) == (Cycle(4, 1, 2), ())
 
 
 async def test_properties_of_a_robot_and_a_level_are_set(data_dir: Path, room_file: Path) -> None:
