@@ -6,6 +6,7 @@ import os
 import sys
 
 from benchmarks.answers import answers
+from benchmarks.arenas import arenas
 from benchmarks.arrivals import arrivals
 from benchmarks.board import boards
 from benchmarks.breakpoints import breakpoints
@@ -70,6 +71,7 @@ SUITE = Suite(
         "board": boards,
         "lab": laboratory,
         "learning": learning,
+        "arenas": arenas,
         "tournament": tournament,
         "processor": processor,
         "first-frame": first_frame,
@@ -77,6 +79,7 @@ SUITE = Suite(
     named=frozenset(
         {
             "arrivals",
+            "arenas",
             "functions",
             "lab",
             "large-class",

@@ -125,8 +125,8 @@ def test_a_victory_is_worth_1_and_the_way_to_it_what_it_shortens() -> None:
 
 def test_the_points_of_a_team_are_rewards() -> None:
     level, ticks = load_level("16-high-ground"), 40
-    (holder, *others), hill = level.robots, next(a for a in level.areas if a.name == "Hill")
-    level = replace(level, robots=(replace(holder, x=hill.x, y=hill.y), *others))
+    (holder, *others), meadow = level.robots, next(a for a in level.areas if a.name == "Meadow")
+    level = replace(level, robots=(replace(holder, x=meadow.x, y=meadow.y), *others))
     name = holder.name
     env, run = RobotsEnv(level, [name], ticks=ticks), Simulation(level)
     env.reset()

@@ -107,7 +107,10 @@ _VALUES: dict[Kind, dict[str, st.SearchStrategy[Any]]] = {
     "robots": {"angle": st.floats(-20, 20), "has_battery": _BOTH, "battery_capacity": _NUMBERS},
     "beacons": {"charging_station": _BOTH},
     "areas": {
-        "radius": _NUMBERS, "on_beacon": NAMES, "sticky_switch": _BOTH, "color": COLORS,
+        "radius": _NUMBERS,
+        "on_beacon": NAMES,
+        "sticky_switch": _BOTH,
+        "color": COLORS,
         "cycle": st.sampled_from([None, Cycle(600, 301, 600), Cycle(2, 1, 1), Cycle(2, 2, 1)]),
     },
 }

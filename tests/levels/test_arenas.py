@@ -109,8 +109,10 @@ def test_an_arena_looks_the_same_from_every_seat(name: str, start: int) -> None:
         places = sorted((round(one.x, 6), round(one.y, 6)) for one in things)
         assert places == sorted(turned(level, one.x, one.y) for one in things)
         if len(teams) == 2:  # a program that knows a name finds it from either side
-            known = {(one.name, round(one.x, 6), round(one.y, 6)) for one in things}
-            assert known == {(one.name, *turned(level, one.x, one.y)) for one in things}
+            spots = {replace(one, x=round(one.x, 6), y=round(one.y, 6)) for one in things}
+            opposite = [turned(level, one.x, one.y) for one in things]
+            pairs = zip(things, opposite, strict=True)
+            assert spots == {replace(one, x=x, y=y) for one, (x, y) in pairs}
     seats = [[robot for robot in level.robots if robot.team == team] for team in teams]
     for mine, theirs in zip(seats, [*seats[1:], seats[0]], strict=True):
         for one, other in zip(mine, theirs, strict=True):
