@@ -120,6 +120,22 @@ def push_out(mover: Mover, areas: Iterable[Area]) -> None:
         mover.y = area.y + dy / distance * (area.radius + PUSH_MARGIN)
 
 
+def push_out_at_once(mover: Mover, areas: Iterable[Area]) -> None:
+    """Move a robot, in place, by the sum of the pushes of all solid active areas around it.
+
+    The order of the areas makes no difference; ignores walls.
+    """
+    around = [area for area in areas if is_inside(mover, area)]
+    x, y = mover.x, mover.y
+    pushes = []
+    for area in around:
+        mover.x, mover.y = x, y
+        push_out(mover, [area])
+        pushes.append((mover.x - x, mover.y - y))
+    if len(around) > 1:
+        mover.x, mover.y = x + math.fsum(p[0] for p in pushes), y + math.fsum(p[1] for p in pushes)
+
+
 def is_inside(mover: Mover | RobotState, area: Area) -> bool:
     """Return whether a robot's centre is strictly inside an area."""
     return math.hypot(mover.x - area.x, mover.y - area.y) < area.radius

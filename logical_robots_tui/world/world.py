@@ -23,6 +23,7 @@ from logical_robots_tui.world.dynamics import (
     is_won,
     next_active,
     push_out,
+    push_out_at_once,
     run_batteries,
     run_battery,
     start_tallies,
@@ -141,7 +142,7 @@ class World:
                 left = right = 0.0
             blockers = [b for b in bodies if b is not body] if level.solid_robots else ()
             drive(mover, left, right, level, blockers)
-            push_out(mover, solid)
+            (push_out_at_once if level.teams else push_out)(mover, solid)
 
         robots = tuple(
             [RobotState(n, *body_of(m)) for n, m in zip(self._names, movers, strict=True)]

@@ -1,5 +1,6 @@
 """Teams in level files, and what each part of a score counts, whatever the order in a file."""
 
+import itertools
 import math
 import random
 from collections.abc import Mapping
@@ -50,6 +51,16 @@ def play(level: Level, ticks: int, desires: Mapping[str, Desire] = {}) -> World:
 
 def result(world: World) -> dict[str, tuple[float, ...]]:
     return points(world.level, world.save())
+
+
+def test_overlapping_solid_areas_push_alike_in_any_order() -> None:
+    areas = tuple(Area(f"gate {x}", x, 50, 30, impenetrable=True) for x in (90, 110, 140))
+    places = {
+        (world.robots[0].x, world.robots[0].y)
+        for order in itertools.permutations(areas)
+        for world in [play(match(red(98, 60), scores=(), areas=order), 1)]
+    }
+    assert len(places) == 1
 
 
 def test_ground_is_held_by_a_team_alone() -> None:
