@@ -237,7 +237,9 @@ async def _judge(
     """Return a verdict (confirmed, struck or undecided) and its reason, or ""."""
     claim = Measures(entry.ticks, entry.size, entry.distance)
     try:
-        outcome = await play_again(level, board.program(entry.player, entry.program), budget, has_starts=False)
+        outcome = await play_again(
+            level, board.program(entry.player, entry.program), budget, has_starts=False
+        )
     except MissingProgramError as error:
         return "struck", error.message
     except InputError as error:

@@ -68,6 +68,7 @@ from logical_robots_tui.world import Level
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.recovery import Offers
     from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.level_editor.panel import EditPanel
@@ -246,10 +247,15 @@ class MainScreen(Screen[None], SessionListener):
             self.ui.spawn(partial(self.replays.open, replay), "replay", exclusive=False)
         else:
             offered = self.player.offerings(self.editing.offer)
+            if self._opening.welcome and self._opening.is_class:  # after what is seen was told
+                offered.append(self._offer_tour)
             self.ui.spawn(partial(self.offers.make, *offered), "drafts", exclusive=False)
         self.ui.spawn(self._watch.follow, "watch", exclusive=False)
-        if self._opening.welcome:
+        if self._opening.welcome and not self._opening.is_class:
             self.tour.begin()
+
+    async def _offer_tour(self, _offers: Offers) -> None:
+        self.tour.begin()
 
     async def on_unmount(self) -> None:
         self.editing.close()
