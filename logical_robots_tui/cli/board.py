@@ -1,9 +1,11 @@
-"""``logical-robots board``: show and check the board of a server."""
+"""``logical-robots board``: show the board of a server, check it, and watch a class at work."""
 
 from __future__ import annotations
 
 import argparse
 import asyncio
+import sys
+import time
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
@@ -12,7 +14,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from logical_robots_tui.cli import command
-from logical_robots_tui.cli.command import columns, drawn_bar, harmless, print_json
+from logical_robots_tui.cli.command import (
+    columns,
+    drawn_bar,
+    harmless,
+    line_of_json,
+    print_json,
+    say,
+)
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.run import level_digest, simulation_digest
 from logical_robots_tui.game.verification import (
@@ -24,16 +33,18 @@ from logical_robots_tui.game.verification import (
 )
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.progress.board import Board, BoardEntry, MissingProgramError
+from logical_robots_tui.progress.class_view import HEADINGS, Pupil, pupils
 from logical_robots_tui.world import Level
 
 CONFIRMED, NOT_CONFIRMED = 0, 1
 
 command.group(
     "board",
-    "show and check the board of a server",
+    "show the board of a server, check it, and watch a class at work",
     """\
   logical-robots board show ./board
   logical-robots board check ./board
+  logical-robots board watch ./board
 """,
 )
 
@@ -58,6 +69,7 @@ class _RankedEntry(NamedTuple):
 
     level: str
     is_current: bool
+    level_digest: str
     rank: int | None
     name: str | None
     ticks: int
@@ -100,13 +112,13 @@ def _show(options: argparse.Namespace) -> int:
     elif not entries:
         print("Nobody is on the board yet.")
     else:
-        tables = groupby(entries, lambda entry: (entry.level, entry.is_current))
-        print("\n\n".join(_table(*key, [*group]) for key, group in tables))
+        tables = groupby(entries, lambda entry: entry[:3])
+        print("\n\n".join(_table([*group]) for _, group in tables))
     return CONFIRMED
 
 
-def _table(level: str, is_current: bool, entries: list[_RankedEntry]) -> str:
-    title = harmless(level) if is_current else f"{harmless(level)}, an earlier version of the level"
+def _table(entries: list[_RankedEntry]) -> str:
+    version = "" if entries[0].is_current else ", an earlier version of the level"
     rows: list[tuple[str, ...]] = [
         ("RANK", "NAME", "TICKS", "SIZE", "DISTANCE", "DATE", "STATE"),
         *(
@@ -120,7 +132,7 @@ def _table(level: str, is_current: bool, entries: list[_RankedEntry]) -> str:
             for entry in entries
         ),
     ]
-    return "\n".join([title, *columns(rows)])
+    return "\n".join([harmless(entries[0].level) + version, *columns(rows)])
 
 
 def _ranked(entries: list[BoardEntry]) -> Iterator[_RankedEntry]:
@@ -132,26 +144,18 @@ def _ranked(entries: list[BoardEntry]) -> Iterator[_RankedEntry]:
         level = _current_version(entry)
         return entry.level if level is None else level.name, level is None, entry.level_digest
 
-    for (name, is_earlier, _), group in groupby(sorted(entries, key=version), version):
-        ranks: dict[str, int] = {}
-        ticks_before: int | None = None
+    for (name, is_earlier, digest), group in groupby(sorted(entries, key=version), version):
+        bests: dict[str, int] = {}
         for entry in group:
             rank = None
-            if entry.struck is None and entry.player not in ranks:
-                is_tie = entry.ticks == ticks_before
-                rank = [*ranks.values()][-1] if is_tie else len(ranks) + 1
-                ranks[entry.player], ticks_before = rank, entry.ticks
+            if entry.struck is None and entry.player not in bests:
+                bests[entry.player] = entry.ticks
+                rank = 1 + sum(ticks < entry.ticks for ticks in bests.values())
             state = "confirmed" if entry.confirmed == engine else "unchecked"
-            numbers = entry.ticks, entry.size, entry.distance
             yield _RankedEntry(
-                name,
-                not is_earlier,
-                rank,
-                entry.name,
-                *numbers,
-                entry.won,
-                "struck" if entry.struck else state,
-                entry.struck,
+                *(name, not is_earlier, digest, rank, entry.name),
+                *(entry.ticks, entry.size, entry.distance, entry.won),
+                *("struck" if entry.struck else state, entry.struck),
             )
 
 
@@ -246,3 +250,67 @@ async def _judge(
         return "undecided", str(error)
     reason = outcome if isinstance(outcome, str) else "; ".join(differences(claim, outcome))
     return "struck" if reason else "confirmed", reason
+
+
+_SECONDS = 1.0  # between two looks at a class
+
+
+@command.declare(
+    "board watch",
+    _FOLDER,
+    command.one_of(
+        command.flag("--plain", "print a table, then a line for each change"),
+        command.flag("--json", "print each player, then each change, as a line of JSON"),
+    ),
+)
+def _watch(options: argparse.Namespace) -> int:
+    """watch a class at work
+
+    Show who is in which level, the trouble of the last run, and who asks for help,
+    until ^C or q. The program of a player is shown only while they ask for help.
+    Players are seen whose games were started with --board and --class.
+
+    examples:
+      logical-robots board watch ./board
+      logical-robots board watch ./board --plain
+
+    exit status: 0 after ^C or q, 2 the board can't be used
+    """
+    board = _board(options)
+    class_at_work = pupils(board)
+    is_terminal = all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr))
+    if is_terminal and not (options.plain or options.json):
+        from logical_robots_tui.cli.play import prepare_screen
+
+        prepare_screen()
+        from logical_robots_tui.tui.app.class_view import watch_class
+
+        watch_class(board)
+        return 0
+    print_pupil = _print_json_line if options.json else _print_pupil
+    previous: list[Pupil] = []
+    if not options.json:
+        say(*columns([HEADINGS, *(pupil.cells() for pupil in class_at_work)]))
+        previous = [pupil for pupil in class_at_work if pupil.program is None]
+    try:
+        while True:
+            for pupil in class_at_work:
+                if pupil not in previous:
+                    print_pupil(pupil)
+            previous = class_at_work
+            time.sleep(_SECONDS)
+            class_at_work = pupils(board)
+    except KeyboardInterrupt:
+        return 0
+
+
+def _print_json_line(pupil: Pupil) -> None:
+    activity = pupil.activity
+    document = {**activity._asdict(), "asks_for_help": activity.asks_for_help}
+    print(line_of_json({**document, "program": pupil.program}), flush=True)
+
+
+def _print_pupil(pupil: Pupil) -> None:
+    clock = time.strftime("%H:%M")
+    program = (pupil.program or "").splitlines()
+    say(f"{clock} {pupil.sentence()}", *(f"  {line}" for line in program))

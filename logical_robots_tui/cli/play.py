@@ -113,7 +113,7 @@ def play(options: argparse.Namespace) -> int:
     if options.restricted:
         clear_environment()
     if not options.plain:
-        _prepare_screen()
+        prepare_screen()
     if options.restricted and not options.player:
         folder = folder_of(options.data_dir)
         if is_folder(folder_of(folder, ".")):
@@ -371,7 +371,7 @@ def _start_ladder(board: Path) -> int:
 
 def play_replay(options: argparse.Namespace, replay: Replay) -> int:
     """Open a replay on the screen; raise InputError if there is no terminal."""
-    _prepare_screen()
+    prepare_screen()
     from logical_robots_tui.player.opening import open_replay
     from logical_robots_tui.tui.app import app
 
@@ -404,7 +404,7 @@ def _choose_daily(options: argparse.Namespace) -> None:
     options.level = level.name
 
 
-def _prepare_screen() -> None:
+def prepare_screen() -> None:
     """Set up the environment for the screen; raise InputError if there is no terminal."""
     from logical_robots_tui.tui.terminal.capabilities import (
         assume_browser,

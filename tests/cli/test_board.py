@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
-from collections.abc import Callable
+import json
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -12,10 +18,12 @@ import pytest
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.run import level_digest, simulation_digest
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.progress.board import Board, BoardMembership
+from logical_robots_tui.progress.board import GONE_AFTER, Board, BoardMembership, timestamp
+from logical_robots_tui.progress.class_view import pupils
 from logical_robots_tui.world import load_level
 from tests.cli.running import Command
 from tests.cli.test_progress import LEVEL, achieved
+from tests.waiting import PATIENCE
 
 ENGINE = simulation_digest().hex()
 TEXT = load_program("first-steps").text.replace("distance < 90", "distance < 80")
@@ -102,9 +110,10 @@ def test_what_holds_is_confirmed_and_the_rest_is_struck_out(
         ("Ben", "struck"): f"ticks: 3 claimed, {measures.ticks:,} found",
         ("Cat", "struck"): verdicts["Cat", "struck"],
         ("Dan", "struck"): "The program is missing, or was changed",
-        ("Dan", "earlier version"): "the level is no longer the same, so it can't be played again",
+        ("Dan", "earlier version"): verdicts["Dan", "earlier version"],
     }
     assert verdicts["Cat", "struck"].startswith("line 1: ")
+    assert "it can't be played again" in verdicts["Dan", "earlier version"]
     shown = command("board", "show", tmp_path).success
     assert f"{LEVEL}, an earlier version" in shown
     assert "struck: ticks: 3 claimed" in shown
@@ -144,7 +153,69 @@ def take_away(folder: Path) -> None:
     Board(folder).file.unlink()
 
 
-@pytest.mark.parametrize("words", ["show", "check"])
+@contextlib.contextmanager
+def watching(folder: Path, option: str) -> Iterator[Callable[[], str]]:
+    """The lines of a class at work, as they are printed."""
+    words = ["-m", "logical_robots_tui", "board", "watch", str(folder), option]
+    with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        yield process.stdout.readline
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 0
+
+
+def test_a_class_at_work_is_lines_of_json_and_who_asks_for_help_is_first(folder: Path) -> None:
+    ada, ben = Board(folder, "ada"), Board(folder, "ben")
+    ada.report(level=LEVEL, since=timestamp(), runs=2, trouble="Pip: No rows.")
+    ben.report(level=LEVEL, help_since=timestamp())
+    ben.show_program("my program")
+    ada.show_program("nobody's business")  # without asking for help
+    with watching(folder, "--json") as line:
+        first, second = json.loads(line()), json.loads(line())
+        assert (first["player"], first["program"]) == ("ben", "my program")
+        assert first["asks_for_help"]
+        assert (second["player"], second["runs"], second["trouble"]) == ("ada", 2, "Pip: No rows.")
+        assert second["program"] is None
+        ben.report()  # that the game is still open is no change
+        ada.report(won_level=LEVEL, won=timestamp(), runs=0)
+        third = json.loads(line())
+        assert (third["player"], third["won_level"], third["runs"]) == ("ada", LEVEL, 0)
+
+
+def test_a_class_at_work_is_a_table_and_then_lines_of_text(folder: Path) -> None:
+    ada = Board(folder, "ada")
+    ada.report(level="02-open-space", since=timestamp(), trouble="\x1b[2J")
+    with watching(folder, "--plain") as line:
+        assert line().split() == [
+            "STATE",
+            "PLAYER",
+            "LEVEL",
+            "SINCE",
+            "RUNS",
+            "LAST",
+            "WIN",
+            "TROUBLE",
+        ]
+        assert line().split()[:2] == ["ada", "02-open-space"]
+        ada.show_program("first line\nsecond\x1b line")
+        ada.report(help_since=timestamp())
+        assert re.fullmatch(
+            r"\d\d:\d\d ada: 02-open-space since .*, asks for help since .*\n", line()
+        )
+        assert (line(), line()) == ("  first line\n", "  second\\x1b line\n")
+        ada.report(is_open=False)
+        assert "gone since" in line()
+
+
+def test_a_game_that_ended_without_a_word_is_gone_and_its_program_hidden(folder: Path) -> None:
+    ada = Board(folder, "ada")
+    ada.show_program("text")
+    ada.report(level=LEVEL, help_since=timestamp(), last_seen=timestamp(-2 * GONE_AFTER))
+    (pupil,) = pupils(ada)
+    assert (pupil.cells()[0], pupil.program) == ("gone", None)
+
+
+@pytest.mark.parametrize("words", ["show", "check", "watch --plain", "watch --json"])
 @pytest.mark.parametrize("spoil", [damage, take_away])
 def test_a_board_that_cannot_be_used_is_a_sentence(
     words: str, spoil: Callable[[Path], None], command: Command, folder: Path

@@ -121,7 +121,7 @@ BEFORE: dict[str, Callable[[Path], None]] = {
     "docs/arena.md": _write_files_of_lab,
     "docs/teaching.md": _write_files_of_lab,
     PROGRAM: _write_for_all,
-    **{f"{PROGRAM} board{name}": _make_board for name in ("", " show", " check")},
+    **{f"{PROGRAM} board{name}": _make_board for name in ("", " show", " check", " watch")},
     f"{PROGRAM} sweep": _write_files_of_lab,
     f"{PROGRAM} grade": _write_files_of_lab,
     f"{PROGRAM} grade kit": _write_files_of_lab,
@@ -206,7 +206,8 @@ def _run(
     assert name == PROGRAM
     arguments += QUICKER.get(" ".join(arguments), [])
     plays = not arguments or "play" in arguments[:2]
-    if "--help" not in arguments and (plays or arguments[0] in OF_A_TERMINAL):
+    opens = plays or arguments[0] in OF_A_TERMINAL or arguments[:2] == ["board", "watch"]
+    if "--help" not in arguments and opens:
         return _run_in_terminal(arguments)
     # As where somebody looks on: else it would be JSON.
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
@@ -240,6 +241,9 @@ def _run_in_terminal(arguments: list[str]) -> tuple[int, str]:
                 terminal.send("\x03")
         elif arguments[:1] == ["host"]:
             terminal.wait_for("are forked")
+            terminal.send("\x03")
+        elif arguments[:1] == ["board"]:
+            terminal.wait_for("01-first-steps")
             terminal.send("\x03")
         elif "--plain" in arguments:
             terminal.wait_for("help")

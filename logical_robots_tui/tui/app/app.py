@@ -43,7 +43,7 @@ from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST, Uploaded
 from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
-from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
+from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, use_theme
 
 if TYPE_CHECKING:
     from logical_robots_tui.player.opening import Opening
@@ -107,11 +107,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     def on_load(self) -> None:
         self._event_loop = asyncio.get_running_loop()
         lifeline.beat(self._event_loop)
-        self.register_theme(NIGHT)
-        theme_name = self._settings.theme or self._chosen_theme
-        if not theme_name and self.console.color_system == "standard" and not self.no_color:
-            theme_name = "ansi-dark"  # of dark colours among 16 there would be only black
-        self.theme = theme_name if theme_name in self.available_themes else NIGHT.name
+        use_theme(self, self._settings.theme or self._chosen_theme)
 
     def refresh_css(self, animate: bool = True) -> None:
         """Recompute all styles; before the first screen, only load the theme's colours."""

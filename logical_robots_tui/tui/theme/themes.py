@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 from rich.style import Style as RichStyle
+from textual.app import App
 from textual.color import Color
 from textual.style import Style
 from textual.theme import Theme
@@ -227,6 +229,15 @@ NIGHT = Theme(
         "footer-background": "#171d2b",
     },
 )
+
+
+def use_theme(app: App[Any], name: str) -> None:
+    """Set an app's theme: the one of that name, or by default one that suits the terminal."""
+    app.register_theme(NIGHT)
+    if not name and app.console.color_system == "standard" and not app.no_color:
+        name = "ansi-dark"  # of dark colours among 16 there would be only black
+    app.theme = name if name in app.available_themes else NIGHT.name
+
 
 _TONE = 0.4  # the share of a theme's background in that of the labyrinth
 
