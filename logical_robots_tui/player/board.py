@@ -42,6 +42,7 @@ NO_CLASS = "Nobody watches this game: it is not played in a class."
 
 _LONGEST_TROUBLE = 200  # characters
 _SECONDS = 1.0  # between two reports of what the player does
+_HEARTBEAT = 60.0  # seconds between reports while nothing happens
 
 
 class _PendingEntry(NamedTuple):
@@ -84,6 +85,7 @@ class BoardRecorder(SessionListener):
         self._runs, self._trouble = 0, ""
         self._is_new_run = True
         self._complaint = ""
+        self._heartbeat: asyncio.TimerHandle | None = None
 
     @property
     def is_on(self) -> bool:
@@ -102,7 +104,12 @@ class BoardRecorder(SessionListener):
         self.standings = ()
         self._runs, self._is_new_run = 0, True
         self._spawn(partial(self._load, level))
-        self._report(level=level.name, since=timestamp(), runs=0, trouble="", is_open=True)
+        # A game that was killed could not take back that help was asked for.
+        help_since = {} if self.asks_for_help else {"help_since": None}
+        values = {"level": level.name, "since": timestamp(), "runs": 0, "trouble": ""}
+        self._report(is_open=True, **values, **help_since)
+        if self.is_class and self._board is not None and self._heartbeat is None:
+            self._beat()
 
     def restarted(self) -> None:
         self._is_new_run = True
@@ -147,7 +154,14 @@ class BoardRecorder(SessionListener):
         ):
             self._spawn(partial(self._enter, victory, victory.measures))
 
+    def _beat(self) -> None:
+        """Report that the game is still open, and do so again after a while."""
+        self._report()
+        self._heartbeat = asyncio.get_running_loop().call_later(_HEARTBEAT, self._beat)
+
     async def close(self) -> None:
+        if self._heartbeat is not None:
+            self._heartbeat.cancel()
         if self.is_class and self._board is not None:
             self._report(is_open=False)
             self._is_closed = True

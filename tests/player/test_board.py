@@ -149,6 +149,27 @@ async def test_a_program_is_shown_to_whom_help_was_asked_of(tmp_path: Path) -> N
         assert Board(folder).shown_program("ada") is None
 
 
+async def test_a_game_in_which_nothing_happens_reports_that_it_is_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "board"
+    monkeypatch.setattr("logical_robots_tui.player.board._HEARTBEAT", 0.01)
+    async with listed(tmp_path, folder, is_class=True) as (at, _):
+        await at.ui.drain(skip="measure")
+        Board(folder, "ada").report(last_seen="long ago")
+        await at.until(lambda: activity_in(folder).is_open)
+
+
+async def test_a_game_that_was_killed_no_longer_asks_for_help(tmp_path: Path) -> None:
+    folder = tmp_path / "board"
+    before = Board(folder, "ada")
+    before.create()
+    before.report(help_since="2026-11-28T10:00:00+00:00")
+    async with listed(tmp_path, folder, is_class=True) as (at, _):
+        await at.ui.drain(skip="measure")
+        assert not activity_in(folder).asks_for_help
+
+
 async def test_outside_a_class_nobody_is_watched(tmp_path: Path) -> None:
     folder = tmp_path / "board"
     async with listed(tmp_path, folder) as (at, _):
