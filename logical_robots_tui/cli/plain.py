@@ -18,7 +18,7 @@ from logical_robots_tui.game.source import target
 from logical_robots_tui.game.victory import Victory, brief, result_line, robustness_line
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.player.board import NO_BOARD, NO_CLASS
+from logical_robots_tui.player.board import NO_BOARD, NO_CLASS, board_name
 from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.player.opening import LocalPlayer, Opening
 from logical_robots_tui.player.recorder import ProgressRecorder
@@ -392,10 +392,14 @@ class LineGame(SessionListener):
         if not board.is_on:
             raise InputError(NO_BOARD)
         if name:
-            is_listed = name != "leave"
-            is_named = is_listed and name != ANONYMOUS
-            await board.join(BoardMembership(is_listed, name[:20] if is_named else None))
-            say("You are on the board." if is_listed else "You are not on the board.")
+            if name == "leave":
+                await board.join(BoardMembership(is_listed=False))
+                say("You are not on the board. It has no entries of yours.")
+                return
+            shares = board.membership is not None and board.membership.shares
+            membership = BoardMembership(True, board_name(name), shares)
+            await board.join(membership)
+            say(f"You are on the board as {membership.name or ANONYMOUS}.")
         elif board.standings:
             say(*columns(standing_rows(board.standings)))
         else:

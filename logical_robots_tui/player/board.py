@@ -12,6 +12,7 @@ from logical_robots_tui.game import Superseded
 from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import is_shipped, level_key
 from logical_robots_tui.player.session_state import SessionListener, Ui, Work
+from logical_robots_tui.player.standings import ANONYMOUS
 from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import list_arenas, load_level
 from logical_robots_tui.world.level import alike
@@ -40,9 +41,20 @@ NOTICE = (
 NO_BOARD = "There is no board: nobody else plays on this server."
 NO_CLASS = "Nobody watches this game: it is not played in a class."
 
+MOST_NAME = 20  # characters
 _LONGEST_TROUBLE = 200  # characters
 _SECONDS = 1.0  # between two reports of what the player does
 _HEARTBEAT = 60.0  # seconds between reports while nothing happens
+
+
+def board_name(text: str) -> str | None:
+    """Return the name that a player wrote, None for anonymous; raise InputError if it is none."""
+    name = " ".join(text.split())
+    if not name.isprintable():
+        raise InputError("A name has only letters, digits and signs.")
+    if len(name) > MOST_NAME:
+        raise InputError(f"A name has at most {MOST_NAME} characters.")
+    return None if name.casefold() in ("", ANONYMOUS) else name
 
 
 class _PendingEntry(NamedTuple):

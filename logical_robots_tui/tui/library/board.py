@@ -12,6 +12,7 @@ from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.player.board import MOST_NAME, board_name
 from logical_robots_tui.player.standings import ANONYMOUS
 from logical_robots_tui.progress.board import BoardMembership, GhostEntry
 from logical_robots_tui.progress.ladder import Challenger
@@ -26,9 +27,8 @@ if TYPE_CHECKING:
 
 _TEXT = (
     "Everybody who plays on this server and has won this level sees how well you won it, under the "
-    "name that you choose. Nobody sees your program. Whoever stays off has no entries."
+    "name that you choose. Nobody sees your program. If you stay off, your entries are deleted."
 )
-_MOST_LETTERS = 20
 
 
 class JoinDialog(Dialog[BoardMembership]):
@@ -58,7 +58,7 @@ class JoinDialog(Dialog[BoardMembership]):
         super().__init__(
             "",
             Static(_TEXT, id="text", markup=False),
-            Input(name, "your name; without one: anonymous", max_length=_MOST_LETTERS, id="name"),
+            Input(name, "your name; without one: anonymous", max_length=MOST_NAME, id="name"),
             self._ghost,
         )
 
@@ -79,11 +79,12 @@ class JoinDialog(Dialog[BoardMembership]):
 
     @on(Input.Submitted)
     def _submitted(self) -> None:
-        name = " ".join(self.query_one("#name", Input).value.split())
-        if not name.isprintable():
-            self.complain("A name has only letters, digits and signs.")
+        try:
+            name = board_name(self.query_one("#name", Input).value)
+        except InputError as error:
+            self.complain(str(error))
             return
-        membership = BoardMembership(True, name or None, self._shares)
+        membership = BoardMembership(True, name, self._shares)
         in_background(self, partial(self._leave_with, membership), "join")
 
     async def _leave_with(self, membership: BoardMembership) -> None:

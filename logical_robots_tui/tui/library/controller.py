@@ -108,7 +108,7 @@ class BoardController:
             return
         membership = await self.ui.ask(JoinDialog(self.board.membership, self.board.join))
         if membership is not None and not membership.is_listed:
-            self.ui.tell("You are not on the board.")
+            self.ui.tell("You are not on the board. It has no entries of yours.")
 
     async def join_once(self) -> None:
         """Ask after the first victory."""

@@ -1,0 +1,60 @@
+"""The board in lines of text."""
+
+from pathlib import Path
+
+import pytest
+
+from logical_robots_tui.game.run import level_digest
+from logical_robots_tui.game.source import load_program
+from logical_robots_tui.progress import Measures
+from logical_robots_tui.progress.board import Board, BoardMembership
+from logical_robots_tui.world import load_level
+from tests.cli.running import Ask, Command
+
+LEVEL = "01-first-steps"
+
+
+@pytest.fixture
+def board(tmp_path: Path) -> Board:
+    """The board of Ada, on which somebody called [b]Ben has won the first level."""
+    ben = Board(tmp_path / "board", "ben")
+    ben.create()
+    ben.join(BoardMembership(is_listed=True, name="[b]Ben"))
+    ben.add(LEVEL, level_digest(load_level(LEVEL)), "engine", "text", Measures(9, 9, 9.0))
+    return Board(tmp_path / "board", "ada")
+
+
+@pytest.fixture
+def typed(command: Command, tmp_path: Path, board: Board) -> Ask:
+    program = tmp_path / "mine.l"
+    program.write_text(f"{load_program('first-steps').text}\n# mine\n", "utf-8")
+    options = ("--data-dir", tmp_path / "data", "--board", board.file.parent, "--player", "ada")
+    words = ("play", LEVEL, program, *options, "--plain")
+    return lambda *lines: command(*words, "--class", typed=lines)
+
+
+def test_whoever_has_won_chooses_a_name_and_sees_the_others(typed: Ask, board: Board) -> None:
+    names = ("board [B]ben", "board \u202eada", f"board {'a' * 21}")
+    lines = typed("ok", "board", "run", *names, "board  Ada  L. ", "board").success.splitlines()
+    for sentence in (
+        "Win this level first, then the board shows who else has.",
+        "Another player is called [B]ben. Choose another one.",
+        "A name has only letters, digits and signs.",
+        "A name has at most 20 characters.",
+        "You are on the board as Ada L..",
+    ):
+        assert lines.count(sentence) == 1
+    assert not any("[b]Ben" in line for line in lines[: lines.index(lines[-3])])
+    assert [line.split()[:3] for line in lines[-2:]] == [["1", "[b]Ben", "9"], ["you", "2", "Ada"]]
+
+
+def test_another_name_keeps_what_is_shared_and_leaving_deletes_all(
+    typed: Ask, board: Board
+) -> None:
+    typed("ok", "run", "board Ada")
+    board.join(BoardMembership(is_listed=True, name="Ada", shares=True))
+    assert "as anonymous." in typed("ok", "board Anonymous").success
+    assert board.membership() == BoardMembership(is_listed=True, name=None, shares=True)
+    assert len(board.entries()) == 2
+    assert "It has no entries of yours." in typed("ok", "board leave").success
+    assert [entry.player for entry in board.entries()] == ["ben"]
