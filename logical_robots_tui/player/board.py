@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
@@ -43,6 +44,7 @@ NO_CLASS = "Nobody watches this game: it is not played in a class."
 
 MOST_NAME = 20  # characters
 _LONGEST_TROUBLE = 200  # characters
+_MOST_PENDING = 20  # victories, each with a run
 _SECONDS = 1.0  # between two reports of what the player does
 _HEARTBEAT = 60.0  # seconds between reports while nothing happens
 
@@ -91,7 +93,7 @@ class BoardRecorder(SessionListener):
         self.is_class = is_class
         self._board, self._session, self._ui = board, session, ui
         self._recorder, self._on_change = recorder, on_change
-        self._pending: _PendingEntry | None = None
+        self._pending: deque[_PendingEntry] = deque(maxlen=_MOST_PENDING)
         self._activity: dict[str, object] = {}
         self._is_reporting = self._is_closed = False
         self._runs, self._trouble = 0, ""
@@ -106,7 +108,7 @@ class BoardRecorder(SessionListener):
     @property
     def must_ask(self) -> bool:
         """Whether a victory waits for the player to choose a name."""
-        return self._pending is not None and self.membership is None and not self._complaint
+        return bool(self._pending) and self.membership is None and not self._complaint
 
     # -- what happens ------------------------------------------------------------------------
 
@@ -116,10 +118,9 @@ class BoardRecorder(SessionListener):
         self.standings = ()
         self._runs, self._is_new_run = 0, True
         self._spawn(partial(self._load, level))
-        # A game that was killed could not take back that help was asked for.
-        help_since = {} if self.asks_for_help else {"help_since": None}
-        values = {"level": level.name, "since": timestamp(), "runs": 0, "trouble": ""}
-        self._report(is_open=True, **values, **help_since)
+        self._report(level=level.name, since=timestamp(), runs=0, trouble="", is_open=True)
+        if self.is_class and not self.asks_for_help:  # a game that was killed may have
+            self._show_program(None)
         if self.is_class and self._board is not None and self._heartbeat is None:
             self._beat()
 
@@ -128,12 +129,13 @@ class BoardRecorder(SessionListener):
 
     def program_used(self, program: Program) -> None:
         self._is_new_run = True
-        if self.asks_for_help and self._board is not None:
-            show = partial(self._attempt, self._board.show_program, program.first.text)
-            self._ui.spawn(show, "board", exclusive=False)
+        if self.asks_for_help:
+            self._show_program(program.first.text)
 
     def program_rejected(self) -> None:
         mistakes = self._session.state.mistakes
+        if self.asks_for_help:
+            self._show_program(self._session.state.tried)
         if mistakes:
             first = mistakes[0]
             self._note_trouble(f"Line {first.line}: {first.message}")
@@ -175,8 +177,10 @@ class BoardRecorder(SessionListener):
         if self._heartbeat is not None:
             self._heartbeat.cancel()
         if self.is_class and self._board is not None:
-            self._report(is_open=False)
+            self._report(is_open=False, help_since=None)
             self._is_closed = True
+            if self.asks_for_help:
+                await self._attempt(self._board.show_program, None)
             await self._flush()
 
     async def offer_notice(self, offers: Offers) -> None:
@@ -187,16 +191,17 @@ class BoardRecorder(SessionListener):
     # -- what the player does ----------------------------------------------------------------
 
     async def join(self, membership: BoardMembership) -> None:
-        """Choose how to be on the board, or leave it; a victory that waits is entered.
+        """Choose how to be on the board, or leave it; victories that wait are entered.
 
         Raises InputError if the board can't be used, or another player has the name.
         """
         assert self._board is not None
         await asyncio.to_thread(self._board.join, membership)
         self.membership = membership
-        pending, self._pending = self._pending, None
-        if pending is not None and membership.is_listed:
-            await self._add(pending)
+        while self._pending:
+            victory = self._pending.popleft()
+            if membership.is_listed:
+                await self._add(victory)
         await self._load(self._session.opened)
 
     async def ask_for_help(self, text: str) -> None:
@@ -211,22 +216,18 @@ class BoardRecorder(SessionListener):
 
     async def standings_of(self, level: Level) -> Sequence[BoardStanding]:
         """Return the bests of all who won a level; empty without a board that can be read."""
-        from logical_robots_tui.game.run import level_digest
-
         if self._board is None or not _has_board(level):
             return ()
-        return await self._attempt(self._board.standings, level_digest(level)) or ()
+        return await self._attempt(_standings, self._board, level) or ()
 
     async def ghosts(self) -> Sequence[GhostEntry]:
         """Return whom the player may race in the level at hand, or raise InputError."""
-        from logical_robots_tui.game.run import level_digest
-
         level = self._session.opened
         if self._board is None:
             raise InputError(NO_BOARD)
         if self._recorder.record.state != "won":
             raise InputError(f"Win {level.title} first; then you can race others.")
-        return await asyncio.to_thread(self._board.ghosts, level_digest(level))
+        return await asyncio.to_thread(_ghosts, self._board, level)
 
     async def ghost(self, entry: GhostEntry) -> Replay:
         """Return the run of an entry, or raise InputError."""
@@ -295,7 +296,7 @@ class BoardRecorder(SessionListener):
             victory.level, victory.program.text, measures, await self._replay(victory)
         )
         if self.membership is None:
-            self._pending = entry
+            self._pending.append(entry)
             self._on_change()
         else:
             await self._add(entry)
@@ -329,6 +330,13 @@ class BoardRecorder(SessionListener):
                 self._complaint = str(error)
                 self._ui.warn(f"{error}. The game goes on without it.")
             return None
+
+    def _show_program(self, text: str | None) -> None:
+        if self._board is None:
+            return
+        self._spawn(partial(self._attempt, self._board.show_program, text))
+        if text is None:
+            self._report(help_since=None)
 
     def _spawn(self, work: Work) -> None:
         if self._board is not None:
@@ -368,6 +376,18 @@ def _has_board(level: Level) -> bool:
     from logical_robots_tui.world.levels.labyrinths import Daily
 
     return is_shipped(level) or Daily.parse(level.name) is not None
+
+
+def _standings(board: Board, level: Level) -> list[BoardStanding]:
+    from logical_robots_tui.game.run import level_digest
+
+    return board.standings(level_digest(level))
+
+
+def _ghosts(board: Board, level: Level) -> list[GhostEntry]:
+    from logical_robots_tui.game.run import level_digest
+
+    return board.ghosts(level_digest(level))
 
 
 def _add(board: Board, membership: BoardMembership, victory: _PendingEntry) -> None:

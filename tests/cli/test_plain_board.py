@@ -58,3 +58,12 @@ def test_another_name_keeps_what_is_shared_and_leaving_deletes_all(
     assert len(board.entries()) == 2
     assert "It has no entries of yours." in typed("ok", "board leave").success
     assert [entry.player for entry in board.entries()] == ["ben"]
+
+
+def test_a_program_is_shown_to_the_teacher_until_the_game_ends(typed: Ask, board: Board) -> None:
+    out = typed("ok", "teacher").success
+    assert "In this class the teacher sees which level you play" in out
+    assert "The teacher sees that you need help, and your program. Type teacher to end it." in out
+    assert board.shown_program("ada") is None
+    (activity,) = board.activities()
+    assert activity.help_since is None

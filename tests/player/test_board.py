@@ -63,6 +63,18 @@ async def test_the_first_victory_waits_until_a_name_is_chosen(tmp_path: Path) ->
         assert (replay.last, replay.has_programs) == (tick, False)
 
 
+async def test_victories_in_several_levels_wait_for_a_name(tmp_path: Path) -> None:
+    folder = tmp_path / "board"
+    async with listed(tmp_path, folder) as (at, listener):
+        await win(at)
+        source = load_program("open-space")
+        at.session.open_level(load_level("02-open-space"), {"": source}, source.text)
+        await at.apply(f"{source.text}\n# mine\n")
+        await win(at)
+        await listener.join(LISTED)
+        assert [entry.level for entry in Board(folder).entries()] == [LEVEL, "02-open-space"]
+
+
 async def test_whoever_stays_off_the_board_is_not_asked_again(tmp_path: Path) -> None:
     folder = tmp_path / "board"
     async with listed(tmp_path, folder) as (at, listener):
@@ -142,6 +154,11 @@ async def test_a_program_is_shown_to_whom_help_was_asked_of(tmp_path: Path) -> N
         await listener.ask_for_help("my text")
         await at.until(lambda: activity_in(folder).help_since)
         assert Board(folder).shown_program("ada") == "my text"
+        at.session.apply("Robot(")
+        at.session.run()
+        await at.until(lambda: at.session.state.phase == "mistake")
+        await at.ui.drain(skip="measure")
+        assert Board(folder).shown_program("ada") == "Robot("
         await at.apply(AHEAD)
         await at.until(lambda: Board(folder).shown_program("ada") == AHEAD)
         await listener.ask_for_help("my text")
@@ -168,6 +185,17 @@ async def test_a_game_that_was_killed_no_longer_asks_for_help(tmp_path: Path) ->
     async with listed(tmp_path, folder, is_class=True) as (at, _):
         await at.ui.drain(skip="measure")
         assert not activity_in(folder).asks_for_help
+
+
+async def test_a_program_of_a_game_that_was_killed_is_no_longer_shown(tmp_path: Path) -> None:
+    board = Board(tmp_path / "board", "ada")
+    board.create()
+    board.show_program("my text")
+    board.report(help_since="2026-01-01T00:00:00+00:00")
+    async with listed(tmp_path, tmp_path / "board", is_class=True) as (at, _):
+        await at.ui.drain(skip="measure")
+        assert board.shown_program("ada") is None
+        assert not activity_in(tmp_path / "board").help_since
 
 
 async def test_outside_a_class_nobody_is_watched(tmp_path: Path) -> None:
