@@ -61,7 +61,7 @@ def histograms(standings: Sequence[BoardStanding], bins: int) -> Iterator[Histog
 
 
 def _bin(value: float, low: float, width: float, bins: int) -> int:
-    return min(int((value - low) / width), bins - 1)
+    return int(min((value - low) / width, bins - 1))
 
 
 def name_of(standing: BoardStanding) -> str:

@@ -4,10 +4,13 @@ A pane is alone on its screen where others would take room from it, so that a ch
 no picture of another. ``pytest --update-snapshots tests/snapshots`` accepts what is shown now.
 """
 
+import random
+
 import pyte
 import pytest
 from textual.widget import Widget
 
+from logical_robots_tui.progress.board import BoardStanding
 from logical_robots_tui.tui.layout.command_bar import CommandBar, PaneTabs
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -47,6 +50,23 @@ async def test_the_main_screen_and_each_pane(show: Show) -> None:
         await shown.compare(f"map-tick-{STEPS}", shown.game.main.labyrinth)
         await shown.game.press("3", "home")
         await shown.compare(f"inspector-tick-{STEPS}", shown.game.main.inspector)
+
+
+async def test_the_results_of_a_level_on_a_board(show: Show) -> None:
+    async with show((80, 24)) as shown:
+        chance = random.Random(59)
+        shown.game.main.player.board.standings = [
+            BoardStanding(
+                None if player % 3 else f"Player {player}",
+                player == 9,
+                round(chance.gauss(300, 40)),
+                chance.randint(20, 90),
+                chance.gauss(500, 90),
+            )
+            for player in range(60)
+        ]
+        await shown.game.press("m")
+        await shown.compare("results", shown.game.app.screen.query_one("#box"))
 
 
 async def test_large_panes(show: Show) -> None:

@@ -159,6 +159,7 @@ class MainScreen(Screen[None], SessionListener):
             program,
             self.replays.open_with_level,
             self.ghost.race,
+            drawing=lambda: view.drawing,
         )
         self.search = TickSearch(
             session,

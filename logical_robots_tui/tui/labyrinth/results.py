@@ -35,12 +35,12 @@ _LABEL = 11
 
 
 def results_lines(
-    recorder: ProgressRecorder, seconds: int = 0, standings: Sequence[BoardStanding] = ()
+    recorder: ProgressRecorder, seconds: int = 0, histogram: Sequence[Content] = ()
 ) -> list[Content]:
     """Return lines of equal width: victory, bests (new ones marked), solution, scales, trial.
 
     If several programs won together, the last one alone is measured, from the start. `seconds`
-    have passed since the trial's last step. `standings` of a board take the place of scales.
+    have passed since the trial's last step. The `histogram` of a board takes the place of scales.
     """
     references, bests = recorder.references.values(), recorder.record.bests
     rows = [_row("", _TITLES, INK.dim)]
@@ -50,7 +50,7 @@ def results_lines(
     rows.append(_row("your best", _numbers(bests), INK.text))
     if references:
         rows.append(_row("reference", _numbers(next(iter(references))), INK.dim))
-    rows += histogram_lines(standings) if standings else scale_lines(references, bests)
+    rows += histogram or scale_lines(references, bests)
     if recorder.trial is not None:
         trial = recorder.trial
         doing = f"tried: {trial.tried} of {trial.of_all}"
@@ -83,13 +83,19 @@ def scale_lines(references: Iterable[Measures], bests: Bests) -> Iterator[Conten
             yield _scale(title, scale_values, None if best is None else round(best))
 
 
-_LEVELS = "▁▂▃▄▅▆▇█"
+_LEVELS, _PLAIN_LEVELS = "▁▂▃▄▅▆▇█", "_.-:=+*#"
 _BINS = 17
-_NAME = 10  # characters of who is first
+_NAME = 10  # columns of who is first
 
 
-def histogram_lines(standings: Sequence[BoardStanding]) -> Iterator[Content]:
-    """Yield a line for each measure: how many have how much, one's own mark and rank, the first."""
+def histogram_lines(
+    standings: Sequence[BoardStanding], *, plain: bool = False
+) -> Iterator[Content]:
+    """Yield a line for each measure: how many have how much, one's own mark and rank, the first.
+
+    `plain` means ASCII only.
+    """
+    levels, empty = (_PLAIN_LEVELS, " ") if plain else (_LEVELS, "─")
     for histogram in histograms(standings, _BINS):
         line = Content.styled(f"{histogram.measure:<{_LABEL}}", INK.dim)
         highest = max(histogram.counts)
@@ -97,14 +103,15 @@ def histogram_lines(standings: Sequence[BoardStanding]) -> Iterator[Content]:
             if index == histogram.bin:
                 line = line.append(_ink(_MINE))
             elif count:
-                level = _LEVELS[-(-count * (len(_LEVELS) - 1) // highest)]
+                level = levels[-(-count * (len(levels) - 1) // highest)]
                 line = line.append(Content.styled(level, INK.text))
             else:
-                line = line.append(_ink("─"))
-        leader = clip(one_line(histogram.leader), _NAME)
-        rank = f"{histogram.rank} of {histogram.players}"
+                line = line.append(Content.styled(empty, INK.faint))
+        leader = Content(one_line(histogram.leader)).truncate(_NAME, ellipsis=True)
+        players = f"{histogram.players:,}"
+        rank = f"{histogram.rank:,} of {players}" if histogram.rank else f"{players} won"
         line = line.append(Content.styled(f"  {rank:<11}", f"bold {INK.key}"))
-        yield line.append(Content.styled(f"best {histogram.best:,.0f} {leader}", INK.dim))
+        yield line.append(Content.styled(f"best {histogram.best:,.0f} {leader.plain}", INK.dim))
 
 
 def _scale(title: str, references: list[int], best: int | None) -> Content:
@@ -215,7 +222,7 @@ class ResultsDialog(QuestionDialog):
         picture: The start of what comes next.
         noticing: Seconds before there are answers.
         explains: Whether a last line says what the signs mean.
-        standings: Returns those of the board, if there is one.
+        histogram: Returns its lines, if there is a board.
     """
 
     DEFAULT_CSS = """
@@ -238,7 +245,7 @@ class ResultsDialog(QuestionDialog):
         story: str = "",
         picture: Cells | None = None,
         explains: bool = True,
-        standings: Callable[[], Sequence[BoardStanding]] = tuple,
+        histogram: Callable[[], Sequence[Content]] = tuple,
     ) -> None:
         keyed = [
             (name, f"{label}  {command(name).key_name}" if command(name).keys else label)
@@ -248,7 +255,7 @@ class ResultsDialog(QuestionDialog):
         self._recorder, self._headline, self._seed = recorder, headline, seed
         self._note, self._story = with_keys(note), story
         self._picture, self._explains = picture, explains
-        self._trial, self._seconds, self._standings = recorder.trial, 0, standings
+        self._trial, self._seconds, self._histogram = recorder.trial, 0, histogram
         self._rows = self._table()
         self._parts = [Static(id=name) for name in ("said", "goals", "table")]
 
@@ -286,7 +293,7 @@ class ResultsDialog(QuestionDialog):
         if challenge is not None:
             place = recorder.goals.index(challenge)
             goals[place] = goals[place].append(Content.styled(_CHALLENGE, INK.record))
-        rows = [*results_lines(recorder, self._seconds, self._standings()), *goals]
+        rows = [*results_lines(recorder, self._seconds, self._histogram()), *goals]
         if recorder.latest is not None:
             return rows
         return [*(Content.styled(line, INK.warn) for line in wrap(self._note, STORY_WIDTH)), *rows]

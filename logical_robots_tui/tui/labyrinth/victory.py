@@ -60,7 +60,7 @@ class VictoryAnnouncer(SessionListener):
         look: How pictures are drawn now, or None where there is no room for one.
         following: Finds the name of the next level, if there is one.
         run: Runs a command.
-        board: Has the standings, and asks how to be on the board.
+        board: Draws the histogram, and asks how to be on the board.
     """
 
     session: Session
@@ -143,8 +143,8 @@ class VictoryAnnouncer(SessionListener):
         from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 
         answers = [("solution", "References"), ("versions", "Versions"), ("results", "Close")]
-        standings = self.board.standings
-        self._results = ResultsDialog(self.recorder, "", answers, standings=standings)
+        histogram = self.board.histogram
+        self._results = ResultsDialog(self.recorder, "", answers, histogram=histogram)
         self.ui.show(self._results, self._obey)
 
     def _announce(self) -> None:
@@ -187,7 +187,7 @@ class VictoryAnnouncer(SessionListener):
             story=story,
             picture=picture,
             explains=not self._has_explained,
-            standings=self.board.standings,
+            histogram=self.board.histogram,
         )
         self._has_explained = True
         answer = await self.offers.put(self._results)

@@ -101,10 +101,10 @@ class GhostPicker(Picker[GhostEntry, GhostEntry]):
     keys = "enter race   ↑↓ choose   esc close"
 
     def line(self, entry: GhostEntry) -> Content:
-        name = clip(one_line(entry.name or ANONYMOUS), _NAME)
+        name = Content.styled(one_line(entry.name or ANONYMOUS), INK.text)
         return Content.assemble(
-            (f"{name:<{_NAME}}  ", INK.text),
-            (f"{count_of(entry.ticks, 'tick'):>12}  size {entry.size:,}", INK.dim),
+            name.truncate(_NAME, ellipsis=True, pad=True),
+            (f"  {count_of(entry.ticks, 'tick'):>12}  size {entry.size:,}", INK.dim),
         )
 
 

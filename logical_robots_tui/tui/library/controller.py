@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,18 +12,19 @@ from logical_robots_tui.game import ProgramSource
 from logical_robots_tui.player.board import NO_BOARD, NO_CLASS
 from logical_robots_tui.player.standings import ANONYMOUS
 from logical_robots_tui.tui.commands.keymap import with_keys
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
+    from textual.content import Content
+
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.player.board import BoardRecorder
     from logical_robots_tui.player.library import Library
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.player.session_state import ProgramText
-    from logical_robots_tui.progress.board import BoardStanding
     from logical_robots_tui.tui.app.ui import Dialogs
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 
 
 @dataclass(eq=False)
@@ -94,10 +95,14 @@ class BoardController:
     program: ProgramText
     open_replay: Callable[[Replay], Awaitable[None]]
     race: Callable[[Replay, str], Awaitable[None]]
+    drawing: Callable[[], Drawing]
 
-    def standings(self) -> Sequence[BoardStanding]:
-        """Return the bests of all who won the level at hand; empty before one has won it."""
-        return self.board.standings
+    def histogram(self) -> list[Content]:
+        """Return lines about all who won the level at hand; empty before the player has won it."""
+        from logical_robots_tui.tui.labyrinth.results import histogram_lines
+
+        plain = self.drawing() is Drawing.ASCII
+        return list(histogram_lines(self.board.standings, plain=plain))
 
     async def join(self) -> None:
         """Ask how to be on the board."""

@@ -199,7 +199,8 @@ class LevelScreen(Dialog["Level | Wish"]):
                 bests, standings = card.record.bests, self._standings.get(card.name)
                 scales = scale_lines(references_for(card.level).values(), bests)
                 if standings:
-                    scales = histogram_lines(standings)
+                    plain = self._drawing is Drawing.ASCII
+                    scales = histogram_lines(standings, plain=plain)
                 elif standings is None and card.record.state == "won":
                     self._standings[card.name] = ()
                     read = partial(self._read_standings, card.name, card.level)

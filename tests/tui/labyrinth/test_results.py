@@ -3,15 +3,24 @@
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from rich.cells import cell_len
 
 from logical_robots_tui.game.victory import references_for
 from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.progress import FILE_NAME, Bests, Measures, Progress
-from logical_robots_tui.tui.labyrinth.results import ResultsDialog, goal_lines, scale_lines
+from logical_robots_tui.progress.board import BoardStanding
+from logical_robots_tui.tui.labyrinth.results import (
+    ResultsDialog,
+    goal_lines,
+    histogram_lines,
+    scale_lines,
+)
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import list_levels, load_level
 from logical_robots_tui.world.level import SecondGoal
+from tests.player.test_standings import standings
 from tests.short import AHEAD
 from tests.tui.conftest import SHORT, Size, opened
 
@@ -44,6 +53,27 @@ def test_a_scale_goes_from_the_best_reference_to_the_worst_and_holds_ones_own_ma
     (_, size, _) = scale_lines([THREE[0]] * 3, Bests())
     assert size.plain == "size       ┼────────────────────  1"
     assert list(scale_lines([], Bests(1, 1, 1.0))) == []
+
+
+@given(standings(), st.booleans())
+def test_a_histogram_marks_ones_own_bin_and_fits_into_the_narrowest_dialog(
+    rows: list[BoardStanding], plain: bool
+) -> None:
+    has_won = any(row.is_me for row in rows)
+    for line in histogram_lines(rows, plain=plain):
+        assert line.cell_length <= 64
+        assert line.plain[11:28].count("●") == has_won
+        assert (f" of {len(rows)} " in line.plain[28:41]) == has_won
+        assert plain is not any(sign in line.plain[11:28] for sign in "▁▂▃▄▅▆▇█─")
+
+
+def test_a_histogram_names_who_is_first_and_whoever_is_off_the_board_has_no_rank() -> None:
+    rows = [BoardStanding("漢字" * 9, False, 50, 9, 9.0), BoardStanding(None, False, 90, 9, 9.0)]
+    ticks, size, _ = (line.plain for line in histogram_lines(rows))
+    assert ticks == "ticks      █───────────────█  2 won      best 50 漢字漢字 …"
+    assert size.endswith("best 9 漢字漢字 …")
+    (plain_ticks, *_) = histogram_lines(rows, plain=True)
+    assert plain_ticks.plain.startswith("ticks      #               #  2 won")
 
 
 def test_second_goals_are_ticked_when_they_are_reached() -> None:
