@@ -19,6 +19,7 @@ from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.toml_files import Given, TomlFile
 from logical_robots_tui.world import Level
+from logical_robots_tui.world.symmetry import has_equal_seats
 
 
 class TournamentTable(msgspec.Struct, frozen=True):
@@ -76,7 +77,11 @@ def plan_tournament(file: Given, players: Path) -> tuple[Manifest, dict[str, str
         (),
         players=tuple(contestants),
         teams=tuple(team.name for team in level.teams),
-        match=Cell(digest(text), "", level.name, "", ticks),
+        match=Cell(
+            digest(text),
+            *("", level.name, "", ticks),
+            parity=0 if has_equal_seats(level) else None,
+        ),
         most_rounds=most_rounds,
     )
     pairs = tuple(combinations(range(count), 2))
@@ -124,6 +129,8 @@ def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifes
         opponents = [players[index] for index in pair]
         if any(player.lost for player in opponents):
             continue
+        # Between equal seats players change them from start to start; programs decide who begins.
+        opponents.sort(key=lambda player: player.program)
         for shift in (0, 1):
             lineup = [opponents[(seat + shift) % 2] for seat in range(len(manifest.teams))]
             names = (player.name for player in lineup)
@@ -133,6 +140,7 @@ def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifes
                     program_name=f"{lineup[0].name} against {lineup[1].name}",
                     settings=dict(zip(manifest.teams, names, strict=True)),
                     parts=tuple(player.program for player in lineup),
+                    parity=None if manifest.match.parity is None else shift,
                 )
             )
     rounds = (*manifest.rounds, tuple(pairs))

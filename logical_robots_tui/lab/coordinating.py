@@ -82,7 +82,7 @@ def split_starts(
         return [0], []
     done_starts: list[int] = []
     due_starts: list[int] = []
-    for start in manifest.all_starts:
+    for start in manifest.starts_of(cell):
         (done_starts if manifest.job(cell, start) in outcomes else due_starts).append(start)
     return done_starts, due_starts
 

@@ -71,7 +71,7 @@ class RunRecords:
         records = []
         for cell in manifest.cells if failures else ():
             cell = cell_to_run(manifest, cell, outcomes)
-            for start in manifest.all_starts:
+            for start in manifest.starts_of(cell):
                 job = manifest.job(cell, start)
                 if job in failures:
                     result = Result("infrastructure", first=(0, "", failures[job]))

@@ -63,7 +63,8 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
 
     `program` is the first of several that are the same but for space and comments, `own` the
     student's; a match has "" and, in the order of the teams, `parts`. `settings` are the values
-    of what is varied, by name; in a match the players by team.
+    of what is varied, by name; in a match the players by team, who play every start, or between
+    equal seats only the even or the odd ones: `parity` is 0 or 1.
     """
 
     level: Digest
@@ -75,6 +76,7 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
     student: str = ""
     own: Digest = ""
     parts: tuple[Digest, ...] = ()
+    parity: Literal[0, 1] | None = None
 
 
 class Student(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -156,9 +158,9 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     engine: dict[str, str] = {}
     format: int = _FORMAT
 
-    @property
-    def all_starts(self) -> tuple[int, ...]:
-        return 0, *range(self.first_start, self.first_start + self.starts)
+    def starts_of(self, cell: Cell) -> tuple[int, ...]:
+        starts = 0, *range(self.first_start, self.first_start + self.starts)
+        return tuple(start for start in starts if cell.parity in (None, start % 2))
 
     def label_of(self, cell: Cell) -> str:
         """Return whose program a cell runs where: ``Ada (1001): ada.l in 01-first-steps``."""

@@ -112,6 +112,8 @@ def ranking_of(records: RunRecords, *, resamples: int = RESAMPLES) -> Ranking:
         pair_names = (second, first) if is_swapped else (first, second)
         share = share_of_match(run.result, seats, pair_names[0])
         shares[int(is_swapped), pair_index[pair_names], run.start] = share
+    if manifest.match.parity is not None:  # each start has been played from one of the seats
+        shares = np.where(np.isnan(shares), shares[::-1], shares)
     return ranking_of_shares(names, pairs, shares.mean(axis=0), resamples=resamples)
 
 

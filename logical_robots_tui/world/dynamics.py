@@ -125,14 +125,14 @@ def push_out_at_once(mover: Mover, areas: Iterable[Area]) -> None:
 
     The order of the areas makes no difference; ignores walls.
     """
-    around = [area for area in areas if is_inside(mover, area)]
+    pushing_areas = [area for area in areas if is_inside(mover, area)]
     x, y = mover.x, mover.y
     pushes = []
-    for area in around:
+    for area in pushing_areas:
         mover.x, mover.y = x, y
         push_out(mover, [area])
         pushes.append((mover.x - x, mover.y - y))
-    if len(around) > 1:
+    if len(pushing_areas) > 1:
         mover.x, mover.y = x + math.fsum(p[0] for p in pushes), y + math.fsum(p[1] for p in pushes)
 
 

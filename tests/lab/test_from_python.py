@@ -140,4 +140,4 @@ def test_a_tournament_plays_all_its_rounds(tmp_path: Path) -> None:
     results = tournament(arena, players, tmp_path / "out", workers=1, progress=False)
     assert results.complete
     assert (results.tables, len(results.to_pandas())) == (("ranking", "pairs", "cycles", "runs"), 3)
-    assert results.done == 6
+    assert results.done == 3, "seats are equal there"

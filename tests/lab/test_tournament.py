@@ -94,6 +94,22 @@ def test_everybody_plays_everybody_from_both_seats_and_the_best_is_first(
     assert "fast" in told.split("rank  player")[1].splitlines()[1]
 
 
+def test_between_equal_seats_players_take_turns_from_start_to_start(
+    tmp_path: Path, command: Command
+) -> None:
+    arena, players = write_arena(tmp_path, {"ada": drives(1), "ben": drives(0.6)}, starts=3)
+    hill = tmp_path / "hill.toml"
+    text, _, _ = hill.read_text("utf-8").partition("[[beacons]]")
+    hill.write_text(text, "utf-8")
+    command("tournament", arena, players, "-o", tmp_path / "out")
+    seats = sorted((row["start"], row["red"]) for row in rows(tmp_path / "out" / "runs.csv"))
+    first, second = seats[0][1], seats[1][1]
+    assert {first, second} == {"ada", "ben"}
+    assert seats == [("0", first), ("1", second), ("2", first), ("3", second)]
+    (ada, _) = rows(tmp_path / "out" / "ranking.csv")
+    assert (ada["player"], ada["opponents"]) == ("ada", "1")
+
+
 def test_the_same_program_under_two_names_is_as_good_as_itself(played: tuple[Path, str]) -> None:
     pairs = rows(played[0] / "pairs.csv")
     shares = {(row["player"], row["opponent"]): row["share"] for row in pairs}
