@@ -44,9 +44,13 @@ class School:
         return Terminal(self.server.client("-t", *options, player=name), size=(80, 24))
 
     def ssh(
-        self, *options: str, words: tuple[str, ...] = (), typed: str = ""
+        self,
+        *options: str,
+        words: tuple[str, ...] = (),
+        typed: str = "",
+        player: str = NAMES[0],
     ) -> subprocess.CompletedProcess[str]:
-        return run_command([*self.server.client(*options, player=NAMES[0]), *words], input=typed)
+        return run_command([*self.server.client(*options, player=player), *words], input=typed)
 
     def scp(self, how: str, there: str, here: Path) -> subprocess.CompletedProcess[str]:
         *options, host = self.server.client(player=NAMES[0])[3:]
@@ -281,6 +285,45 @@ def test_from_behind_the_second_wall_there_is_no_way_out(wall: Path, tmp_path: P
     assert (players / NAMES[0] / "mine.l").read_text() == "x"
     assert secret.read_text() == "nobody's business"
     assert not (tmp_path / "touched").exists()
+
+
+@pytest.mark.slow
+def test_players_share_a_board_and_one_in_the_sandbox_reads_no_other_s_program(
+    wall: Path, installed: Installed, tmp_path: Path
+) -> None:
+    board, data = tmp_path / "srv-board", tmp_path / "srv"
+    board.mkdir()
+    play = (
+        f"{installed.command} play 01-first-steps mine --restricted "
+        f"--data-dir {data} --board {board} --class"
+    )
+    text = (CHECKOUT / "programs" / "first-steps.l").read_text("utf-8")
+    for number, (name, command) in enumerate(zip(NAMES, (f"{wall} {play}", play), strict=False)):
+        programs, folder = data / "players" / name / "programs", tmp_path / f"sshd-{number}"
+        programs.mkdir(parents=True)
+        folder.mkdir()
+        (programs / "mine.l").write_text(f"{text}\n# of {name}\n", "utf-8")
+        with walled(folder, command) as server:
+            school = School(server, data)
+            done = school.ssh(words=("plain",), typed=f"run\nboard {name}\nquit\n", player=name)
+            assert (done.returncode, done.stderr) == (0, "")
+            assert f"You are on the board as {name}." in done.stdout
+
+    shown = run_command([str(installed.command), "board", "show", str(board)]).stdout
+    assert all(name in shown for name in NAMES[:2])
+    done = run_command([str(installed.command), "board", "check", str(board)])
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "2 confirmed")
+
+    theirs, folder = board / "programs" / NAMES[1], tmp_path / "sshd"
+    folder.mkdir()
+    (secret,) = theirs.glob("*.l")
+    tries = f"ls {board}/programs; cat {secret}; touch {board}/programs/x; echo x >> {board}/x"
+    with walled(folder, f"{wall} sh -c '{tries}'") as server:
+        done = School(server, data).ssh()
+    assert done.stdout.split() == [NAMES[0]]
+    assert done.stderr.count("No such file") == 1
+    assert done.stderr.count("Read-only file system") == 1
+    assert (board / "x").exists()
 
 
 def words_of(name: str) -> list[str]:
