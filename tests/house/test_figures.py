@@ -7,7 +7,7 @@ from tests.installed import CHECKOUT
 
 MOST_VAGUE = 31
 MOST_AMBIGUOUS = 3
-MOST_LINES = 73_200
+MOST_LINES = 73_300
 MOST_LINES_OF_A_MODULE = 600
 MOST_MODULES = 20  # in a room, besides `__init__`
 LEAST_BODY = 7.3  # lines of a function, in the mean: shorter ones are hops
