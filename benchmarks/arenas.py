@@ -68,7 +68,6 @@ def arenas(effort: Effort) -> Iterator[Measurement]:
     good = [match for match in matches if half.issuperset(match.players)]
     changed = 100 * mean(match.has_new_leader for match in good)
     subject = f"{len(good)} matches of the upper half: the leader changes"
-    # Before areas took turns, a third of that.
     yield summed_up("arenas", subject, "%", [changed], target=at_least(51))
 
 
