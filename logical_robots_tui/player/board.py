@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Superseded
@@ -59,11 +60,12 @@ def board_name(text: str) -> str | None:
     return None if name.casefold() in ("", ANONYMOUS) else name
 
 
-class _PendingEntry(NamedTuple):
+@dataclass(slots=True)
+class _PendingEntry:
     level: Level
     text: str
     measures: Measures
-    ghost: Replay | None
+    ghost: Replay | None = None
 
 
 class BoardRecorder(SessionListener):
@@ -292,15 +294,17 @@ class BoardRecorder(SessionListener):
             self.membership = await self._attempt(self._board.membership)
         if self.membership is not None and not self.membership.is_listed:
             return
-        entry = _PendingEntry(
-            victory.level, victory.program.text, measures, await self._replay(victory)
-        )
+        entry = _PendingEntry(victory.level, victory.program.text, measures)
         if self.membership is None:
             self._pending.append(entry)
             self._on_change()
         else:
             await self._add(entry)
             await self._load(victory.level)
+        if self.membership is None or self.membership.shares:
+            entry.ghost = await self._replay(victory)  # takes long, so the entry does not wait
+        if entry.ghost is not None and self.membership is not None and self.membership.shares:
+            await self._add(entry)
 
     async def _replay(self, victory: Victory) -> Replay | None:
         from logical_robots_tui.editing.level_text import write_native

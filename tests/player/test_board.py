@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -83,6 +85,27 @@ async def test_whoever_stays_off_the_board_is_not_asked_again(tmp_path: Path) ->
         await win(at)
         assert not listener.must_ask
         assert Board(folder).entries() == []
+
+
+async def test_a_victory_is_entered_before_its_run_and_never_on_the_event_loop(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, ghosts, add = tmp_path / "board", list[bool](), Board.add
+
+    def watched_add(board: Board, *entry: Any) -> None:
+        assert threading.current_thread() is not threading.main_thread()
+        ghosts.append(entry[-1] is not None)
+        add(board, *entry)
+
+    monkeypatch.setattr(Board, "add", watched_add)
+    async with listed(tmp_path, folder) as (at, listener):
+        await listener.join(LISTED)
+        await win(at)
+        assert ghosts == [False, True]
+        await listener.join(LISTED._replace(shares=False))
+        await win(at)
+        assert ghosts == [False, True, False]
+        assert len(Board(folder).entries()) == 1
 
 
 async def test_standings_are_empty_before_a_victory(tmp_path: Path) -> None:
