@@ -32,7 +32,7 @@ from logical_robots_tui.game.verification import (
     play_again,
 )
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.progress.board import Board, BoardEntry, MissingProgramError
+from logical_robots_tui.progress.board import Board, BoardEntry, MissingProgramError, shown_name
 from logical_robots_tui.progress.class_view import HEADINGS, Pupil, pupils
 from logical_robots_tui.world import Level
 
@@ -124,7 +124,7 @@ def _table(entries: list[_RankedEntry]) -> str:
         *(
             (
                 "" if entry.rank is None else str(entry.rank),
-                "anonymous" if entry.name is None else entry.name,
+                shown_name(entry.name),
                 *(f"{number:,.0f}" for number in (entry.ticks, entry.size, entry.distance)),
                 entry.won[:10],
                 f"struck: {entry.struck}" if entry.struck else entry.state,
@@ -221,8 +221,7 @@ def _check(options: argparse.Namespace) -> int:
             }
         )
         if not options.json:
-            name = "anonymous" if entry.name is None else entry.name
-            line = f"{entry.level:24}  {name:16}  {entry.ticks:6}  {verdict}"
+            line = f"{entry.level:24}  {shown_name(entry.name):16}  {entry.ticks:6}  {verdict}"
             print(harmless(f"{line}: {reason}" if reason else line), flush=True)
     counts = Counter(result["verdict"] for result in results)
     is_confirmed = not counts["struck"] and not counts["undecided"]

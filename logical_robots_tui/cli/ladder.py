@@ -80,21 +80,21 @@ def _rank(
     board: Board, standings: Ladder, folder: Path, programs: Mapping[str, str], workers: int
 ) -> None:
     """Play what has not been played yet, and record ranks and matches."""
-    from logical_robots_tui.progress.board import program_digest
-    from logical_robots_tui.progress.ladder import HOUSE
+    from logical_robots_tui.progress.ladder import HOUSE, LadderRank
+    from logical_robots_tui.progress.store import program_digest
 
     level = load_level(standings.arena)
     texts = {HOUSE: shipped_texts()[level.starter]}
-    missing = dict[str, str]()
+    missing = dict[str, LadderRank]()
     for player, digest in programs.items():
         if player != HOUSE:
             try:
                 texts[player] = board.program(player, digest)
             except InputError as error:
-                missing[player] = error.message
+                missing[player] = LadderRank(problem=error.message)
     ranks, pairs = _play(level, folder, texts, workers) if len(texts) > 1 else ({}, [])
     digests = {player: program_digest(text) for player, text in texts.items()}
-    standings.rank({**digests, **programs}, ranks | {p: _unranked(missing[p]) for p in missing})
+    standings.rank({**digests, **programs}, ranks | missing)
     existing = standings.matches()
     replays = {}
     for upper, lower in pairs:
@@ -105,12 +105,6 @@ def _rank(
                 replays[upper, lower] = both, content
     standings.keep_matches(pairs, replays)
     print(harmless(f"{level.title}: {count_of(len(ranks), 'program')} ranked."), flush=True)
-
-
-def _unranked(problem: str) -> LadderRank:
-    from logical_robots_tui.progress.ladder import LadderRank
-
-    return LadderRank("", 0.0, 0.0, 0.0, 0.0, problem)
 
 
 def _play(

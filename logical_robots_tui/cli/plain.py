@@ -23,7 +23,7 @@ from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.player.opening import LocalPlayer, Opening
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session_state import SessionListener
-from logical_robots_tui.player.standings import ANONYMOUS, standing_rows
+from logical_robots_tui.player.standings import standing_rows
 from logical_robots_tui.player.surroundings import surroundings
 from logical_robots_tui.world import Level, list_shipped, load_level
 
@@ -386,7 +386,7 @@ class LineGame(SessionListener):
         say(*(f"{name}: {brief(measures)}" for name, measures in references))
 
     async def board(self, name: str) -> None:
-        from logical_robots_tui.progress.board import BoardMembership
+        from logical_robots_tui.progress.board import BoardMembership, shown_name
 
         board = self.player.board
         if not board.is_on:
@@ -399,7 +399,7 @@ class LineGame(SessionListener):
             shares = board.membership is not None and board.membership.shares
             membership = BoardMembership(True, board_name(name), shares)
             await board.join(membership)
-            say(f"You are on the board as {membership.name or ANONYMOUS}.")
+            say(f"You are on the board as {shown_name(membership.name)}.")
         elif board.standings:
             say(*columns(standing_rows(board.standings)))
         else:

@@ -14,7 +14,6 @@ from logical_robots_tui.game import Superseded
 from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import is_shipped, level_key
 from logical_robots_tui.player.session_state import SessionListener, Ui, Work
-from logical_robots_tui.player.standings import ANONYMOUS
 from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import list_arenas, load_level
 from logical_robots_tui.world.level import alike
@@ -52,6 +51,8 @@ _HEARTBEAT = 60.0  # seconds between reports while nothing happens
 
 def board_name(text: str) -> str | None:
     """Return the name that a player wrote, None for anonymous; raise InputError if it is none."""
+    from logical_robots_tui.progress.board import ANONYMOUS
+
     name = " ".join(text.split())
     if not name.isprintable():
         raise InputError("A name has only letters, digits and signs.")
@@ -121,9 +122,8 @@ class BoardRecorder(SessionListener):
         self._runs, self._is_new_run = 0, True
         self._spawn(partial(self._load, level))
         self._report(level=level.name, since=timestamp(), runs=0, trouble="", is_open=True)
-        if self.is_class and not self.asks_for_help:  # a game that was killed may have
-            self._show_program(None)
         if self.is_class and self._board is not None and self._heartbeat is None:
+            self._show_program(None)  # a game that was killed may have shown one
             self._beat()
 
     def restarted(self) -> None:
@@ -179,7 +179,7 @@ class BoardRecorder(SessionListener):
         if self._heartbeat is not None:
             self._heartbeat.cancel()
         if self.is_class and self._board is not None:
-            self._report(is_open=False, help_since=None)
+            self._activity |= {"is_open": False, "help_since": None}
             self._is_closed = True
             if self.asks_for_help:
                 await self._attempt(self._board.show_program, None)
@@ -220,7 +220,7 @@ class BoardRecorder(SessionListener):
         """Return the bests of all who won a level; empty without a board that can be read."""
         if self._board is None or not _has_board(level):
             return ()
-        return await self._attempt(_standings, self._board, level) or ()
+        return await self._attempt(_of_level, self._board.standings, level) or ()
 
     async def ghosts(self) -> Sequence[GhostEntry]:
         """Return whom the player may race in the level at hand, or raise InputError."""
@@ -229,7 +229,7 @@ class BoardRecorder(SessionListener):
             raise InputError(NO_BOARD)
         if self._recorder.record.state != "won":
             raise InputError(f"Win {level.title} first; then you can race others.")
-        return await asyncio.to_thread(_ghosts, self._board, level)
+        return await asyncio.to_thread(_of_level, self._board.ghosts, level)
 
     async def ghost(self, entry: GhostEntry) -> Replay:
         """Return the run of an entry, or raise InputError."""
@@ -382,16 +382,10 @@ def _has_board(level: Level) -> bool:
     return is_shipped(level) or Daily.parse(level.name) is not None
 
 
-def _standings(board: Board, level: Level) -> list[BoardStanding]:
+def _of_level(query: Callable[[str], list[T]], level: Level) -> list[T]:
     from logical_robots_tui.game.run import level_digest
 
-    return board.standings(level_digest(level))
-
-
-def _ghosts(board: Board, level: Level) -> list[GhostEntry]:
-    from logical_robots_tui.game.run import level_digest
-
-    return board.ghosts(level_digest(level))
+    return query(level_digest(level))
 
 
 def _add(board: Board, membership: BoardMembership, victory: _PendingEntry) -> None:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    from logical_robots_tui.progress.board import BoardStanding
+from logical_robots_tui.progress.board import ANONYMOUS, BoardStanding, shown_name
 
-ANONYMOUS = "anonymous"
 MEASURES = ("ticks", "size", "distance")
 _INLIERS = 0.95  # share of the players whose values the bins before the last are for
 
@@ -49,7 +47,7 @@ def histograms(standings: Sequence[BoardStanding], bins: int) -> Iterator[Histog
         for value in values:
             counts[_bin(value, low, width, bins)] += 1
         own_value = next((v for v, s in zip(values, standings, strict=True) if s.is_me), None)
-        leaders = (name_of(s) for v, s in zip(values, standings, strict=True) if v == low)
+        leaders = (shown_name(s.name) for v, s in zip(values, standings, strict=True) if v == low)
         yield Histogram(
             measure,
             tuple(counts),
@@ -64,15 +62,12 @@ def _bin(value: float, low: float, width: float, bins: int) -> int:
     return int(min((value - low) / width, bins - 1))
 
 
-def name_of(standing: BoardStanding) -> str:
-    return ANONYMOUS if standing.name is None else standing.name
-
-
 def standing_rows(standings: Sequence[BoardStanding]) -> list[tuple[str, ...]]:
     """Return a table with a head, by ticks; one's own row is marked."""
     rows: list[tuple[str, ...]] = [("", "rank", "player", *MEASURES)]
     for standing in standings:
         rank = 1 + sum(rival.ticks < standing.ticks for rival in standings)
         numbers = (f"{standing.ticks:,}", f"{standing.size:,}", f"{standing.distance:,.0f}")
-        rows.append(("you" if standing.is_me else "", str(rank), name_of(standing), *numbers))
+        mark = "you" if standing.is_me else ""
+        rows.append((mark, str(rank), shown_name(standing.name), *numbers))
     return rows

@@ -6,7 +6,6 @@ those of others.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import sqlite3
 import time
@@ -28,6 +27,7 @@ from logical_robots_tui.progress.store import (
     Schema,
     error_code,
     prepare,
+    program_digest,
 )
 
 FILE_NAME = "board.sqlite"
@@ -154,6 +154,13 @@ FROM entry JOIN player USING (player)
 WHERE level_digest = :level_digest AND struck IS NULL
 GROUP BY player ORDER BY 3, 4, 5
 """
+
+
+ANONYMOUS = "anonymous"
+
+
+def shown_name(name: str | None) -> str:
+    return ANONYMOUS if name is None else name
 
 
 class BoardMembership(NamedTuple):
@@ -376,7 +383,7 @@ class Board:
         return text
 
     def report(self, **values: object) -> None:
-        """Record what the player does: columns of `Activity`; a new level begins a new row."""
+        """Record what the player does: columns of `Activity`; others keep what they have."""
         names = ["player", "last_seen", *values]
         columns, parameters = ", ".join(names), ", ".join(f":{name}" for name in names)
         changes = ", ".join(f"{name} = excluded.{name}" for name in names)
@@ -500,10 +507,6 @@ class Board:
 
     def _unusable(self, reason: str) -> InputError:
         return InputError(f"can't be used: {reason}", place=f"The board {self.file}")
-
-
-def program_digest(text: str) -> str:
-    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
 
 
 def timestamp(shift: timedelta = timedelta()) -> str:

@@ -6,20 +6,24 @@ import sqlite3
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from logical_robots_tui.progress.board import Board, program_digest
+from logical_robots_tui.progress.board import Board, shown_name
+from logical_robots_tui.progress.store import program_digest
 
 HOUSE = "_sparring"
 """The sparring partner, who plays in each ladder; no player can have this name."""
 
 
 class LadderRank(NamedTuple):
-    """Whom a program beats: share of the points from 0 to 1 with its 95% interval, and strength."""
+    """Whom a program beats: share of the points from 0 to 1 with its 95% interval, and strength.
 
-    rank: str
-    share: float
-    low: float
-    high: float
-    strength: float
+    One with a problem has no rank.
+    """
+
+    rank: str = ""
+    share: float = 0.0
+    low: float = 0.0
+    high: float = 0.0
+    strength: float = 0.0
     problem: str = ""
 
 
@@ -34,7 +38,7 @@ class Challenger(NamedTuple):
 
     @property
     def label(self) -> str:
-        return "sparring partner" if self.player == HOUSE else self.name or "anonymous"
+        return "sparring partner" if self.player == HOUSE else shown_name(self.name)
 
     @property
     def remark(self) -> str:

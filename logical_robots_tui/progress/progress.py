@@ -6,7 +6,15 @@ import sqlite3
 from datetime import UTC, datetime
 from typing import Any
 
-from logical_robots_tui.progress.store import Bests, LevelRecord, Measures, State, Store, Version
+from logical_robots_tui.progress.store import (
+    Bests,
+    LevelRecord,
+    Measures,
+    State,
+    Store,
+    Version,
+    program_digest,
+)
 
 FILE_NAME = "progress.sqlite"
 
@@ -123,7 +131,7 @@ class Progress(Store):
 
         def write_victory(connection: sqlite3.Connection) -> None:
             _keep(connection, level, text)
-            key = {"level": level, "digest": _digest(text)}
+            key = {"level": level, "digest": program_digest(text)}
             for statement in _WIN:
                 connection.execute(statement, {**key, "time": _timestamp()})
             if measures is not None:
@@ -169,12 +177,14 @@ class Progress(Store):
             "SELECT ticks, size, distance, wins, starts, goals FROM version "
             "WHERE level = ? AND digest = ?",
             _encodable(level),
-            _digest(text),
+            program_digest(text),
         )
         return _measures(*rows[0]) if rows else None
 
     def holds(self, text: str) -> bool:
-        return bool(self._rows("SELECT 1 FROM version WHERE digest = ? LIMIT 1", _digest(text)))
+        return bool(
+            self._rows("SELECT 1 FROM version WHERE digest = ? LIMIT 1", program_digest(text))
+        )
 
     def fact(self, name: str) -> str | None:
         return self._value("SELECT value FROM fact WHERE name = ?", name)
@@ -198,7 +208,7 @@ def _keep(connection: sqlite3.Connection, level: str, *texts: str) -> None:
     for text in texts:
         values = {
             "level": level,
-            "digest": _digest(text),
+            "digest": program_digest(text),
             "text": _encodable(text),
             "time": _timestamp(),
             "most": MOST_VERSIONS,
@@ -226,9 +236,3 @@ def _timestamp() -> str:
 def _encodable(text: str) -> str:
     """Return the text with lone surrogates, as in paths, replaced; SQLite can't store them."""
     return text.encode("utf-8", "replace").decode()
-
-
-def _digest(text: str) -> str:
-    import hashlib  # takes time that the first picture needs
-
-    return hashlib.sha256(_encodable(text).encode()).hexdigest()

@@ -468,6 +468,12 @@ def _is_sound(file: Path) -> bool:
     return True
 
 
+def program_digest(text: str) -> str:
+    import hashlib  # takes time that the first picture needs
+
+    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+
+
 def error_code(error: sqlite3.Error) -> int:
     return getattr(error, "sqlite_errorcode", 0) & 0xFF
 

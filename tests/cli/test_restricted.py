@@ -14,12 +14,15 @@ from logical_robots_tui.confinement import MOST_DEPTH, MOST_FILES
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.drafts import release
 from logical_robots_tui.player.recovery import MOST_GAMES, OpenGames
+from tests.attempts import ATTEMPT
 from tests.cli.running import Command, Told
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE, until
 from tests.web import WEB_DRIVER
 
-ATTEMPTS = """\
+ATTEMPTS = (
+    ATTEMPT
+    + """\
 import ctypes, io, json, os, pathlib, shutil, socket, sqlite3, subprocess, sys
 from logical_robots_tui.cli.play import restrict
 
@@ -28,14 +31,6 @@ own.mkdir(parents=True, exist_ok=True)
 (own / "link.l").symlink_to(secret)
 (own / "folder").symlink_to(neighbour)
 restrict(own)
-found = {}
-def attempt(name, work):
-    try:
-        work()
-        found[name] = "done"
-    except Exception as error:
-        found[name] = type(error).__name__
-
 attempt("read", lambda: secret.read_text())
 attempt("read by link", lambda: (own / "link.l").read_text())
 attempt("read around a corner", lambda: open(f"{own}/../../{secret.name}"))
@@ -117,6 +112,7 @@ attempt("a level", lambda: load_level(list_levels()[0]))
 attempt("compile", lambda: Program.compile(load_program("first-steps").text))
 print(json.dumps(found))
 """
+)
 
 ALLOWED = {
     *("save", "own file", "own file read", "own folder", "own database", "database in memory"),

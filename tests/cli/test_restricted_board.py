@@ -3,9 +3,12 @@
 import sys
 from pathlib import Path
 
+from tests.attempts import ATTEMPT
 from tests.cli.test_restricted import finished
 
-AT_THE_BOARD = """\
+AT_THE_BOARD = (
+    ATTEMPT
+    + """\
 import json, pathlib, sys
 from logical_robots_tui.cli.play import restrict
 from logical_robots_tui.game.source import load_program
@@ -20,14 +23,6 @@ for board in ben, ada:
     board.join(BoardMembership(True))
     board.add("level", "digest", "engine", f"text of {board.player}", Measures(1, 1, 1.0))
 restrict(own, ada.places)
-found = {}
-def attempt(name, work):
-    try:
-        work()
-        found[name] = "done"
-    except Exception as error:
-        found[name] = type(error).__name__
-
 attempt("win", lambda: ada.add("level", "digest", "engine", "other", Measures(0, 2, 1.0)))
 attempt("standings", lambda: ada.standings("digest"))
 attempt("hand in", lambda: Ladder(ada, "arena").hand_in("text"))
@@ -42,6 +37,7 @@ attempt("open a program of the board", lambda: load_program(ada.places[1] / "min
 attempt("write beside the board", lambda: (folder / "mine.l").write_text(""))
 print(json.dumps(found))
 """
+)
 
 
 def test_a_restricted_game_uses_the_board_and_reaches_no_program_of_others(tmp_path: Path) -> None:

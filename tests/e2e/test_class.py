@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.attempts import ATTEMPT
 from tests.crowd import Crowd
 from tests.installed import CHECKOUT, Installed
 from tests.processes import run_command
@@ -170,16 +171,11 @@ def test_a_class_plays_at_once(count: int, installed: Installed, tmp_path: Path)
         assert len(crowd.key_milliseconds(2 * len(names))) == 2 * len(names)
 
 
-BREAKS_OUT = """\
+BREAKS_OUT = (
+    ATTEMPT
+    + """\
 import fcntl, json, os, pathlib, pty, socket, subprocess, sys, termios
 port, outside, neighbour, own = int(sys.argv[1]), *map(pathlib.Path, sys.argv[2:])
-found = {}
-def attempt(name, work):
-    try:
-        work()
-        found[name] = "done"
-    except Exception as error:
-        found[name] = type(error).__name__
 attempt("call", lambda: socket.create_connection(("127.0.0.1", port), 5))
 attempt("write", lambda: (outside / "touched").write_text("x"))
 attempt("fill memory", lambda: pathlib.Path("/dev/shm/x").write_text("x"))
@@ -207,6 +203,7 @@ attempt("own file", lambda: (own / "mine.l").write_text("x"))
 found["processes"] = sum(name.isdecimal() for name in os.listdir("/proc")) < 90
 print(json.dumps(found))
 """
+)
 
 
 def has_walls() -> str:

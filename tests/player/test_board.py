@@ -15,6 +15,7 @@ from logical_robots_tui.game.source import load_program
 from logical_robots_tui.player.board import BoardRecorder
 from logical_robots_tui.progress.board import Activity, Board, BoardMembership
 from logical_robots_tui.world import load_level
+from tests.player.test_best_runs import win
 from tests.player.test_session import Table, table
 from tests.short import AHEAD
 
@@ -38,13 +39,6 @@ async def listed(
         await at.apply(f"{source.text}\n# mine\n")
         yield at, listener
         await listener.close()
-
-
-async def win(at: Table) -> int:
-    at.session.restart()
-    tick = await at.win()
-    await at.ui.drain(skip="measure")
-    return tick
 
 
 async def test_the_first_victory_waits_until_a_name_is_chosen(tmp_path: Path) -> None:

@@ -13,8 +13,7 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.board import MOST_NAME, board_name
-from logical_robots_tui.player.standings import ANONYMOUS
-from logical_robots_tui.progress.board import BoardMembership, GhostEntry
+from logical_robots_tui.progress.board import BoardMembership, GhostEntry, shown_name
 from logical_robots_tui.progress.ladder import Challenger
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog
@@ -101,7 +100,7 @@ class GhostPicker(Picker[GhostEntry, GhostEntry]):
     keys = "enter race   ↑↓ choose   esc close"
 
     def line(self, entry: GhostEntry) -> Content:
-        name = Content.styled(one_line(entry.name or ANONYMOUS), INK.text)
+        name = Content.styled(one_line(shown_name(entry.name)), INK.text)
         return Content.assemble(
             name.truncate(_NAME, ellipsis=True, pad=True),
             (f"  {count_of(entry.ticks, 'tick'):>12}  size {entry.size:,}", INK.dim),
@@ -109,10 +108,7 @@ class GhostPicker(Picker[GhostEntry, GhostEntry]):
 
 
 _NAME = 20
-_LINE = "{rank:>5}  {name:<20}  {share:>6}  {interval:<14}  {strength:>6}"
-_HEAD = _LINE.format(
-    rank="rank", name="player", share="share", interval="95% interval", strength="elo"
-)
+_HEAD = f"{'rank':>5}  {'player':<{_NAME}}  {'share':>6}  {'95% interval':<14}  {'elo':>6}"
 
 
 class LadderDialog(Picker[Challenger, Challenger]):
@@ -133,16 +129,10 @@ class LadderDialog(Picker[Challenger, Challenger]):
         yield self._list
 
     def line(self, entry: Challenger) -> Content:
-        result, name = entry.result, clip(one_line(entry.label), _NAME)
+        result, (rank, name, share, remark) = entry.result, entry.cells
+        text = f"{rank:>5}  {clip(one_line(name), _NAME):<{_NAME}}  "
+        if share:
+            interval = f"{100 * result.low:.1f} to {100 * result.high:.1f}"
+            text += f"{share:>6}  {interval:<14}  {round(result.strength):>+6d}  "
         ink = f"bold {INK.key}" if entry.is_me else INK.text
-        if result.problem or not result.rank:
-            remark = clip(one_line(entry.remark), 40)
-            return Content.assemble((f"{'-':>5}  {name:<{_NAME}}  ", ink), (remark, INK.dim))
-        text = _LINE.format(
-            rank=result.rank,
-            name=name,
-            share=f"{100 * result.share:.1f}%",
-            interval=f"{100 * result.low:.1f} to {100 * result.high:.1f}",
-            strength=f"{round(result.strength):+d}",
-        )
-        return Content.assemble((text, ink), (f"  {entry.remark}", INK.dim))
+        return Content.assemble((text, ink), (clip(one_line(remark), 40), INK.dim))

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource
 from logical_robots_tui.player.board import NO_BOARD, NO_CLASS
-from logical_robots_tui.player.standings import ANONYMOUS
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.wording import one_line
@@ -121,6 +120,7 @@ class BoardController:
             await self.join()
 
     async def choose_ghost(self) -> None:
+        from logical_robots_tui.progress.board import shown_name
         from logical_robots_tui.tui.library.board import GhostPicker
 
         try:
@@ -130,7 +130,7 @@ class BoardController:
             entry = await self.ui.ask(GhostPicker(entries))
             if entry is not None:
                 replay = await self.board.ghost(entry)
-                await self.race(replay, f"run of {one_line(entry.name or ANONYMOUS)}")
+                await self.race(replay, f"run of {one_line(shown_name(entry.name))}")
         except InputError as error:
             self.ui.warn(str(error))
 

@@ -8,8 +8,9 @@ import pytest
 from logical_robots_tui.cli.ladder import _replay
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.player.opening import Opening
-from logical_robots_tui.progress.board import Board, BoardMembership, program_digest
+from logical_robots_tui.progress.board import Board, BoardMembership
 from logical_robots_tui.progress.ladder import Ladder, LadderRank
+from logical_robots_tui.progress.store import program_digest
 from logical_robots_tui.tui.library.board import LadderDialog
 from logical_robots_tui.world import load_level
 from tests.tui.conftest import STILL, showing
