@@ -249,6 +249,7 @@ class Board:
         self.file = folder / FILE_NAME
         self.player = player
         self._programs = folder / PROGRAMS
+        self._has_sound_pages = False
 
     @property
     def places(self) -> tuple[Path, Path]:
@@ -499,7 +500,8 @@ class Board:
         connection = sqlite3.connect(uri, BUSY_SECONDS, isolation_level=None, uri=True)
         try:
             connection.execute("PRAGMA journal_mode = WAL")
-            prepare(connection, SCHEMA)
+            prepare(connection, SCHEMA, checks_pages=not self._has_sound_pages)
+            self._has_sound_pages = True
         except BaseException:
             connection.close()
             raise

@@ -216,14 +216,17 @@ class NewerError(Exception):
     """The file was written by a newer version of the game."""
 
 
-def prepare(connection: sqlite3.Connection, schema: Schema = PROGRESS) -> None:
+def prepare(
+    connection: sqlite3.Connection, schema: Schema = PROGRESS, *, checks_pages: bool = True
+) -> None:
     """Check a file and migrate it to the current version in one transaction.
 
-    ``user_version`` is the number of migrations applied. The connection must be in autocommit
-    mode. Raises DamagedError, NewerError or sqlite3.Error.
+    Checking all pages takes time that grows with the file. ``user_version`` is the number of
+    migrations applied. The connection must be in autocommit mode. Raises DamagedError, NewerError
+    or sqlite3.Error.
     """
     migrations = schema.migrations
-    version = _checked_version(connection, schema)
+    version = _checked_version(connection, schema, checks_pages=checks_pages)
     if version == len(migrations):
         return
     from hashlib import sha256  # takes time that the first picture needs
@@ -241,7 +244,7 @@ def prepare(connection: sqlite3.Connection, schema: Schema = PROGRESS) -> None:
         connection.execute(f"PRAGMA user_version = {len(migrations)}")
 
 
-def _checked_version(connection: sqlite3.Connection, schema: Schema) -> int:
+def _checked_version(connection: sqlite3.Connection, schema: Schema, *, checks_pages: bool) -> int:
     version = _pragma(connection, "user_version")
     names = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
     if not names and version == 0:
@@ -252,9 +255,10 @@ def _checked_version(connection: sqlite3.Connection, schema: Schema) -> int:
         raise NewerError
     if version < 1 or not names >= schema.tables:
         raise DamagedStoreError("tables are missing")
-    (check_result,) = connection.execute("PRAGMA quick_check(1)").fetchone()
-    if check_result != "ok":
-        raise DamagedStoreError(str(check_result))
+    if checks_pages:
+        (check_result,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+        if check_result != "ok":
+            raise DamagedStoreError(str(check_result))
     return version
 
 
