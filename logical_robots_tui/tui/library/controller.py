@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource
 from logical_robots_tui.player.board import NO_BOARD, NO_CLASS
-from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
@@ -24,6 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.player.session_state import ProgramText
     from logical_robots_tui.tui.app.ui import Dialogs
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 
 
 @dataclass(eq=False)
@@ -98,6 +97,7 @@ class BoardController:
 
     def histogram(self) -> list[Content]:
         """Return lines about all who won the level at hand; empty before the player has won it."""
+        from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
         from logical_robots_tui.tui.labyrinth.results import histogram_lines
 
         plain = self.drawing() is Drawing.ASCII
@@ -135,6 +135,8 @@ class BoardController:
             self.ui.warn(str(error))
 
     async def ask_for_help(self) -> None:
+        from logical_robots_tui.tui.commands.keymap import with_keys
+
         if not self.board.is_class:
             self.ui.warn(NO_CLASS)
             return
