@@ -18,7 +18,7 @@ import pyte
 
 from tests.waiting import PATIENCE
 
-__all__ = ["WHERE_IS_THE_CURSOR", "Terminal", "looks"]
+__all__ = ["WHERE_IS_THE_CURSOR", "Terminal", "hear_signals", "looks"]
 
 CHUNK = 65536
 WHERE_IS_THE_CURSOR = b"\x1b[6n"
@@ -59,7 +59,7 @@ class Terminal:
             stderr=theirs,
             env=self._env,
             start_new_session=True,
-            preexec_fn=_take_control if self._controls else _hear_signals,
+            preexec_fn=_take_control if self._controls else hear_signals,
         )
         os.close(theirs)
         return self
@@ -199,7 +199,7 @@ class Terminal:
         self._undrawn.append((perf_counter(), chunk))
 
 
-def _hear_signals() -> None:
+def hear_signals() -> None:
     """Undo what a shell does to a command in the background, and nohup to any: make it deaf."""
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
@@ -222,5 +222,5 @@ def looks(screen: pyte.Screen) -> list[list[tuple[object, ...]]]:
 
 
 def _take_control() -> None:
-    _hear_signals()
+    hear_signals()
     ioctl(0, termios.TIOCSCTTY, 0)

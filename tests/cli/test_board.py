@@ -23,6 +23,7 @@ from logical_robots_tui.progress.class_view import pupils
 from logical_robots_tui.world import load_level
 from tests.cli.running import Command
 from tests.cli.test_progress import LEVEL, achieved
+from tests.terminal import hear_signals
 from tests.waiting import PATIENCE
 
 ENGINE = simulation_digest().hex()
@@ -157,11 +158,16 @@ def take_away(folder: Path) -> None:
 def watching(folder: Path, option: str) -> Iterator[Callable[[], str]]:
     """The lines of a class at work, as they are printed."""
     words = ["-m", "logical_robots_tui", "board", "watch", str(folder), option]
-    with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        yield process.stdout.readline
-        process.send_signal(signal.SIGINT)
-        assert process.wait(PATIENCE) == 0
+    with subprocess.Popen(
+        [sys.executable, *words], stdout=subprocess.PIPE, text=True, preexec_fn=hear_signals
+    ) as process:
+        try:
+            assert process.stdout is not None
+            yield process.stdout.readline
+            process.send_signal(signal.SIGINT)
+            assert process.wait(PATIENCE) == 0
+        finally:
+            process.kill()
 
 
 def test_a_class_at_work_is_lines_of_json_and_who_asks_for_help_is_first(folder: Path) -> None:

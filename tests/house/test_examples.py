@@ -28,6 +28,7 @@ QUICKER = {
     "replay record 08-formation formation -o chain.replay --ticks 600": ["--ticks", "60"],
     "replay record 01-first-steps first-steps -o third.replay --start 3": ["--ticks", "100"],
     "serve --class players.toml": ["--port", "0"],
+    "ladder ./board": ["--once"],
 }
 """What is added, so that the tests take no longer than they need."""
 
@@ -35,7 +36,7 @@ ALSO_FINE = {"run": 1, "trace": 1, "why": 1, "diagnose": 1, "learn": 1}
 """Statuses other than 0 that are an answer: not won yet, there is no row, there are warnings,
 the answer is wrong."""
 
-OF_A_TERMINAL = {"doctor", "host", "serve"}
+OF_A_TERMINAL = {"doctor", "host", "ladder", "serve"}
 FALSE = ("a bug in the game", "uses something that robots may not use", "Traceback")
 
 DOCS = CHECKOUT / "docs"
