@@ -256,6 +256,7 @@ _SECONDS = 1.0  # between two looks at a class
 
 @command.declare(
     "board watch",
+    command.until_interrupted,
     _FOLDER,
     command.one_of(
         command.flag("--plain", "print a table, then a line for each change"),
@@ -291,16 +292,13 @@ def _watch(options: argparse.Namespace) -> int:
     if not options.json:
         say(*columns([HEADINGS, *(pupil.cells() for pupil in class_at_work)]))
         previous = [pupil for pupil in class_at_work if pupil.program is None]
-    try:
-        while True:
-            for pupil in class_at_work:
-                if pupil not in previous:
-                    print_pupil(pupil)
-            previous = class_at_work
-            time.sleep(_SECONDS)
-            class_at_work = pupils(board)
-    except KeyboardInterrupt:
-        return 0
+    while True:
+        for pupil in class_at_work:
+            if pupil not in previous:
+                print_pupil(pupil)
+        previous = class_at_work
+        time.sleep(_SECONDS)
+        class_at_work = pupils(board)
 
 
 def _print_json_line(pupil: Pupil) -> None:

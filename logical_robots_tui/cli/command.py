@@ -34,6 +34,8 @@ Part: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
 
 Start: TypeAlias = Callable[[argparse.Namespace], int]
 
+INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
+
 _COMMANDS: dict[str, tuple[Start, tuple[Part, ...]]] = {}
 _GROUPS: dict[str, tuple[str, str]] = {}
 
@@ -84,7 +86,11 @@ def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], n
             if other_name.startswith(f"{name} "):
                 add_command(inner, other_name)
         return
-    parser.set_defaults(start=start, wants_json=lambda options: getattr(options, "json", False))
+    parser.set_defaults(
+        start=start,
+        status_after_interrupt=INTERRUPTED,
+        wants_json=lambda options: getattr(options, "json", False),
+    )
     for part in parts:
         part(parser)
 
@@ -119,6 +125,11 @@ def one_of(*options: Part) -> Part:
             part(inner)
 
     return add
+
+
+def until_interrupted(parser: argparse._ActionsContainer) -> None:
+    """Say that the command runs until ^C, which is no failure whenever it comes."""
+    parser.set_defaults(status_after_interrupt=0)
 
 
 def number_from(minimum: int) -> Callable[[str], int]:

@@ -35,6 +35,7 @@ _LOWEST_PRIORITY = 19
 
 @command.declare(
     "ladder",
+    command.until_interrupted,
     command.option("folder", "FOLDER", "the folder of a board", type=Path),
     command.flag("--once", "end when all programs that are there are ranked"),
     command.number("--workers", command.number_from(1), 1, "processes that play matches"),

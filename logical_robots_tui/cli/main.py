@@ -52,7 +52,6 @@ _MODULES = (
 
 _HOMES = {name.replace("-", " "): module for module, names in _MODULES for name in names.split()}
 
-INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 PIPE_CLOSED = 141  # 128 + SIGPIPE
 OUTPUT_FAILS = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
@@ -118,7 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status = _start(options)
         sys.stdout.flush()
     except KeyboardInterrupt:
-        return INTERRUPTED
+        return int(options.status_after_interrupt)
     except OSError as error:  # errors about files are reported where they arise
         # What is still buffered would fail again when Python flushes it at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

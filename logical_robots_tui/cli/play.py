@@ -190,6 +190,7 @@ _NO_TLS = (
 
 @command.declare(
     "serve",
+    command.until_interrupted,
     command.option("level", "LEVEL", "a level's name or file", nargs="?"),
     command.option("program", "PROGRAM", "a program's name or file", nargs="?"),
     command.option("--class", "FILE", "serve the players in this file", dest="players", type=Path),
@@ -319,6 +320,7 @@ def _change_class(options: argparse.Namespace, url: str) -> int:
 
 @command.declare(
     "host",
+    command.until_interrupted,
     command.option("folder", "FOLDER", "where games look for it", type=Path),
     command.BOARD,
 )
@@ -344,10 +346,7 @@ def host(options: argparse.Namespace) -> int:
         games.companions.append(_start_ladder(options.board))
     games.warm_up()
     print(f"Games that are started with --host {options.folder} are forked.", flush=True)
-    try:
-        words = games.serve()
-    except KeyboardInterrupt:
-        return 0
+    words = games.serve()
     return int(import_module("logical_robots_tui.cli.main").main(words))
 
 

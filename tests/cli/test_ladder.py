@@ -77,6 +77,14 @@ def test_a_ladder_plays_only_what_is_new(board: Path, monkeypatch: pytest.Monkey
     assert ada.match(*next(iter(ada.matches()))) == match
 
 
+def test_an_interrupt_is_how_a_ladder_ends(board: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(_: float) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("time.sleep", interrupt)
+    assert main(["ladder", str(board)]) == 0
+
+
 @pytest.mark.slow
 def test_whoever_leaves_the_board_leaves_the_ladder(board: Path) -> None:
     ada = hand_in(board, "ada", STAND)

@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import combinations
 from pathlib import Path
 
@@ -33,8 +33,12 @@ def children(process: int) -> list[int]:
 
 def descriptors(process: int) -> set[str]:
     """What a process has open besides its standard streams."""
-    links = Path(f"/proc/{process}/fd").iterdir()
-    return {str(link.readlink()) for link in links if int(link.name) > 2}
+    names = set[str]()
+    for link in Path(f"/proc/{process}/fd").iterdir():
+        if int(link.name) > 2:
+            with suppress(FileNotFoundError):  # closed meanwhile
+                names.add(str(link.readlink()))
+    return names
 
 
 @contextmanager

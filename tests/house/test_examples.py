@@ -272,6 +272,16 @@ def test_every_command_has_an_example() -> None:
         assert re.search(rf"^(.*\| )?{PROGRAM} {name}\b".strip(), every, re.MULTILINE), name
 
 
+def test_an_interrupt_ends_as_a_help_says() -> None:
+    parsers = commands()
+    until_interrupted = {
+        name for name in parsers if parsers[name].get_default("status_after_interrupt") == 0
+    }
+    assert until_interrupted == {"board watch", "host", "ladder", "serve"}
+    told = {name for name in parsers if "exit status: 0 after ^C" in parsers[name].format_help()}
+    assert told == until_interrupted
+
+
 @pytest.mark.sampled
 @pytest.mark.parametrize("page", WITH_PROGRAMS, ids=lambda page: page.name)
 def test_programs_in_a_page_compile(page: Path) -> None:
