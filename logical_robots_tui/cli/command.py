@@ -128,7 +128,7 @@ def one_of(*options: Part) -> Part:
 
 
 def until_interrupted(parser: argparse._ActionsContainer) -> None:
-    """Say that the command runs until ^C, which is no failure whenever it comes."""
+    """Let the command run until ^C and then end with 0."""
     parser.set_defaults(status_after_interrupt=0)
 
 

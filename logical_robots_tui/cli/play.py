@@ -344,7 +344,7 @@ def host(options: argparse.Namespace) -> int:
     games = GameHost(listen(options.folder))
     if options.board is not None:
         games.companions.append(_start_ladder(options.board))
-    games.warm_up()
+    games.warm_up(lambda: import_module("logical_robots_tui.tui.app.app").rehearse())
     print(f"Games that are started with --host {options.folder} are forked.", flush=True)
     words = games.serve()
     return int(import_module("logical_robots_tui.cli.main").main(words))

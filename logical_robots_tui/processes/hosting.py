@@ -16,6 +16,7 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
 from mmap import mmap
@@ -87,8 +88,8 @@ class GameHost:
         self._selector.register(listener, EVENT_READ)
         listener.setblocking(False)
 
-    def warm_up(self) -> None:
-        """Load what games and compile processes may need, so that they share it."""
+    def warm_up(self, rehearse: Callable[[], object]) -> None:
+        """Load what games and compile processes may need, and try a game, so that they share it."""
         self._start_compile_host()
         collect_later()
         for part in _PARTS:
@@ -96,6 +97,7 @@ class GameHost:
             for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
                 import_module(module.name)
         mimetypes.init(())
+        rehearse()
         gc.collect()
         gc.freeze()
 

@@ -61,9 +61,12 @@ def host(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
 
 @contextmanager
 def playing(
-    tmp_path: Path, player: str = "ada", options: Sequence[str] | None = None
+    tmp_path: Path,
+    player: str = "ada",
+    options: Sequence[str] | None = None,
+    level: str = "02-open-space",
 ) -> Iterator[Terminal]:
-    words = ["play", "02-open-space", "--restricted", "--player", player, "--data-dir", tmp_path]
+    words = ["play", level, "--restricted", "--player", player, "--data-dir", tmp_path]
     options = ["--host", str(tmp_path / "host")] if options is None else options
     with Terminal([*GAME, *words, *options], size=SIZE, controls=True) as terminal:
         terminal.wait_for("applied")
@@ -87,6 +90,16 @@ def test_a_forked_game_is_played_resized_and_left(
         assert terminal.finish() == 0
         until(lambda: not is_running(game) and not is_running(compile_process))
     assert is_running(compile_host)
+
+
+def test_what_a_host_has_rehearsed_is_not_compiled_again(
+    host: subprocess.Popen[str], tmp_path: Path
+) -> None:
+    with playing(tmp_path, level="01-first-steps") as terminal:
+        compile_host, _ = children(host.pid)
+        assert children(compile_host) == []
+        terminal.send("2hello", sees="1 error")
+        assert len(children(compile_host)) == 1
 
 
 def test_games_share_nothing_and_the_host_has_one_thread_and_no_file(

@@ -8,6 +8,8 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from textual import constants, events
@@ -16,7 +18,8 @@ from textual.geometry import Region
 from textual.widgets import Input, TextArea
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.mind.compilation import stop_idle_compiling
+from logical_robots_tui.mind.compilation import stop_compiling, stop_idle_compiling
+from logical_robots_tui.player.opening import open_game
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
 from logical_robots_tui.player.settings import (
     Settings,
@@ -42,15 +45,18 @@ from logical_robots_tui.tui.terminal.capabilities import (
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST, Uploaded
-from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
+from logical_robots_tui.tui.terminal.textual_internals import KeyQueue, SharedStylesheet
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, use_theme
 
 if TYPE_CHECKING:
+    from textual.pilot import Pilot
+
     from logical_robots_tui.player.opening import Opening
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
 _LOOK_FOR_IDLENESS = 10.0  # seconds between looks whether the compile process has had no work
+_A_MOMENT = 0.05  # seconds
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 _INPUT = (events.InputEvent, events.Paste)
@@ -80,6 +86,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         theme: str = "",
     ) -> None:
         super().__init__(opening.clock)
+        self.stylesheet = SharedStylesheet(variables=self.get_css_variables())
         if self.no_color:
             # The terminal's own colours would stand among greys; they become greys, too.
             self.set_reactive(LogicalRobotsApp.ansi_color, False)
@@ -326,3 +333,24 @@ def play(opening: Opening, recorder: ProgressRecorder) -> int:
     if app.mistake is not None:
         raise app.mistake
     return app.return_code or 0
+
+
+def rehearse() -> None:
+    """Open the game without a terminal and leave it, before it is forked for players.
+
+    What Python, Textual and the compiler have done once is then done for all of them.
+    """
+
+    async def leave_when_compiled(pilot: Pilot[object]) -> None:
+        while app.main.session.state.phase in ("fresh", "compiling"):
+            await pilot.pause(_A_MOMENT)
+        app.exit()
+
+    with TemporaryDirectory() as folder:
+        recorder = ProgressRecorder(Path(folder) / FILE_NAME)
+        opening = open_game(recorder.progress, Path(folder))
+        app = LogicalRobotsApp(opening, recorder=recorder)
+        app.run(headless=True, auto_pilot=leave_when_compiled)
+    stop_compiling()
+    if app.mistake is not None:
+        raise app.mistake

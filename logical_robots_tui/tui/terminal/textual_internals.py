@@ -11,6 +11,7 @@ have to offer, instead of
 - `_handle_exception`: a hook for an exception that ends the app, and a way to report one to it.
 - `_notifications`, `_unnotify`: a way to take back a message that was shown.
 - `_offset_to_line_info`: the line, and its row, at an offset of a wrapped document, in no time.
+- `_parse_rules`: a cache of style sheets that holds all of an app, and outlives a new dialog.
 - `_pruning`: whether a node is being removed.
 - `_sequence_to_key_events`, `_xterm_parser`: a key parser without errors, for other drivers.
 - `_styles_cache`: a way to draw a line anew without asking the screen for a refresh.
@@ -23,10 +24,13 @@ import asyncio
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import events
 from textual.binding import BindingsMap
+from textual.cache import LRUCache
+from textual.css.model import RuleSet
+from textual.css.stylesheet import Stylesheet
 from textual.document import _wrapped_document
 from textual.document._wrapped_document import WrappedDocument
 from textual.geometry import Offset, Region
@@ -73,6 +77,38 @@ class WidgetBindings:
     def put_first(self, *bindings: BindingsMap) -> None:
         """Let other keys come first, until the next call."""
         self._widget._bindings = BindingsMap.merge([*bindings, self._bindings])
+
+
+class SharedStylesheet(Stylesheet):
+    """Style sheets of which a text is parsed once for each theme, for all apps of a process.
+
+    Textual keeps fewer texts than an app has, and parses all of them again for a dialog.
+    """
+
+    _parsed: ClassVar[LRUCache[object, list[RuleSet]]] = LRUCache(400)  # of three or four themes
+
+    def __init__(self, *, variables: dict[str, str] | None = None) -> None:
+        super().__init__(variables=variables)
+        self._values = tuple((variables or {}).items())
+
+    def copy(self) -> SharedStylesheet:
+        copied = SharedStylesheet(variables=dict(self._values))
+        copied.source = self.source.copy()
+        return copied
+
+    def set_variables(self, variables: dict[str, str]) -> None:
+        super().set_variables(variables)
+        self._values = tuple(variables.items())
+
+    def reparse(self) -> None:
+        self.parse()
+
+    def _parse_rules(self, css: str, *place: Any, **options: Any) -> list[RuleSet]:
+        key = self._values, css, place, *options.items()
+        rules = self._parsed.get(key)
+        if rules is None:
+            rules = self._parsed[key] = super()._parse_rules(css, *place, **options)
+        return rules
 
 
 class HangingDocument(WrappedDocument):

@@ -6,17 +6,20 @@ import re
 from itertools import chain
 from pathlib import Path
 
+import pytest
 from textual import _ansi_sequences, _compositor, events
 from textual._styles_cache import StylesCache
 from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.binding import Binding, BindingsMap
+from textual.css.stylesheet import Stylesheet
 from textual.document._wrapped_document import WrappedDocument
 from textual.geometry import Region
 from textual.strip import Strip
 from textual.widgets import Input
 
 from logical_robots_tui.tui.terminal import textual_internals
+from logical_robots_tui.tui.terminal.textual_internals import SharedStylesheet
 from tests.tui.conftest import opened
 
 METHODS = [
@@ -69,7 +72,7 @@ def test_each_private_name_is_listed_with_what_would_replace_it() -> None:
     assert {path.name: names for path, names in used.items() if names and path.parent != ROOM} == {}
     listed = re.findall(r"`(_\w+)`", textual_internals.__doc__ or "")
     assert set(listed) == set().union(*used.values())
-    assert len(listed) <= 15
+    assert len(listed) <= 16
 
 
 async def test_what_is_taken_from_inside_does_what_it_is_for(data_dir: Path) -> None:
@@ -106,6 +109,26 @@ async def test_what_is_taken_from_inside_does_what_it_is_for(data_dir: Path) -> 
         for bindings in ([BindingsMap([Binding("j", "bell")])], []):
             keys.put_first(*bindings)
             assert ("j" in view._bindings.key_to_bindings) is bool(bindings)
+
+
+def test_a_style_sheet_is_parsed_once_for_each_theme(monkeypatch: pytest.MonkeyPatch) -> None:
+    def colour_of(sheet: Stylesheet) -> str:
+        return sheet.rules[0].styles.get_rules()["color"].hex
+
+    sheet = SharedStylesheet(variables={"pen": "#0000ff"})
+    sheet.add_source("Label { color: $pen; }", ("once", "once"))
+    assert colour_of(sheet) == "#0000FF"
+    sheet.set_variables({"pen": "#ff0000"})
+    sheet.reparse()
+    assert colour_of(sheet) == "#FF0000"
+    monkeypatch.setattr(Stylesheet, "_parse_rules", None)  # of which nothing is asked again
+    copied = sheet.copy()
+    copied.parse()
+    assert copied.rules == sheet.rules
+    copied.set_variables({"pen": "#0000ff"})
+    copied.reparse()
+    assert colour_of(copied) == "#0000FF"
+    assert colour_of(sheet) == "#FF0000"
 
 
 def test_each_thing_that_is_taken_from_inside_is_tried_in_this_folder() -> None:
