@@ -28,6 +28,7 @@ from benchmarks.replays import replays
 from benchmarks.runner import Suite, run
 from benchmarks.safety import safety
 from benchmarks.schemas import schemas
+from benchmarks.sessions import session
 from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
 from benchmarks.teams import teams
@@ -54,6 +55,7 @@ SUITE = Suite(
         "history": history,
         "replays": replays,
         "memory": memory,
+        "session": session,
         "safety": safety,
         "inspector": inspector,
         "folding": folding,
@@ -86,6 +88,7 @@ SUITE = Suite(
             "learning",
             "memory",
             "safety",
+            "session",
             "tournament",
             "web",
         }

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from benchmarks.measure import Effort, Measurement, at_most, need, summed_up
 from benchmarks.ssh import need_openssh
 from tests.crowd import Crowd
+from tests.memory_use import memory_share
 from tests.sshd import Server
 from tests.terminal import Terminal
 
@@ -108,8 +109,5 @@ def _megabytes() -> float:
             with suppress(OSError):
                 command = (process / "cmdline").read_text(errors="replace")
                 if "logical_robots_tui" in command:
-                    rollup = (process / "smaps_rollup").read_text()
-                    total += next(
-                        int(line.split()[1]) for line in rollup.splitlines() if line[:4] == "Pss:"
-                    )
-    return total / 1000
+                    total += memory_share(int(process.name))
+    return total / 1e6

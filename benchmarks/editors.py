@@ -6,7 +6,6 @@ import asyncio
 import os
 import sys
 import tempfile
-from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from benchmarks.measure import Effort, Measurement, at_most, summed_up
 from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.game import load_program
 from tests.lsp.editor import Editor
+from tests.memory_use import memory_share
 from tests.processes import run_command
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ async def _edit(cache: str, effort: Effort) -> tuple[float, list[float], list[fl
     await editor.published()
     opened = 1000 * (perf_counter() - began)
     keys = {name: await _type(editor, load_program(name).text, effort) for name in (SMALL, LONG)}
-    memory = sum(map(_megabytes, (editor.pid, *editor.children())))
+    memory = sum(map(memory_share, (editor.pid, *editor.children()))) / 1e6
     await editor.stop()
     return opened, keys[SMALL], keys[LONG], memory
 
@@ -64,9 +64,3 @@ async def _type(editor: Editor, text: str, effort: Effort) -> list[float]:
         await editor.published()
         times.append(1000 * (perf_counter() - began))
     return times[1:]
-
-
-def _megabytes(process: int) -> float:
-    """Return the proportional memory of a process: what is shared counts in parts."""
-    lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
-    return next(int(line.split()[1]) for line in lines if line.startswith("Pss:")) * 1024 / 1e6

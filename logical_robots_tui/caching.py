@@ -51,7 +51,8 @@ class CacheFolder:
         path = self.place / f"{name}{self.suffix}"
         try:
             with path.open("rb") as file:
-                content = file.read(max_bytes + 1)
+                size = os.fstat(file.fileno()).st_size
+                content = file.read(min(max_bytes + 1, size))  # Python takes memory for all of it
         except OSError:
             return None
         if len(content) > max_bytes:

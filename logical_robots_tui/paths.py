@@ -49,9 +49,11 @@ def read_ordinary(path: Path, max_bytes: int) -> bytes:
     with open(
         path, "rb", opener=lambda path, flags: os.open(path, flags | without_waiting)
     ) as file:
-        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode):
             raise OSError(None, "not a regular file", str(path))
-        return file.read(max_bytes)
+        # Python takes the memory of all that is asked for, and the allocator then keeps more of it.
+        return file.read(min(max_bytes, status.st_size))
 
 
 def decoded(content: bytes) -> str:

@@ -22,7 +22,7 @@ from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import folder_of, is_set
 from logical_robots_tui.errors import InputError, check_installed
 from logical_robots_tui.paths import PLAYER_NAME, is_folder, shipped_folder
-from logical_robots_tui.processes.helper import collect_later, is_helper
+from logical_robots_tui.processes.helper import collect_later, is_helper, share_heap
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
@@ -411,6 +411,7 @@ def prepare_screen() -> None:
         replace_unwritable,
     )
 
+    share_heap()
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_A_SECOND)
     if os.environ.get("TEXTUAL_DRIVER"):
         assume_browser(os.environ, sys.__stderr__)

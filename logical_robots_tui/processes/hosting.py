@@ -29,6 +29,7 @@ from logical_robots_tui.processes.helper import (
     collect_later,
     helper_command,
     helper_environment,
+    share_heap,
 )
 from logical_robots_tui.processes.hosted import (
     DESCRIPTORS,
@@ -91,6 +92,7 @@ class GameHost:
     def warm_up(self, rehearse: Callable[[], object]) -> None:
         """Load what games and compile processes may need, and try a game, so that they share it."""
         self._start_compile_host()
+        share_heap()
         collect_later()
         for part in _PARTS:
             package = import_module(f"logical_robots_tui.{part}")
