@@ -37,7 +37,7 @@ def share_heap() -> None:
     """Let all threads allocate from one heap, before there is a second thread.
 
     By default glibc has a heap for each thread and gives little of it back, so that a game grew by
-    a third of its size in an hour. Elsewhere nothing happens.
+    10 MB more in half an hour. Elsewhere nothing happens.
     """
     import ctypes  # as numpy does
 
