@@ -45,7 +45,8 @@ from logical_robots_tui.tui.terminal.capabilities import (
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST, Uploaded
-from logical_robots_tui.tui.terminal.textual_internals import KeyQueue, SharedStylesheet
+from logical_robots_tui.tui.terminal.stylesheet import SharedStylesheet
+from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, use_theme
 
 if TYPE_CHECKING:

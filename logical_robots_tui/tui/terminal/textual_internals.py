@@ -24,13 +24,10 @@ import asyncio
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual.binding import BindingsMap
-from textual.cache import LRUCache
-from textual.css.model import RuleSet
-from textual.css.stylesheet import Stylesheet
 from textual.document import _wrapped_document
 from textual.document._wrapped_document import WrappedDocument
 from textual.geometry import Offset, Region
@@ -77,38 +74,6 @@ class WidgetBindings:
     def put_first(self, *bindings: BindingsMap) -> None:
         """Let other keys come first, until the next call."""
         self._widget._bindings = BindingsMap.merge([*bindings, self._bindings])
-
-
-class SharedStylesheet(Stylesheet):
-    """Style sheets of which a text is parsed once for each theme, for all apps of a process.
-
-    Textual keeps fewer texts than an app has, and parses all of them again for a dialog.
-    """
-
-    _parsed: ClassVar[LRUCache[object, list[RuleSet]]] = LRUCache(400)  # of three or four themes
-
-    def __init__(self, *, variables: dict[str, str] | None = None) -> None:
-        super().__init__(variables=variables)
-        self._values = tuple((variables or {}).items())
-
-    def copy(self) -> SharedStylesheet:
-        copied = SharedStylesheet(variables=dict(self._values))
-        copied.source = self.source.copy()
-        return copied
-
-    def set_variables(self, variables: dict[str, str]) -> None:
-        super().set_variables(variables)
-        self._values = tuple(variables.items())
-
-    def reparse(self) -> None:
-        self.parse()
-
-    def _parse_rules(self, css: str, *place: Any, **options: Any) -> list[RuleSet]:
-        key = self._values, css, place, *options.items()
-        rules = self._parsed.get(key)
-        if rules is None:
-            rules = self._parsed[key] = super()._parse_rules(css, *place, **options)
-        return rules
 
 
 class HangingDocument(WrappedDocument):

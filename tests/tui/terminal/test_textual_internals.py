@@ -19,7 +19,7 @@ from textual.strip import Strip
 from textual.widgets import Input
 
 from logical_robots_tui.tui.terminal import textual_internals
-from logical_robots_tui.tui.terminal.textual_internals import SharedStylesheet
+from logical_robots_tui.tui.terminal.stylesheet import SharedStylesheet
 from tests.tui.conftest import opened
 
 METHODS = [
