@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from logical_robots_tui.confinement import is_confined
+from logical_robots_tui.paths import read_ordinary
 
 FOLDER_VARIABLE = "LOGICAL_ROBOTS_CACHE_DIR"
 """Environment variable that names another folder; if empty, there is no cache on disk."""
@@ -50,9 +51,7 @@ class CacheFolder:
             return None
         path = self.place / f"{name}{self.suffix}"
         try:
-            with path.open("rb") as file:
-                size = os.fstat(file.fileno()).st_size
-                content = file.read(min(max_bytes + 1, size))  # Python takes memory for all of it
+            content = read_ordinary(path, max_bytes + 1)
         except OSError:
             return None
         if len(content) > max_bytes:

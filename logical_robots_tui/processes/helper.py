@@ -33,6 +33,9 @@ def collect_later() -> None:
     gc.disable()
 
 
+_M_ARENA_MAX = -8  # of glibc's malloc.h
+
+
 def share_heap() -> None:
     """Let all threads allocate from one heap, before there is a second thread.
 
@@ -44,8 +47,6 @@ def share_heap() -> None:
     with contextlib.suppress(OSError, AttributeError):
         ctypes.CDLL(None).mallopt(_M_ARENA_MAX, 1)
 
-
-_M_ARENA_MAX = -8  # of glibc's malloc.h
 
 COMPILE_PROCESS = "logical_robots_tui.compile_process"
 _MODULES = (

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
 _LOOK_FOR_IDLENESS = 10.0  # seconds between looks whether the compile process has had no work
-_A_MOMENT = 0.05  # seconds
+_LOOK_FOR_PROGRAM = 0.05  # seconds between looks whether the starter program is compiled
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 _INPUT = (events.InputEvent, events.Paste)
@@ -344,7 +344,7 @@ def rehearse() -> None:
 
     async def leave_when_compiled(pilot: Pilot[object]) -> None:
         while app.main.session.state.phase in ("fresh", "compiling"):
-            await pilot.pause(_A_MOMENT)
+            await pilot.pause(_LOOK_FOR_PROGRAM)
         app.exit()
 
     with TemporaryDirectory() as folder:

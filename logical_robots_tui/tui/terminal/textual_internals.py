@@ -11,7 +11,7 @@ have to offer, instead of
 - `_handle_exception`: a hook for an exception that ends the app, and a way to report one to it.
 - `_notifications`, `_unnotify`: a way to take back a message that was shown.
 - `_offset_to_line_info`: the line, and its row, at an offset of a wrapped document, in no time.
-- `_parse_rules`: a cache of style sheets that holds all of an app, and outlives a new dialog.
+- `_parse_rules`: a cache of parsed style sheets that outlives a new theme, a dialog and an app.
 - `_pruning`: whether a node is being removed.
 - `_sequence_to_key_events`, `_xterm_parser`: a key parser without errors, for other drivers.
 - `_styles_cache`: a way to draw a line anew without asking the screen for a refresh.
