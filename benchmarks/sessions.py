@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, at_most, need, summed_up
+from logical_robots_tui.world import list_levels
 from tests.memory_use import memory_share
 from tests.terminal import Terminal
 
@@ -17,22 +18,13 @@ if TYPE_CHECKING:
 __all__ = ["session"]
 
 SIZE = (120, 40)
-LEVELS = (
-    ("01-first-steps", "first-steps"),
-    ("02-open-space", "open-space"),
-    ("03-doors", "doors"),
-    ("06-breadcrumbs", "breadcrumbs"),
-    ("07-station-management", "station-management"),
-    ("08-formation", "formation"),
-    ("10-distributed-mapping", "distributed-mapping"),
-)
-ROUNDS = 12  # five minutes each
+ROUNDS = 12  # each with what a player does in five minutes
 TICKS = 400  # of a run
 MOST_MEGABYTES = 130
 
 _FASTER = "+" * 12
 _LEAVE = "\x1b"
-_APPLY, _COMMANDS, _PAGE_UP = "\x12", "\x10", "\x1b[5~"
+_APPLY, _COMMANDS, _PAGE_UP, _HOME = "\x12", "\x10", "\x1b[5~", "\x1b[H"
 _MOMENT, _WHILE = 0.5, 4.0  # seconds in which a dialog opens, and in which a run or scan ends
 
 
@@ -41,14 +33,13 @@ def session(effort: Effort) -> Iterator[Measurement]:
     need("/proc", Path("/proc/self/smaps_rollup").exists())
     rounds = 2 if effort.is_quick else ROUNDS
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        words = ["play", *LEVELS[0], "--data-dir", folder]
-        game = [sys.executable, "-m", "logical_robots_tui", *words]
+        game = [sys.executable, "-m", "logical_robots_tui", "play", "--data-dir", folder]
         with Terminal(game, size=SIZE) as terminal:
             player = _Player(terminal)
             player.open_game()
-            for number in range(rounds):
-                player.play_round(number)
-    subject = f"120x40, {rounds} rounds of 5 minutes"
+            for number, level in enumerate(list_levels()[:rounds]):
+                player.play_round(number, level)
+    subject = f"120x40, {rounds} rounds of what 5 minutes hold"
     for activity, megabytes in player.most_megabytes.items():
         yield summed_up(f"memory, {activity}", subject, "MB", [megabytes])
     most = max(player.most_megabytes.values())
@@ -67,12 +58,12 @@ class _Player:
         self._type(_LEAVE, _FASTER)
         self._note("at the start")
 
-    def play_round(self, number: int) -> None:
-        level, program = LEVELS[number % len(LEVELS)]
+    def play_round(self, number: int, level: str) -> None:
         if number:
-            self._type("1l", level, "\r", _LEAVE, "1o", program, "\r")
-            self._terminal.wait_for("applied")
-            self._note("levels and programs")
+            self._type("1l", level, "\r")
+            self._terminal.wait_for("tick 0 ")
+            self._terminal.wait_for("· applied")
+            self._note("levels")
         self._run_until(TICKS)
         for _ in range(3):
             self._type("1w", "1PPPP")
@@ -83,7 +74,8 @@ class _Player:
         self._type(f"1{_COMMANDS}diagnosis", "\r", "\r", seconds=_WHILE)
         self._note("diagnoses")
         for edit in range(3):
-            self._type("2", f"{_PAGE_UP}# {number} {edit}\r{_APPLY}", _LEAVE, seconds=2 * _MOMENT)
+            comment = f"{_PAGE_UP}{_HOME}# {number} {edit}\r"
+            self._type("2", comment, _APPLY, _LEAVE, seconds=2 * _MOMENT)
         self._note("edits")
         self._run_until(TICKS + 50)
 
@@ -96,7 +88,8 @@ class _Player:
         """Send texts, each when what the one before led to has come, the last one with time."""
         for text in texts:
             self._terminal.send(text)
-            self._terminal.read_for(seconds if text is texts[-1] else _MOMENT)
+            self._terminal.read_for(_MOMENT)
+        self._terminal.read_for(seconds - _MOMENT)
 
     def _note(self, activity: str) -> None:
         megabytes = memory_share(self._terminal.process.pid, and_children=True) / 1e6

@@ -39,8 +39,8 @@ _M_ARENA_MAX = -8  # of glibc's malloc.h
 def share_heap() -> None:
     """Let all threads allocate from one heap, before there is a second thread.
 
-    By default glibc has a heap for each thread and gives little of it back, so that a game grew by
-    10 MB more in half an hour. Elsewhere nothing happens.
+    By default glibc has a heap for each thread and gives little of it back: after six levels a game
+    held 10 MB more. Elsewhere nothing happens.
     """
     import ctypes  # as numpy does
 
