@@ -497,7 +497,7 @@ class Board:
 
     def _connect(self) -> sqlite3.Connection:
         uri = f"{self.file.absolute().as_uri()}?mode=rw"
-        connection = sqlite3.connect(uri, BUSY_SECONDS, isolation_level=None, uri=True)
+        connection = sqlite3.connect(uri, timeout=BUSY_SECONDS, isolation_level=None, uri=True)
         try:
             connection.execute("PRAGMA journal_mode = WAL")
             prepare(connection, SCHEMA, checks_pages=not self._has_sound_pages)
