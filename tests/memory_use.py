@@ -1,10 +1,11 @@
 """How much memory a process has, as Linux tells it."""
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["memory_share", "memory_use"]
+__all__ = ["descendants", "memory_share", "memory_use"]
 
 
 def memory_use(
@@ -19,14 +20,20 @@ def memory_use(
 
 def memory_share(process: int, *, and_children: bool = False) -> int:
     """Return the bytes of a process, of what it shares only its part; 0 if it has ended."""
-    folder = Path(f"/proc/{process}")
     try:
-        rollup = (folder / "smaps_rollup").read_text(encoding="ascii")
-        tasks = [*(folder / "task").iterdir()] if and_children else []
-        children = [child for task in tasks for child in (task / "children").read_text().split()]
+        rollup = Path(f"/proc/{process}/smaps_rollup").read_text(encoding="ascii")
     except OSError:
         return 0
     found = re.search(r"Pss:\s+(\d+)", rollup)
     assert found
-    own = int(found[1]) * 1024
-    return own + sum(memory_share(int(child), and_children=True) for child in children)
+    children = descendants(process) if and_children else []
+    return int(found[1]) * 1024 + sum(map(memory_share, children))
+
+
+def descendants(process: int) -> list[int]:
+    """Return the processes that a process has started, those that they have started, and so on."""
+    children: list[int] = []
+    with suppress(OSError):
+        for task in Path(f"/proc/{process}/task").iterdir():
+            children += map(int, (task / "children").read_text().split())
+    return [pid for child in children for pid in (child, *descendants(child))]

@@ -18,7 +18,7 @@ from logical_robots_tui.game.source import target
 from logical_robots_tui.game.victory import Victory, brief, result_line, robustness_line
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.player.board import NO_BOARD, NO_CLASS, board_name
+from logical_robots_tui.player.board import NO_BOARD, board_name
 from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.player.opening import LocalPlayer, Opening
 from logical_robots_tui.player.recorder import ProgressRecorder
@@ -306,7 +306,7 @@ class LineGame(SessionListener):
     async def save(self, name: str) -> None:
         library, source = self.player.library, self.session.source
         if not name and not source.shipped:
-            await library.save()
+            await library.save_as(source.path)
             return
         path = target(name, library.programs)
         if is_there(path):
@@ -415,8 +415,6 @@ class LineGame(SessionListener):
 
     async def ask_help(self, _: str) -> None:
         board = self.player.board
-        if not board.is_class:
-            raise InputError(NO_CLASS)
         await board.ask_for_help(self._text.text)
         say(
             "The teacher sees that you need help, and your program. Type teacher to end it."

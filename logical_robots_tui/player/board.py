@@ -40,7 +40,6 @@ NOTICE = (
 """What players are told at login."""
 
 NO_BOARD = "There is no board: nobody else plays on this server."
-NO_CLASS = "Nobody watches this game: it is not played in a class."
 
 MOST_NAME = 20  # characters
 _LONGEST_TROUBLE = 200  # characters
@@ -107,6 +106,13 @@ class BoardRecorder(SessionListener):
     @property
     def is_on(self) -> bool:
         return self._board is not None
+
+    @property
+    def board(self) -> Board:
+        """The board; InputError without one."""
+        if self._board is None:
+            raise InputError(NO_BOARD)
+        return self._board
 
     @property
     def must_ask(self) -> bool:
@@ -197,8 +203,7 @@ class BoardRecorder(SessionListener):
 
         Raises InputError if the board can't be used, or another player has the name.
         """
-        assert self._board is not None
-        await asyncio.to_thread(self._board.join, membership)
+        await asyncio.to_thread(self.board.join, membership)
         self.membership = membership
         while self._pending:
             victory = self._pending.popleft()
@@ -207,12 +212,16 @@ class BoardRecorder(SessionListener):
         await self._load(self._session.opened)
 
     async def ask_for_help(self, text: str) -> None:
-        """Show the program's text to the teacher, or if it is shown take it back."""
+        """Show the program's text to the teacher, or if it is shown take it back.
+
+        Raises InputError outside a class, or if the board can't be used.
+        """
         from logical_robots_tui.progress.board import timestamp
 
-        assert self._board is not None
+        if not self.is_class:
+            raise InputError("Nobody watches this game: it is not played in a class.")
         wants_help = not self.asks_for_help
-        await asyncio.to_thread(self._board.show_program, text if wants_help else None)
+        await asyncio.to_thread(self.board.show_program, text if wants_help else None)
         self.asks_for_help = wants_help
         self._report(help_since=timestamp() if wants_help else None)
 
@@ -225,18 +234,15 @@ class BoardRecorder(SessionListener):
     async def ghosts(self) -> Sequence[GhostEntry]:
         """Return whom the player may race in the level at hand, or raise InputError."""
         level = self._session.opened
-        if self._board is None:
-            raise InputError(NO_BOARD)
         if self._recorder.record.state != "won":
             raise InputError(f"Win {level.title} first; then you can race others.")
-        return await asyncio.to_thread(_of_level, self._board.ghosts, level)
+        return await asyncio.to_thread(_of_level, self.board.ghosts, level)
 
     async def ghost(self, entry: GhostEntry) -> Replay:
         """Return the run of an entry, or raise InputError."""
         from logical_robots_tui.game.replay import read_replay
 
-        assert self._board is not None
-        content = await asyncio.to_thread(self._board.ghost, entry.number)
+        content = await asyncio.to_thread(self.board.ghost, entry.number)
         if content is None:
             raise InputError("This run is no longer shared.")
         return await asyncio.to_thread(read_replay, content, "The run")
@@ -244,8 +250,7 @@ class BoardRecorder(SessionListener):
     async def hand_in(self, text: str) -> None:
         """Let a program play in the ladder of the arena at hand, or raise InputError."""
         ladder = self._ladder()
-        assert self._board is not None
-        membership = await asyncio.to_thread(self._board.membership)
+        membership = await asyncio.to_thread(self.board.membership)
         if membership is None or not membership.is_listed:
             raise InputError("You are not on the board", hint="Choose a name there first.")
         await asyncio.to_thread(ladder.hand_in, text)
@@ -258,8 +263,7 @@ class BoardRecorder(SessionListener):
         """Return the player's match in the ladder at hand, or raise InputError."""
         from logical_robots_tui.game.replay import read_replay
 
-        assert self._board is not None
-        content = await asyncio.to_thread(self._ladder().match, self._board.player, opponent.player)
+        content = await asyncio.to_thread(self._ladder().match, self.board.player, opponent.player)
         if content is None:
             hint = "Hand in a program, and choose somebody else's once it has a rank."
             raise InputError("There is no match of yours against this program", hint=hint)
@@ -269,17 +273,14 @@ class BoardRecorder(SessionListener):
         from logical_robots_tui.progress.ladder import Ladder
 
         level = self._session.opened
-        if self._board is None:
-            raise InputError(NO_BOARD)
         if level.name not in list_arenas() or not alike(level, load_level(level.name)):
             raise InputError(f"{level.title} has no ladder", hint="Open an arena.")
-        return Ladder(self._board, level.name)
+        return Ladder(self.board, level.name)
 
     # -- in the background -------------------------------------------------------------------
 
     async def _load(self, level: Level) -> None:
-        assert self._board is not None
-        self.membership = await self._attempt(self._board.membership)
+        self.membership = await self._attempt(self.board.membership)
         key = level_key(level)
         record = await self._recorder.ask(lambda progress: progress.record(key))
         if record.state == "won":
@@ -289,9 +290,8 @@ class BoardRecorder(SessionListener):
         self._on_change()
 
     async def _enter(self, victory: Victory, measures: Measures) -> None:
-        assert self._board is not None
         if self.membership is None:
-            self.membership = await self._attempt(self._board.membership)
+            self.membership = await self._attempt(self.board.membership)
         if self.membership is not None and not self.membership.is_listed:
             return
         entry = _PendingEntry(victory.level, victory.program.text, measures)
@@ -321,9 +321,8 @@ class BoardRecorder(SessionListener):
             return None
 
     async def _add(self, victory: _PendingEntry) -> None:
-        assert self._board is not None
         assert self.membership is not None
-        await self._attempt(_add, self._board, self.membership, victory)
+        await self._attempt(_add, self.board, self.membership, victory)
 
     async def _attempt(self, work: Callable[..., T], *values: object) -> T | None:
         """Run work in a thread; None, with a warning that is given once, if the board fails."""
@@ -370,9 +369,8 @@ class BoardRecorder(SessionListener):
             self._report()
 
     async def _flush(self) -> None:
-        assert self._board is not None
         activity, self._activity = self._activity, {}
-        await self._attempt(partial(self._board.report, **activity))
+        await self._attempt(partial(self.board.report, **activity))
 
 
 def _has_board(level: Level) -> bool:

@@ -136,13 +136,6 @@ class Library:
             self._program.load(text)
         self._session.open_program(source, text)
 
-    async def save(self) -> None:
-        """Save the program in its own file."""
-        try:
-            await self.save_as(self._session.source.path)
-        except InputError as error:
-            self._ui.warn(str(error))
-
     async def save_as(self, path: Path) -> None:
         """Save the program in a file and continue with that, or raise InputError."""
         old_source = self._session.source

@@ -342,11 +342,11 @@ class Board:
         return [BoardStanding(name, bool(is_me), *bests) for name, is_me, *bests in rows]
 
     def ghosts(self, level_digest: str) -> list[GhostEntry]:
-        """Return the entries of a level that others may race against, the fewest ticks first."""
+        """Return the entries of others that the player may race, the fewest ticks first."""
         rows = self.rows(
             "SELECT number, name, ticks, size FROM entry JOIN player USING (player) "
             "WHERE level_digest = :level_digest AND ghost NOT NULL AND struck IS NULL "
-            "ORDER BY ticks, number",
+            "AND player != :player ORDER BY ticks, number",
             level_digest=level_digest,
         )
         return [GhostEntry(*row) for row in rows]

@@ -48,8 +48,13 @@ NAMED = [
     ("lab.md", EXPERIMENT, BUILT_IN, ("{}",)),
     ("lab.md", EXPERIMENT, get_args(Reduction), ("`{}`",)),
     ("lab.md", ENDS, get_args(Outcome), ("`{}`",)),
-    ("playing.md", "Keys", [e.title for e in COMMANDS if not (e.keys or e.in_browser)], ("{}",)),
-    ("web.md", "", [entry.title for entry in COMMANDS if entry.in_browser], ("{}",)),
+    (
+        "playing.md",
+        "Keys",
+        [e.title for e in COMMANDS if not e.keys and e.needs != "browser"],
+        ("{}",),
+    ),
+    ("web.md", "", [entry.title for entry in COMMANDS if entry.needs == "browser"], ("{}",)),
     *(
         (page, "", [name for name in commands() if name and page_of(name) == page], CALLS)
         for page in sorted(set(map(page_of, commands())))

@@ -31,7 +31,7 @@ def keys_table(scope: Scope) -> str:
     """The commands that have a key, as a table for each heading of the help, and the others."""
     lines = [""]
     groups: dict[str, list[Command]] = {}
-    available = KeyMap(COMMANDS).available
+    available = KeyMap(COMMANDS, has=["board", "class"]).available
     for entry in available:
         if entry.keys and entry.scope == scope:
             groups.setdefault(entry.group, []).append(entry)

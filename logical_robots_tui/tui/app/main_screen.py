@@ -19,7 +19,7 @@ from logical_robots_tui.player.drafts import leave
 from logical_robots_tui.player.opening import LocalPlayer, Opening
 from logical_robots_tui.player.recorder import TOUR
 from logical_robots_tui.player.session_state import SessionListener
-from logical_robots_tui.processes.helper import collect_seldom
+from logical_robots_tui.processes.helper import collect_seldom, give_back_memory
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
 from logical_robots_tui.tui.commands.keymap import (
@@ -75,6 +75,7 @@ if TYPE_CHECKING:
 
 _HEARTBEAT = 0.25  # seconds between updates of the clock while it runs
 _ROOMY = 36  # lines with room for a picture in a dialog
+_SETTLED = 1.0  # seconds after which what a level held is no longer used
 _READABLE = 0.2  # seconds that a number stays while robots run
 
 
@@ -269,6 +270,7 @@ class MainScreen(Screen[None], SessionListener):
         self._suit(level, self.program.text)
         self.labyrinth.select(None)
         self.scheduler.soon()
+        self.set_timer(_SETTLED, give_back_memory)
 
     def program_used(self, program: Program) -> None:
         self.arrangement.note("")

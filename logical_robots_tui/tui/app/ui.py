@@ -11,6 +11,7 @@ from textual.css.query import NoMatches
 from textual.dom import NoScreen
 from textual.errors import NoWidget
 
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.session_state import Ui, Work
 from logical_robots_tui.tui.terminal.textual_internals import is_being_removed, withdraw_message
 from logical_robots_tui.wording import one_line
@@ -90,7 +91,13 @@ class ScreenUi(Dialogs):
         app.call_later(withdraw_message, app, message)  # after the message has arrived
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        in_background(self.screen, work, group, exclusive=exclusive)
+        async def work_or_warn() -> None:
+            try:
+                await work()
+            except InputError as error:
+                self.warn(str(error))
+
+        in_background(self.screen, work_or_warn, group, exclusive=exclusive)
 
     def show(
         self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None

@@ -25,6 +25,9 @@ Scope: TypeAlias = Literal["screen", "level", "text"]
 The text editor binds its keys itself, and a player can't change them.
 """
 
+Surrounding: TypeAlias = Literal["browser", "board", "class"]
+"""What not every game has: it is shown in a browser, has a board, or is one of a class."""
+
 
 def _key_of(character: str) -> str:
     name = unicodedata.name(character).lower().replace("-", "_").replace(" ", "_")
@@ -47,7 +50,7 @@ class Command(NamedTuple):
         bar: Label in the command bar, or "" to leave it out; not shown beside an equal key.
         spare: How early the bar drops it when there is little room; 0 is never.
         also: Other words that the palette finds it by.
-        in_browser: Whether only a game in a browser has it.
+        needs: Without what a game doesn't have it.
         worker: The group of workers that an asynchronous `act` runs in, one at a time; "" for
             one that is not asynchronous.
     """
@@ -64,7 +67,7 @@ class Command(NamedTuple):
     spare: int = 0
     worker: str = ""
     also: str = ""
-    in_browser: bool = False
+    needs: Surrounding | None = None
     without_key: str = "^P"
 
     def run(self, target: object, spawn: Spawn) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextvars import ContextVar
 from string import ascii_lowercase
 from types import MappingProxyType
@@ -11,7 +11,13 @@ from textual.binding import Binding, BindingsMap
 
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.player.settings import Complain, Keys, toml_line
-from logical_robots_tui.tui.commands.command import CHARACTERS, Command, Scope, key_name
+from logical_robots_tui.tui.commands.command import (
+    CHARACTERS,
+    Command,
+    Scope,
+    Surrounding,
+    key_name,
+)
 
 
 class KeyMap:
@@ -22,16 +28,16 @@ class KeyMap:
         commands: Iterable[Command],
         keys: Keys = MappingProxyType({}),
         *,
-        in_browser: bool = False,
+        has: Collection[Surrounding] = (),
     ) -> None:
         entries = {
             entry.id: entry._replace(keys=keys.get(entry.id, entry.keys)) for entry in commands
         }
-        if in_browser:  # the first key is the one that is shown
+        if "browser" in has:  # the first key is the one that is shown
             for name, entry in entries.items():
                 reachable_first = sorted(entry.keys, key=_TAKEN_BY_BROWSERS.__contains__)
                 entries[name] = entry._replace(keys=(*reachable_first,))
-        self._in_browser = in_browser
+        self._has = has
         # Without a key of its own the palette is still in the bar, to be clicked.
         palette = entries["palette"]
         instead = key_name(palette.keys[0]) if palette.keys else palette.bar
@@ -39,8 +45,8 @@ class KeyMap:
 
     @property
     def available(self) -> list[Command]:
-        """The commands that there are where this game is shown."""
-        return [entry for entry in self.by_id.values() if self._in_browser or not entry.in_browser]
+        """The commands that this game has."""
+        return [entry for entry in self.by_id.values() if entry.needs in (None, *self._has)]
 
     @property
     def changeable(self) -> dict[str, Command]:

@@ -112,10 +112,10 @@ programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library_co
     bar="Save as", spare=9, worker="dialog", also="export")
 programs.add("upload", "Upload a file…", "ctrl+u", lambda s: s.run_action("app.upload"),
     "Choose a program, a level or a replay to keep and open; the page takes dropped "
-    "ones, too.", worker="dialog", in_browser=True, also="open import load drop")
+    "ones, too.", worker="dialog", needs="browser", also="open import load drop")
 programs.add("download", "Download the program", "",
     lambda s: s.ui.deliver(s.program.text, f"{s.session.source.name}.l"),
-    "Download the text in the editor, saved or not.", in_browser=True, also="export")
+    "Download the text in the editor, saved or not.", needs="browser", also="export")
 programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.session.source.text),
     "Reload the program from its file; undo restores your text.")
 programs.add("versions", "Earlier versions", "v", lambda s: s.learning.choose_version(),
@@ -140,16 +140,16 @@ learning.add("results", "Results", "m", lambda s: s.announcer.results(),
     also="score best")
 learning.add("board", "Board…", "", lambda s: s.board.join(),
     "Choose under which name the players of this server see your results, or leave the board.",
-    worker="board", also="name anonymous class histogram rank")
+    worker="board", needs="board", also="name anonymous class histogram rank")
 learning.add("hand_in", "Hand in to the ladder", "", lambda s: s.board.hand_in(),
     "Let the program in the editor play all others in the ladder of this arena.",
-    worker="board", also="arena tournament compete")
+    worker="board", needs="board", also="arena tournament compete")
 learning.add("ladder", "Ladder…", "", lambda s: s.board.show_ladder(),
     "Show who is how strong in this arena, and watch your matches.", worker="board",
-    also="arena tournament rank board")
+    needs="board", also="arena tournament rank board")
 learning.add("ask_help", "Ask for help", "", lambda s: s.board.ask_for_help(),
     "Tell the teacher of a class that you are stuck, and show them your program, or stop that.",
-    worker="board", also="teacher stuck question")
+    worker="board", needs="class", also="teacher stuck question")
 learning.add("copy_result", "Copy my result", "", general.copy_result,
     "Copy the result of your last victory here as a line of text to share.", also="share export")
 learning.add("solution", "Reference programs", "W", lambda s: s.learning.solution(),
@@ -165,7 +165,7 @@ making.add("new_level", "New level…", "H", lambda s: s.editing.make_level(),
     "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog",
     also="create map")
 making.add("download_level", "Download the level", "", general.download_level,
-    "Download the level as it is now, saved or not.", in_browser=True, also="export")
+    "Download the level as it is now, saved or not.", needs="browser", also="export")
 
 editing: CommandGroup[LevelController] = CommandGroup("In the level editor", "level")
 editing.add("hand", "Hand", "h", lambda e: e.take("hand"),
@@ -293,7 +293,7 @@ view.add("race_replay", "Race a replay…", "", lambda s: s.ghost.choose(),
     worker="ghost", also="ghost compare")
 view.add("race_player", "Race a player…", "", lambda s: s.board.choose_ghost(),
     "Show the best run of another player of this server, faintly, to race against.",
-    worker="ghost", also="ghost compare board")
+    worker="ghost", needs="board", also="ghost compare board")
 view.add("drawing", "Drawing style", "d", general.drawing,
     "Draw the map in quadrants, half blocks, sextants, or plain characters.")
 

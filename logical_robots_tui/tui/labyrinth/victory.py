@@ -197,13 +197,14 @@ class VictoryAnnouncer(SessionListener):
     async def _picture_of(self, level: str | None) -> Cells | None:
         """Draw what comes next; without it the story is told alone."""
         from logical_robots_tui.tui.labyrinth.results import STORY_WIDTH
-        from logical_robots_tui.tui.library.cards import miniature, shipped_level
+        from logical_robots_tui.tui.library.cards import shipped_miniature
 
         if level is None or (look := self.look()) is None:
             return None
         with suppress(LevelError):
-            next_level = await asyncio.to_thread(shipped_level, level)
-            return await asyncio.to_thread(miniature, next_level, STORY_WIDTH, _PICTURE_ROWS, *look)
+            return await asyncio.to_thread(
+                shipped_miniature, level, STORY_WIDTH, _PICTURE_ROWS, *look
+            )
         return None
 
     def _obey(self, answer: str | None) -> None:

@@ -159,12 +159,13 @@ def _style(colour: str, *, bold: bool = False) -> Style:
     return rich_style(f"{'bold ' * bold}{colour} {_PAPER}")
 
 
-@lru_cache(maxsize=64)
-def shipped_level(name: str) -> Level:
-    return load_level(name)
+@lru_cache(maxsize=128)  # of the pictures alone: all levels' walls would be 8 MB
+def shipped_miniature(
+    name: str, columns: int, rows: int, drawing: Drawing, palette: Palette
+) -> Cells:
+    return miniature(load_level(name), columns, rows, drawing, palette)
 
 
-@lru_cache(maxsize=128)
 def miniature(
     level: Level,
     columns: int,
@@ -174,7 +175,7 @@ def miniature(
     *,
     names: bool = False,
 ) -> Cells:
-    """Return a level at its start, without rays. Takes milliseconds the first time."""
+    """Return a level at its start, without rays. Takes milliseconds."""
     state = World(level).save()
     start = Frame(0, state, state, (), {}, (), {}, 0.0)
     viewport = Viewport.fit(level.width, level.height, columns, rows)
@@ -247,6 +248,9 @@ class LevelCards(ScrollView, can_focus=False):
         self._cards = cards
         self._strips.pop(index, None)
         self._refresh_card(index)
+
+    def has_picture(self, name: str) -> bool:
+        return name in self._pictures
 
     def set_picture(self, name: str, picture: Cells) -> None:
         self._pictures[name] = picture

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource
-from logical_robots_tui.player.board import NO_BOARD, NO_CLASS
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
@@ -69,7 +68,7 @@ class LibraryController:
         if self.session.source.shipped:
             await self.save_as()
         else:
-            await self.library.save()
+            await self.library.save_as(self.session.source.path)
 
     async def save_as(self) -> None:
         from logical_robots_tui.tui.library.save_dialog import SaveAs
@@ -107,9 +106,6 @@ class BoardController:
         """Ask how to be on the board."""
         from logical_robots_tui.tui.library.board import JoinDialog
 
-        if not self.board.is_on:
-            self.ui.warn(NO_BOARD)
-            return
         membership = await self.ui.ask(JoinDialog(self.board.membership, self.board.join))
         if membership is not None and not membership.is_listed:
             self.ui.tell("You are not on the board. It has no entries of yours.")
@@ -123,28 +119,18 @@ class BoardController:
         from logical_robots_tui.progress.board import shown_name
         from logical_robots_tui.tui.library.board import GhostPicker
 
-        try:
-            entries = await self.board.ghosts()
-            if not entries:
-                raise InputError("Nobody lets others race their run of this level yet.")
-            entry = await self.ui.ask(GhostPicker(entries))
-            if entry is not None:
-                replay = await self.board.ghost(entry)
-                await self.race(replay, f"run of {one_line(shown_name(entry.name))}")
-        except InputError as error:
-            self.ui.warn(str(error))
+        entries = await self.board.ghosts()
+        if not entries:
+            raise InputError("Nobody lets others race their run of this level yet.")
+        entry = await self.ui.ask(GhostPicker(entries))
+        if entry is not None:
+            replay = await self.board.ghost(entry)
+            await self.race(replay, f"run of {one_line(shown_name(entry.name))}")
 
     async def ask_for_help(self) -> None:
         from logical_robots_tui.tui.commands.keymap import with_keys
 
-        if not self.board.is_class:
-            self.ui.warn(NO_CLASS)
-            return
-        try:
-            await self.board.ask_for_help(self.program.text)
-        except InputError as error:
-            self.ui.warn(str(error))
-            return
+        await self.board.ask_for_help(self.program.text)
         if self.board.asks_for_help:
             message = "The teacher sees that you need help, and your program. {ask_help} ends it."
         else:
@@ -152,21 +138,14 @@ class BoardController:
         self.ui.tell(with_keys(message))
 
     async def hand_in(self) -> None:
-        try:
-            await self.board.hand_in(self.program.text)
-        except InputError as error:
-            self.ui.warn(str(error))
-        else:
-            self.ui.tell("Handed in. It plays in the background; the ladder shows its rank.")
+        await self.board.hand_in(self.program.text)
+        self.ui.tell("Handed in. It plays in the background; the ladder shows its rank.")
 
     async def show_ladder(self) -> None:
         from logical_robots_tui.tui.library.board import LadderDialog
 
-        try:
-            challengers = await self.board.challengers()
-            dialog = LadderDialog(self.session.opened.title, challengers)
-            opponent = await self.ui.ask(dialog)
-            if opponent is not None:
-                await self.open_replay(await self.board.match(opponent))
-        except InputError as error:
-            self.ui.warn(str(error))
+        challengers = await self.board.challengers()
+        dialog = LadderDialog(self.session.opened.title, challengers)
+        opponent = await self.ui.ask(dialog)
+        if opponent is not None:
+            await self.open_replay(await self.board.match(opponent))

@@ -25,7 +25,7 @@ from logical_robots_tui.tui.library.cards import (
     LevelCard,
     LevelCards,
     miniature,
-    shipped_level,
+    shipped_miniature,
 )
 from logical_robots_tui.tui.library.chooser import is_path
 from logical_robots_tui.tui.theme.themes import INK, palette_of
@@ -146,13 +146,16 @@ class LevelScreen(Dialog["Level | Wish"]):
     async def _draw_all(self) -> None:
         palette = palette_of(self.app.current_theme)
         for index in self._cards.seen_first():
-            level = self._shown[index].level if index < len(self._shown) else None
-            if level is not None:
-                name = self._shown[index].name
-                drawn = await asyncio.to_thread(
-                    miniature, level, *self._cards.picture_size, self._drawing, palette
-                )
-                self._cards.set_picture(name, drawn)
+            card = self._shown[index] if index < len(self._shown) else None
+            if card is None or card.level is None or self._cards.has_picture(card.name):
+                continue
+            draw = partial(miniature, card.level)
+            if card.file is None:
+                draw = partial(shipped_miniature, card.name)
+            picture = await asyncio.to_thread(
+                draw, *self._cards.picture_size, self._drawing, palette
+            )
+            self._cards.set_picture(card.name, picture)
 
     def _filter(self, highlighted: str | None) -> None:
         text = self._filter_text
@@ -234,7 +237,7 @@ class LevelScreen(Dialog["Level | Wish"]):
 
 
 def _level_of(card: LevelCard) -> Level:
-    return shipped_level(card.name) if card.file is None else load_level(card.file)
+    return load_level(card.file or card.name)
 
 
 def _load(name_or_path: str) -> Level:

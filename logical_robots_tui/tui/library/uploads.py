@@ -49,11 +49,7 @@ class Uploads:
     free: Callable[[], Awaitable[None]]
 
     async def receive(self, name: str, content: bytes) -> None:
-        try:
-            path, item = await asyncio.to_thread(_keep, self.data_dir, name, content)
-        except InputError as error:
-            self.ui.warn(str(error))
-            return
+        path, item = await asyncio.to_thread(_keep, self.data_dir, name, content)
         self.ui.tell(f"Saved {name_and_folder(path)}.")
         await self.free()
         if isinstance(item, ProgramSource):

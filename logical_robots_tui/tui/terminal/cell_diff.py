@@ -15,6 +15,8 @@ from textual.geometry import Region
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, PAPER, colour_of
 
+_MOST_STYLES = 4096  # that are kept; a picture has some hundred, all of a long game ten thousand
+
 _CLOSE = 3  # equal cells between two changed ones that are cheaper to rewrite than to skip
 
 _ATTRIBUTES = (
@@ -187,7 +189,7 @@ class _CellStyles(dict[int, CellStyle]):
         self._colours = colours
 
     def __missing__(self, packed: int) -> CellStyle:
-        if len(self) > 20_000:
+        if len(self) > _MOST_STYLES:
             self.clear()
         attributes, ink, paper = "1" if packed & BOLD else "", "", ""
         if self._colours is not None:
@@ -233,7 +235,7 @@ _TURNING = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u20
 _width = lru_cache(maxsize=4096)(cell_len)
 
 
-@lru_cache(maxsize=20_000)
+@lru_cache(maxsize=_MOST_STYLES)
 def look_of(style: Style | None, colours: ColorSystem | None) -> CellStyle:
     if style is None:
         return _PLAIN
@@ -247,13 +249,13 @@ def look_of(style: Style | None, colours: ColorSystem | None) -> CellStyle:
     return _same(CellStyle(codes, ink, paper))
 
 
-@lru_cache(maxsize=40_000)
+@lru_cache(maxsize=_MOST_STYLES)
 def _same(look: CellStyle) -> CellStyle:
     """Return one object for equal styles, which makes comparisons faster."""
     return look
 
 
-@lru_cache(maxsize=40_000)
+@lru_cache(maxsize=_MOST_STYLES)
 def _change(pen: CellStyle, look: CellStyle) -> str:
     if pen == look:
         return ""
@@ -278,7 +280,7 @@ _FOR_A_HUE = 5  # how much worse a colour may be than a grey, to keep its hue
 _GREYS = tuple(8 + 10 * step for step in range(24))
 
 
-@lru_cache(maxsize=40_000)
+@lru_cache(maxsize=_MOST_STYLES)
 def reduce_colour(color: Color, colours: ColorSystem) -> Color:
     """Return the terminal's nearest colour.
 

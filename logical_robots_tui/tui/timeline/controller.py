@@ -319,8 +319,7 @@ class Replays:
         session.pause()
         history = session.history
         if history is None or not history.last:
-            self.ui.warn("Run the robots first: there is nothing to save before the first tick.")
-            return
+            raise InputError("There is nothing to save before the first tick. Run the robots.")
         name = session.source.name
         path = self.folder / f"{session.level.name}-{datetime.now():%Y%m%d-%H%M%S}{SUFFIX}"
         try:
@@ -328,8 +327,6 @@ class Replays:
             size = await asyncio.to_thread(_write, path, replay)
         except Superseded:
             self.ui.warn("The timeline changed before the replay was saved. Save it again.")
-        except InputError as error:
-            self.ui.warn(str(error))
         except OSError as error:
             self.ui.warn(f"The replay could not be saved: {error.strerror or error}.")
         else:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.player.settings import Settings, read_settings
+from logical_robots_tui.tui.commands.command import Surrounding
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, key_from, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
 
@@ -42,16 +43,25 @@ def test_a_command_without_a_key_is_found_where_the_palette_is() -> None:
 
 
 def test_a_browser_is_told_keys_that_it_passes_on() -> None:
-    entries = KeyMap(COMMANDS, {"apply": ("ctrl+t", "f9")}, in_browser=True).by_id
+    entries = KeyMap(COMMANDS, {"apply": ("ctrl+t", "f9")}, has=["browser"]).by_id
     names = [entries[name].key_name for name in ("next_pane", "delete_word", "apply", "palette")]
     assert names == ["F10", "alt+backspace", "F9", "^P"]
 
 
-@pytest.mark.parametrize("in_browser", [False, True])
-def test_only_a_browser_has_uploads_and_downloads(*, in_browser: bool) -> None:
-    names = {"upload", "download", "download_level"}
-    available = {entry.id for entry in KeyMap(COMMANDS, in_browser=in_browser).available}
-    assert available & names == (names if in_browser else set())
+@pytest.mark.parametrize(
+    ("surrounding", "names"),
+    [
+        ("browser", {"upload", "download", "download_level"}),
+        ("board", {"board", "hand_in", "ladder", "race_player"}),
+        ("class", {"ask_help"}),
+    ],
+)
+def test_some_commands_are_there_only_where_they_can_be_used(
+    surrounding: Surrounding, names: set[str]
+) -> None:
+    everywhere = {entry.id for entry in KeyMap(COMMANDS).available}
+    available = {entry.id for entry in KeyMap(COMMANDS, has=[surrounding]).available}
+    assert available - everywhere == names
 
 
 @pytest.mark.parametrize(

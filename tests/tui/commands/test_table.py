@@ -26,7 +26,7 @@ from logical_robots_tui.tui.theme.themes import INK
 from tests.processes import run_command
 from tests.tui.conftest import Size, at_both_sizes, opened
 
-SCREEN = [entry for entry in COMMANDS if entry.scope == "screen" and not entry.in_browser]
+SCREEN = [entry for entry in COMMANDS if entry.scope == "screen" and not entry.needs]
 WRITING = [entry for entry in COMMANDS if entry.scope == "text"]
 TAKEN_BY_OTHERS = {"ctrl+a", "ctrl+b", "ctrl+q", "ctrl+z", "ctrl+c"}
 

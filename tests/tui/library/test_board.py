@@ -12,6 +12,7 @@ from logical_robots_tui.player.board import NOTICE
 from logical_robots_tui.player.opening import Opening
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.progress.board import Board, BoardMembership
+from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.results import ResultsDialog
 from logical_robots_tui.tui.library.board import GhostPicker, JoinDialog
 from logical_robots_tui.world import load_level
@@ -130,17 +131,12 @@ async def test_a_class_is_told_what_is_seen_and_may_ask_for_help(
         assert board.shown_program("ada") is None
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("board", "There is no board"),
-        ("race_player", "There is no board"),
-        ("ask_help", "Nobody watches this game"),
-    ],
-)
-async def test_without_a_board_or_a_class_its_commands_say_so(
-    data_dir: Path, name: str, message: str
+@pytest.mark.parametrize(("has_board", "is_class"), [(False, False), (True, False), (True, True)])
+async def test_the_palette_has_what_there_is_to_be_used(
+    data_dir: Path, tmp_path: Path, *, has_board: bool, is_class: bool
 ) -> None:
-    async with seated(data_dir, None) as game:
-        await game.command(name)
-        await game.sees(message)
+    board = board_of(tmp_path / "board", "ada") if has_board else None
+    async with seated(data_dir, board, is_class=is_class):
+        available = {entry.id for entry in commands("screen")}
+        assert ("board" in available, "race_player" in available) == (has_board, has_board)
+        assert ("ask_help" in available) == is_class

@@ -1,5 +1,7 @@
 """The level screen: a card for each level, what was achieved there, the labyrinth of the day."""
 
+import gc
+import weakref
 from dataclasses import replace
 from datetime import date
 from functools import partial
@@ -44,10 +46,6 @@ async def open_levels(game: Opened) -> LevelCards:
     return cards
 
 
-def has_picture(cards: LevelCards, name: str) -> bool:
-    return name in cards._pictures
-
-
 @pytest.mark.sampled
 @pytest.mark.parametrize("size", [(120, 40), (80, 24), (40, 12)])
 async def test_each_level_has_a_card_with_picture(data_dir: Path, size: tuple[int, int]) -> None:
@@ -58,7 +56,7 @@ async def test_each_level_has_a_card_with_picture(data_dir: Path, size: tuple[in
             if name == DAILY:
                 await game.sees("Labyrinth of the da")
                 continue
-            await game.until(partial(has_picture, cards, name))
+            await game.until(partial(cards.has_picture, name))
             await game.sees(load_level(name).title[:20], "○ new")
             assert any(sign in game.screen() for sign in "▀▄▌▐▛▜▙▟")
         for line in game.screen().splitlines():
@@ -143,11 +141,11 @@ async def test_early_keys_cost_no_pictures(data_dir: Path, monkeypatch: pytest.M
             await game.press(*NAMES[1], until=lambda: names_on(cards) == [NAMES[1]])
         finally:
             hold.release()
-        await game.until(partial(has_picture, cards, NAMES[1]))
+        await game.until(partial(cards.has_picture, NAMES[1]))
         line.value = ""
         await game.until(lambda: len(cards._cards) == len(NAMES) + 1)
         for name in (*COURSE, *list_arenas()):
-            await game.until(partial(has_picture, cards, name))
+            await game.until(partial(cards.has_picture, name))
 
 
 def fits(cards: LevelCards, name: str) -> bool:
@@ -209,3 +207,23 @@ async def test_today_s_labyrinth_is_opened_in_the_chosen_size_or_not(data_dir: P
 def test_a_result_is_one_line(measures: Measures, line: str) -> None:
     whole = f"Logical Robots · First steps · {line}"
     assert result_line(load_level("01-first-steps"), measures) == whole
+
+
+class _Cycle:
+    def __init__(self) -> None:
+        self.itself = self
+
+
+async def test_what_only_cycles_hold_is_freed_when_another_level_was_opened(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir) as game:
+        await open_levels(game)
+        cycle = weakref.ref(_Cycle())
+        gc.disable()
+        try:
+            await game.press("right", "enter")
+            await game.until(lambda: game.session.level.name == NAMES[1])
+            await game.until(lambda: cycle() is None)
+        finally:
+            gc.enable()

@@ -32,8 +32,7 @@ async def saved(game: Opened) -> Replay:
 
 async def test_runs_are_saved_and_opened_again(data_dir: Path, short: Path, tmp_path: Path) -> None:
     async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
-        await game.main.replays.save()
-        await game.sees("Run the robots first")
+        await game.command("save_replay", sees="There is nothing to save")
         assert not (data_dir / "replays").exists()
         await game.press("n", "n", "n", tick=3)
         game.session.place_robot("Pip", (30.0, 12.0, 0.5))

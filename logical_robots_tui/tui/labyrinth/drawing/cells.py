@@ -228,13 +228,13 @@ class Cells:
         return ["".join(_texts[number] for number in line) for line in self.text.tolist()]
 
 
-@lru_cache(maxsize=20_000)
+@lru_cache(maxsize=4096)
 def _style_of(packed: int) -> Style:
     style = Style.from_color(colour_of(packed >> 24 & PAPER), colour_of(packed & PAPER))
     return style + Style(bold=True) if packed & BOLD else style
 
 
-@lru_cache(maxsize=8192)
+@lru_cache(maxsize=4096)
 def colour_of(number: int) -> RichColor:
     return RichColor.from_rgb(number >> 16, number >> 8 & 0xFF, number & 0xFF)
 
