@@ -50,7 +50,7 @@ class Command(NamedTuple):
         bar: Label in the command bar, or "" to leave it out; not shown beside an equal key.
         spare: How early the bar drops it when there is little room; 0 is never.
         also: Other words that the palette finds it by.
-        needs: Without what a game doesn't have it.
+        needs: What a game must have to offer it.
         worker: The group of workers that an asynchronous `act` runs in, one at a time; "" for
             one that is not asynchronous.
     """

@@ -15,7 +15,7 @@ from textual.geometry import Region
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, PAPER, colour_of
 
-_MOST_STYLES = 4096  # that are kept; a picture has some hundred, all of a long game ten thousand
+_MOST_STYLES = 4096  # that are kept: a picture has hundreds, a long game tens of thousands
 
 _CLOSE = 3  # equal cells between two changed ones that are cheaper to rewrite than to skip
 
