@@ -204,7 +204,7 @@ def starved(process: int) -> Iterator[None]:
         os.sched_setaffinity(int(thread.name), place)
     loop = ["taskset", "-c", str(min(place)), "sh", "-c", "while :; do :; done"]
     with ExitStack() as later:
-        for _ in range(20):
+        for _ in range(10):
             later.callback(later.enter_context(subprocess.Popen(loop, start_new_session=True)).kill)
         yield
 
