@@ -88,11 +88,11 @@ def zoomed(browser: Browser, zoom: float) -> Iterator[Browser]:
 
 @contextmanager
 def serving(folder: Path, *words: str) -> Iterator[str]:
-    """Serve a level and a program, with a player's files in a folder; yield the address."""
+    """Serve a game or a class, with players' files in a folder; yield the address."""
     command = [sys.executable, "-m", "logical_robots_tui", "serve", *words, "--no-open"]
     with Popen([*command, "--data-dir", folder], stdout=PIPE, text=True) as server:
         assert server.stdout is not None
-        match = re.match(r"Playing at (http://127\.0\.0\.1:\d+/#\S+)", server.stdout.readline())
+        match = re.match(r"(?:Playing|Serving a class) at (http://\S+)", server.stdout.readline())
         assert match
         try:
             yield match[1]

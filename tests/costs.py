@@ -8,7 +8,7 @@ import os
 import resource
 import subprocess
 from collections import Counter, defaultdict
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from _pytest.terminal import TerminalReporter
 from logical_robots_tui.mind.compilation import _Compiler
 from logical_robots_tui.world import World
 from tests.changed import CACHE_KEY
+from tests.memory_use import descendants
 
 __all__ = ["BOUNDS", "Bound", "Costs", "folder_of", "register"]
 
@@ -116,21 +117,11 @@ def _processor_seconds() -> float:
     """Return the processor time of this process and all below it, also of those that have ended."""
     ended = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(usage.ru_utime + usage.ru_stime for usage in ended) + sum(
-        map(_of_process, _children("self"))
+        map(_of_process, descendants(os.getpid()))
     )
 
 
-def _children(pid: str) -> Iterator[str]:
-    try:
-        for task in Path(f"/proc/{pid}/task").iterdir():
-            for child in (task / "children").read_text().split():
-                yield child
-                yield from _children(child)
-    except OSError:  # it has ended, or this system doesn't say
-        return
-
-
-def _of_process(pid: str) -> float:
+def _of_process(pid: int) -> float:
     """Return the processor time of a process and of its children that have ended."""
     try:
         fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()

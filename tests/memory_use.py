@@ -33,7 +33,7 @@ def memory_share(process: int, *, and_children: bool = False) -> int:
 def descendants(process: int) -> list[int]:
     """Return the processes that a process has started, those that they have started, and so on."""
     children: list[int] = []
-    with suppress(OSError):
+    with suppress(OSError):  # it has ended, or this system doesn't say
         for task in Path(f"/proc/{process}/task").iterdir():
             children += map(int, (task / "children").read_text().split())
     return [pid for child in children for pid in (child, *descendants(child))]

@@ -233,10 +233,10 @@ class BoardRecorder(SessionListener):
 
     async def ghosts(self) -> Sequence[GhostEntry]:
         """Return whom the player may race in the level at hand, or raise InputError."""
-        level = self._session.opened
+        board, level = self.board, self._session.opened
         if self._recorder.record.state != "won":
             raise InputError(f"Win {level.title} first; then you can race others.")
-        return await asyncio.to_thread(_of_level, self.board.ghosts, level)
+        return await asyncio.to_thread(_of_level, board.ghosts, level)
 
     async def ghost(self, entry: GhostEntry) -> Replay:
         """Return the run of an entry, or raise InputError."""
@@ -272,10 +272,10 @@ class BoardRecorder(SessionListener):
     def _ladder(self) -> Ladder:
         from logical_robots_tui.progress.ladder import Ladder
 
-        level = self._session.opened
+        board, level = self.board, self._session.opened
         if level.name not in list_arenas() or not alike(level, load_level(level.name)):
             raise InputError(f"{level.title} has no ladder", hint="Open an arena.")
-        return Ladder(self.board, level.name)
+        return Ladder(board, level.name)
 
     # -- in the background -------------------------------------------------------------------
 

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,11 +11,10 @@ from typing import Any
 
 import pytest
 
-from tests.browser import CHROMIUM, Seat, chromium
+from tests.browser import CHROMIUM, Seat, chromium, serving
 from tests.processes import run_command
 from tests.sshd import SSHD, Server
 from tests.terminal import Terminal
-from tests.waiting import PATIENCE
 
 pytestmark = [
     pytest.mark.slow,
@@ -35,18 +33,10 @@ JOIN = "others may race my best run"
 
 @contextmanager
 def browser_player(folder: Path, board: Path) -> Iterator[Seat]:
-    options = ["--class", folder / "players.toml", "--port", "0"]
+    options = ["--class", str(folder / "players.toml"), "--port", "0"]
     link = run_command([*GAME, "serve", *options, "--add", "cleo"]).stdout
-    command = [*GAME, "serve", LEVEL, *options, "--board", board, "--data-dir", folder]
-    with Popen([*map(str, command)], stdout=PIPE, text=True) as server, chromium() as browser:
-        assert server.stdout is not None
-        match = re.match(r"Serving a class at (\S+)", server.stdout.readline())
-        assert match
-        try:
-            yield Seat(browser, f"{match[1]}#{link.strip().rpartition('#')[2]}")
-        finally:
-            server.terminate()
-        assert server.wait(PATIENCE) == 0
+    with serving(folder, LEVEL, *options, "--board", str(board)) as address, chromium() as browser:
+        yield Seat(browser, f"{address}#{link.strip().rpartition('#')[2]}")
 
 
 @contextmanager

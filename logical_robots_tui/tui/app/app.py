@@ -32,7 +32,7 @@ from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.app.ui import widget_at
-from logical_robots_tui.tui.commands.command import Surrounding
+from logical_robots_tui.tui.commands.command import Need
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -94,13 +94,13 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             self.set_reactive(LogicalRobotsApp.ansi_color, False)
         self._settings = settings or Settings()
         self._chosen_theme = theme
-        has: dict[Surrounding, bool] = {
+        there_is: dict[Need, bool] = {
             "browser": constants.DRIVER is not None,
             "board": opening.board is not None,
             "class": opening.is_class,
         }
-        surroundings = [name for name, is_there in has.items() if is_there]
-        KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys, has=surroundings))
+        has = [name for name, is_there in there_is.items() if is_there]
+        KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys, has=has))
         recorder = recorder or ProgressRecorder(opening.data_dir / FILE_NAME)
         self.main = MainScreen(opening, recorder)
         self._games = opening.games

@@ -25,7 +25,7 @@ Scope: TypeAlias = Literal["screen", "level", "text"]
 The text editor binds its keys itself, and a player can't change them.
 """
 
-Surrounding: TypeAlias = Literal["browser", "board", "class"]
+Need: TypeAlias = Literal["browser", "board", "class"]
 """What not every game has: it is shown in a browser, has a board, or is one of a class."""
 
 
@@ -67,7 +67,7 @@ class Command(NamedTuple):
     spare: int = 0
     worker: str = ""
     also: str = ""
-    needs: Surrounding | None = None
+    needs: Need | None = None
     without_key: str = "^P"
 
     def run(self, target: object, spawn: Spawn) -> None:

@@ -11,13 +11,7 @@ from textual.binding import Binding, BindingsMap
 
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.player.settings import Complain, Keys, toml_line
-from logical_robots_tui.tui.commands.command import (
-    CHARACTERS,
-    Command,
-    Scope,
-    Surrounding,
-    key_name,
-)
+from logical_robots_tui.tui.commands.command import CHARACTERS, Command, Need, Scope, key_name
 
 
 class KeyMap:
@@ -28,7 +22,7 @@ class KeyMap:
         commands: Iterable[Command],
         keys: Keys = MappingProxyType({}),
         *,
-        has: Collection[Surrounding] = (),
+        has: Collection[Need] = (),
     ) -> None:
         entries = {
             entry.id: entry._replace(keys=keys.get(entry.id, entry.keys)) for entry in commands

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import ProgramSource
+from logical_robots_tui.player.board import NO_BOARD
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
@@ -106,6 +107,8 @@ class BoardController:
         """Ask how to be on the board."""
         from logical_robots_tui.tui.library.board import JoinDialog
 
+        if not self.board.is_on:
+            raise InputError(NO_BOARD)
         membership = await self.ui.ask(JoinDialog(self.board.membership, self.board.join))
         if membership is not None and not membership.is_listed:
             self.ui.tell("You are not on the board. It has no entries of yours.")

@@ -13,9 +13,7 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.geometry import Region
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, PAPER, colour_of
-
-_MOST_STYLES = 4096  # that are kept: a picture has hundreds, a long game tens of thousands
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, MOST_STYLES, PAPER, colour_of
 
 _CLOSE = 3  # equal cells between two changed ones that are cheaper to rewrite than to skip
 
@@ -189,7 +187,7 @@ class _CellStyles(dict[int, CellStyle]):
         self._colours = colours
 
     def __missing__(self, packed: int) -> CellStyle:
-        if len(self) > _MOST_STYLES:
+        if len(self) > MOST_STYLES:
             self.clear()
         attributes, ink, paper = "1" if packed & BOLD else "", "", ""
         if self._colours is not None:
@@ -235,7 +233,7 @@ _TURNING = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u20
 _width = lru_cache(maxsize=4096)(cell_len)
 
 
-@lru_cache(maxsize=_MOST_STYLES)
+@lru_cache(maxsize=MOST_STYLES)
 def look_of(style: Style | None, colours: ColorSystem | None) -> CellStyle:
     if style is None:
         return _PLAIN
@@ -249,13 +247,13 @@ def look_of(style: Style | None, colours: ColorSystem | None) -> CellStyle:
     return _same(CellStyle(codes, ink, paper))
 
 
-@lru_cache(maxsize=_MOST_STYLES)
+@lru_cache(maxsize=MOST_STYLES)
 def _same(look: CellStyle) -> CellStyle:
     """Return one object for equal styles, which makes comparisons faster."""
     return look
 
 
-@lru_cache(maxsize=_MOST_STYLES)
+@lru_cache(maxsize=MOST_STYLES)
 def _change(pen: CellStyle, look: CellStyle) -> str:
     if pen == look:
         return ""
@@ -280,7 +278,7 @@ _FOR_A_HUE = 5  # how much worse a colour may be than a grey, to keep its hue
 _GREYS = tuple(8 + 10 * step for step in range(24))
 
 
-@lru_cache(maxsize=_MOST_STYLES)
+@lru_cache(maxsize=MOST_STYLES)
 def reduce_colour(color: Color, colours: ColorSystem) -> Color:
     """Return the terminal's nearest colour.
 

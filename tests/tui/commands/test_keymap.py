@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui.player.settings import Settings, read_settings
-from logical_robots_tui.tui.commands.command import Surrounding
+from logical_robots_tui.tui.commands.command import Need
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, key_from, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
 
@@ -49,18 +49,16 @@ def test_a_browser_is_told_keys_that_it_passes_on() -> None:
 
 
 @pytest.mark.parametrize(
-    ("surrounding", "names"),
+    ("need", "names"),
     [
         ("browser", {"upload", "download", "download_level"}),
         ("board", {"board", "hand_in", "ladder", "race_player"}),
         ("class", {"ask_help"}),
     ],
 )
-def test_some_commands_are_there_only_where_they_can_be_used(
-    surrounding: Surrounding, names: set[str]
-) -> None:
+def test_some_commands_are_there_only_where_they_can_be_used(need: Need, names: set[str]) -> None:
     everywhere = {entry.id for entry in KeyMap(COMMANDS).available}
-    available = {entry.id for entry in KeyMap(COMMANDS, has=[surrounding]).available}
+    available = {entry.id for entry in KeyMap(COMMANDS, has=[need]).available}
     assert available - everywhere == names
 
 

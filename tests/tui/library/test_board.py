@@ -140,3 +140,19 @@ async def test_the_palette_has_what_there_is_to_be_used(
         available = {entry.id for entry in commands("screen")}
         assert ("board" in available, "race_player" in available) == (has_board, has_board)
         assert ("ask_help" in available) == is_class
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("board", "There is no board"),
+        ("race_player", "There is no board"),
+        ("ask_help", "Nobody watches this game"),
+    ],
+)
+async def test_without_a_board_or_a_class_its_commands_say_so(
+    data_dir: Path, name: str, message: str
+) -> None:
+    async with seated(data_dir, None) as game:
+        await game.command(name)
+        await game.sees(message)

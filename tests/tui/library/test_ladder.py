@@ -62,7 +62,7 @@ async def test_a_program_is_handed_in_and_its_match_is_watched(
         await game.until(lambda: game.tick == 7 and not game.session.busy)
 
 
-async def test_a_level_without_a_ladder_says_so(
+async def test_a_level_without_a_ladder_and_a_game_without_a_board_say_so(
     data_dir: Path, short: Path, tmp_path: Path
 ) -> None:
     ada = board_of(tmp_path / "board", "ada", None)
@@ -71,3 +71,6 @@ async def test_a_level_without_a_ladder_says_so(
     async with showing(opening) as game:
         await game.command("hand_in")
         await game.sees("A short way has no ladder. Open an arena.")
+    async with showing(opening._replace(board=None)) as game:
+        await game.command("ladder")
+        await game.sees("There is no board:")

@@ -124,6 +124,8 @@ BOLD = 1 << 48
 PAPER = 0xFFFFFF
 """The part of a packed style that is the colour behind the text."""
 
+MOST_STYLES = 4096  # that are kept: a picture has hundreds, a long game tens of thousands
+
 _texts: list[str] = []
 _text_ids: dict[str, int] = {}
 
@@ -228,13 +230,13 @@ class Cells:
         return ["".join(_texts[number] for number in line) for line in self.text.tolist()]
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=MOST_STYLES)
 def _style_of(packed: int) -> Style:
     style = Style.from_color(colour_of(packed >> 24 & PAPER), colour_of(packed & PAPER))
     return style + Style(bold=True) if packed & BOLD else style
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=MOST_STYLES)
 def colour_of(number: int) -> RichColor:
     return RichColor.from_rgb(number >> 16, number >> 8 & 0xFF, number & 0xFF)
 
