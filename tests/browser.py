@@ -112,6 +112,7 @@ class Seat:
 
     def __init__(self, browser: Browser, address: str, size: ViewportSize | None = SIZE) -> None:
         context = browser.new_context(viewport=size, no_viewport=size is None)
+        context.set_default_timeout(1000 * PATIENCE)
         self.page = context.new_page()
         self.screen = pyte.Screen(1, 1)  # of the latest connection
         self.errors: list[str] = []
@@ -177,6 +178,12 @@ class Seat:
             self.page.keyboard.press(key)
         if sees:
             self.sees(sees)
+
+    def finds_command(self, title: str) -> None:
+        """Search for a command in the palette until it is the first one, which enter runs."""
+        self.press("Control+p")
+        self.page.keyboard.type(title.lower())
+        self.sees(title)
 
 
 class Client(Terminal):
