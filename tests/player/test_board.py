@@ -170,6 +170,7 @@ async def test_a_class_sees_levels_runs_victories_and_trouble(tmp_path: Path) ->
 async def test_a_program_is_shown_to_whom_help_was_asked_of(tmp_path: Path) -> None:
     folder = tmp_path / "board"
     async with listed(tmp_path, folder, is_class=True) as (at, listener):
+        await at.until(lambda: Board(folder).activities())
         await listener.ask_for_help("my text")
         await at.until(lambda: activity_in(folder).help_since)
         assert Board(folder).shown_program("ada") == "my text"
