@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 _USUAL = 0.3  # seconds waited per second of computing on an idle machine
 _LEAVE = 0.02  # seconds between pictures, for each second waited per second of computing
 _MUCH = 2.7  # seconds waited per second of computing from which keys begin to suffer
-_LEAVE_MORE = 0.15  # seconds between pictures, for each second above that
-_LONGEST = 0.33  # seconds between pictures
+_FIRST_PAUSE = 0.02  # seconds, after the first picture that waited longer
+_LENGTHEN, _SHORTEN = 1.15, 0.87  # factors of the pause, after a picture that waited longer, or not
+_LONGEST = 1.0  # seconds between pictures
 _MOST = 10.0  # seconds waited per second of computing; more makes no difference
 _SMOOTH = 0.1  # the weight of the last picture
 _HURRY = 0.1  # seconds after a key press
@@ -29,9 +30,10 @@ _HURRY = 0.1  # seconds after a key press
 class FrameRate:
     """Draws less often on a busy computer, so that keys are answered promptly.
 
-    Where computing takes three times as long as alone, about 15 pictures a second; five times,
-    about 3. All times are in seconds. If `clock` can't tell how long the thread waited, time
-    not spent computing was spent waiting.
+    Where computing takes three times as long as alone, about 15 pictures a second. Where it takes
+    longer still, pauses grow until it doesn't, because other games pause in the same way, or to a
+    second. All times are in seconds. If `clock` can't tell how long the thread
+    waited, time not spent computing was spent waiting.
     """
 
     def __init__(self, clock: Clock = CLOCK) -> None:
@@ -39,13 +41,13 @@ class FrameRate:
         self._clock = clock
         self._last = clock.processor_times()
         self._strain = 0.0  # seconds waited per second of computing
+        self._pause = 0.0  # seconds
         self._drawn_at = self._hurried_at = float("-inf")
 
     @property
     def spacing(self) -> float:
         """Seconds to pause between two frames in addition to the usual pause."""
-        usual, much = max(self._strain - _USUAL, 0.0), max(self._strain - _MUCH, 0.0)
-        return min(_LEAVE * usual + _LEAVE_MORE * much, _LONGEST)
+        return min(_LEAVE * max(self._strain - _USUAL, 0.0) + self._pause, _LONGEST)
 
     @property
     def idle_seconds(self) -> float:
@@ -81,6 +83,10 @@ class FrameRate:
         if computed > 0:
             strain = min(max(waited / computed, 0.0), _MOST)
             self._strain += _SMOOTH * (strain - self._strain)
+            if strain > _MUCH:
+                self._pause = min(max(_LENGTHEN * self._pause, _FIRST_PAUSE), _LONGEST)
+            else:
+                self._pause *= _SHORTEN
 
 
 class FrameScheduler:

@@ -50,8 +50,8 @@ def machine(request: pytest.FixtureRequest) -> Machine:
 def test_frame_rates_give_way_gently_then_further_and_recover(machine: Machine) -> None:
     assert machine.frames_per_second(0.0) == pytest.approx(30)
     assert 8 < machine.frames_per_second(GENTLY) < 15
-    assert 2.5 < machine.frames_per_second(MOST) < 4
-    assert machine.frames_per_second(100 * MOST) > 2.5
+    assert 0.9 < machine.frames_per_second(MOST) < 1.5
+    assert machine.frames_per_second(100 * MOST) > 0.9
     assert machine.frames_per_second(0.0) == pytest.approx(30, rel=0.02)
 
 
@@ -78,11 +78,11 @@ def test_the_rate_that_is_set_is_never_exceeded() -> None:
 
 
 @given(st.lists(st.floats(-1.0, 1e6), max_size=30))
-def test_whatever_was_measured_a_picture_comes_within_half_a_second(strains: list[float]) -> None:
+def test_whatever_was_measured_a_picture_comes_within_a_second(strains: list[float]) -> None:
     machine = Machine()
     for strain in strains:
         machine.draw(strain)
-        assert 0 <= machine.rate.spacing < 0.5
+        assert 0 <= machine.rate.spacing <= 1
 
 
 def test_this_system_tells_both_times_or_none() -> None:
