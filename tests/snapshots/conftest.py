@@ -8,7 +8,6 @@ from typing import Protocol
 import pyte
 import pytest
 from pyte.modes import DECAWM
-from textual.css.stylesheet import Stylesheet
 from textual.drivers.headless_driver import HeadlessDriver
 from textual.widget import Widget
 
@@ -19,7 +18,6 @@ from tests.snapshots.picture import Cell, cells_of, differences, picture, read_p
 from tests.tui.conftest import (
     Opened,
     _no_trials,
-    _parsed_once,
     _time_of_the_loop,
     opened,
     pytest_asyncio_loop_factories,
@@ -95,7 +93,6 @@ def show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, pytestconfig: pytest.C
     What differs from the snapshots is told at the end.
     """
     sent: list[str] = []
-    monkeypatch.setattr(Stylesheet, "parse", _parsed_once)
     monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0)
     monkeypatch.setattr(diff_app, "ListeningDriver", HeadlessDriver)
     monkeypatch.setattr(HeadlessDriver, "write", lambda _, data: sent.append(data))

@@ -11,7 +11,6 @@ from typing import Any, TypeAlias, TypedDict, Unpack
 import pytest
 from textual import _time, events, notifications
 from textual._compositor import Compositor
-from textual.css.model import RuleSet
 from textual.css.styles import RulesMap
 from textual.css.stylesheet import Stylesheet
 from textual.document._history import EditHistory
@@ -371,37 +370,16 @@ def _loading(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) ->
 def _quick_run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a quick run the screen does no more than a test asks for.
 
-    Style sheets are parsed once, a style is not set again, and nothing is drawn until a test looks.
-    That changes no order in which things happen, because the clock stands still meanwhile. With
-    ``--all`` all of it is done; `tests/snapshots` and `tests/e2e` look at what a terminal shows.
+    A style is not set again, and nothing is drawn until a test looks. That changes no order in
+    which things happen, because the clock stands still meanwhile. With ``--all`` all of it is done;
+    `tests/snapshots` and `tests/e2e` look at what a terminal shows.
     """
     if not request.config.option.all:
-        monkeypatch.setattr(Stylesheet, "parse", _parsed_once)
-        monkeypatch.setattr(Stylesheet, "rules_map", property(_mapped_once))
         monkeypatch.setattr(Stylesheet, "replace_rules", staticmethod(_replaced_by_others))
         monkeypatch.setattr(Compositor, "render_update", _drawn_later)
 
 
-_parse, _map_rules = Stylesheet.parse, vars(Stylesheet)["rules_map"].fget
 _replace_rules, _render_update = Stylesheet.replace_rules, Compositor.render_update
-_parsed: dict[tuple[object, ...], list[RuleSet]] = {}
-_mapped: dict[int, dict[str, list[RuleSet]]] = {}
-_variables: list[dict[str, str]] = []  # of each theme
-
-
-def _parsed_once(self: Stylesheet) -> None:
-    if self._variables not in _variables:
-        _variables.append(self._variables)
-    key = (*self.source.items(), _variables.index(self._variables))
-    if key not in _parsed:
-        _parse(self)
-        _parsed[key] = self._rules
-        _mapped[id(self._rules)] = _map_rules(self)
-    self._rules, self._rules_map, self._require_parse = _parsed[key], None, False
-
-
-def _mapped_once(self: Stylesheet) -> dict[str, list[RuleSet]]:
-    return _mapped[id(self.rules)]
 
 
 def _replaced_by_others(node: DOMNode, rules: RulesMap, animate: bool = False) -> None:
