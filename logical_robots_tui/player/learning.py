@@ -9,7 +9,7 @@ from logical_robots_tui.game import ProgramSource, load_program
 from logical_robots_tui.game.source import is_hidden, is_unsolved, reference_names
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session import Session
-from logical_robots_tui.player.session_state import ProgramText, Ui, run_or_warn
+from logical_robots_tui.player.session_state import ProgramText, Ui
 from logical_robots_tui.progress import Progress, Version
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.level import LevelQuestion
@@ -117,8 +117,8 @@ class Learning:
                 return ""
             self._recorder.set_fact(_shown(solution), "yes")
         names = await asyncio.to_thread(reference_names, solution)
-        sources = await run_or_warn(self._ui, lambda: [*map(load_program, names)])
-        return "\n\n".join(source.text for source in sources or ())
+        sources = await asyncio.to_thread(lambda: [*map(load_program, names)])
+        return "\n\n".join(source.text for source in sources)
 
     async def versions(self) -> list[Version]:
         """Return the player's programs for this level, last used first."""
@@ -141,9 +141,7 @@ class Learning:
         if not level.starter:
             self._ui.tell("This level has no starter program.")
             return
-        starter = await run_or_warn(self._ui, load_program, level.starter)
-        if starter is None:
-            return
+        starter = await asyncio.to_thread(load_program, level.starter)
         if starter.text == self._program.text:
             self._ui.tell("This is the starter program.")
             return

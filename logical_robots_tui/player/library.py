@@ -16,7 +16,7 @@ from logical_robots_tui.player.drafts import Autosave, Draft, Drafts, Key, Unsav
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.recovery import Offers, short_name, when_saved
 from logical_robots_tui.player.session import Session
-from logical_robots_tui.player.session_state import ProgramText, Ui, run_or_warn
+from logical_robots_tui.player.session_state import ProgramText, Ui
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
@@ -84,8 +84,7 @@ class Library:
         if name is None:
             self._ui.tell("This was the last level.")
             return
-        if (level := await run_or_warn(self._ui, load_level, name)) is not None:
-            await self.open_level(level)
+        await self.open_level(await asyncio.to_thread(load_level, name))
 
     async def open_daily(self) -> None:
         from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES
@@ -96,16 +95,18 @@ class Library:
         answer = await self._ui.choose("Labyrinth of the day", question, answers)
         if answer is None:
             return
-        find = partial(daily_level, self._recorder.progress, today, cast("DailySize", answer))
-        if (level := await run_or_warn(self._ui, find)) is not None:
-            await self.open_level(level)
+        size = cast("DailySize", answer)
+        level = await asyncio.to_thread(daily_level, self._recorder.progress, today, size)
+        await self.open_level(level)
 
     async def open_level(self, level: Level) -> None:
         source = self._session.source
         sources = dict.fromkeys([team.name for team in level.teams] or [""], source)
         if level.teams or (level.starter and level.starter != source.name):
-            team_sources = await run_or_warn(self._ui, programs_for, level, (), {}, self.programs)
-            sources = sources if team_sources is None else team_sources
+            try:
+                sources = await asyncio.to_thread(programs_for, level, (), {}, self.programs)
+            except InputError as error:
+                self._ui.warn(str(error))
         source = next(iter(sources.values()))
         own_text = None
         if source.name == level.starter:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from logical_robots_tui.editing.edits import Edits
-from logical_robots_tui.errors import InputError
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
 
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.mind.program import Texts
-
-T = TypeVar("T")
 
 
 class OpenLevel:
@@ -199,15 +196,6 @@ class Ui(Protocol):
     async def choose(
         self, title: str, question: str, answers: Sequence[tuple[str, str]]
     ) -> str | None: ...
-
-
-async def run_or_warn(ui: Ui, work: Callable[..., T], *values: Any) -> T | None:
-    """Return what `work` returns in a thread; None, with a warning, if it raises InputError."""
-    try:
-        return await asyncio.to_thread(work, *values)
-    except InputError as error:
-        ui.warn(str(error))
-        return None
 
 
 class Background:
