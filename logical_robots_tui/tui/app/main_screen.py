@@ -239,7 +239,7 @@ class MainScreen(Screen[None], SessionListener):
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Keep the styles on the first call, because they were just computed."""
-        event.refresh_styles = bool(self.stack_updates)
+        event.refresh_styles &= bool(self.stack_updates)
         self.offers.resumed.set()
 
     def _start(self) -> None:
@@ -325,7 +325,8 @@ class MainScreen(Screen[None], SessionListener):
         edits = self.editing.is_on and self.labyrinth.has_focus
         self._bar.show(typing=typing, running=busy, editing=edits, focus_keys=focus_keys)
         tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)
-        messages = (toast.region for toast in self.query("Toast"))
+        racks = self.query_children("ToastRack")
+        messages = (toast.region for rack in racks for toast in rack.query("Toast"))
         covered = [region.x for region in messages if region.overlaps(self._tabs.region)]
         free = min(covered, default=self.size.width)
         self._tabs.show(tabs, self.arrangement.active.command_id, free)
@@ -361,7 +362,7 @@ class MainScreen(Screen[None], SessionListener):
         """Show messages over the lower left of the map, if it is not the only pane."""
         region = self.labyrinth.region
         is_over_map = self.arrangement.layout.is_roomy and self.labyrinth.display
-        for rack in self.query("ToastRack"):  # none while the screen closes
+        for rack in self.query_children("ToastRack"):  # none while the screen closes
             rack.set_class(is_over_map, "-over-map")
             if is_over_map:
                 rack.styles.width = region.width - 2

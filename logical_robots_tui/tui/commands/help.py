@@ -76,6 +76,7 @@ class Help(Dialog[None]):
 
     DEFAULT_CSS = """
     Help > #box { width: 100%; max-width: 100; height: 100%; max-height: 100%; }
+    Help { background: $background; }  /* nothing beneath is drawn meanwhile */
     Help LinesView { height: 1fr; scrollbar-gutter: stable; margin: 0; }
     """
 
