@@ -339,8 +339,10 @@ def host(options: argparse.Namespace) -> int:
     exit status: 0 after ^C, 2 if FOLDER can't be used
     """
     from logical_robots_tui.processes.hosting import GameHost, listen
+    from logical_robots_tui.tui.terminal.capabilities import assume_browser
 
     os.environ["TEXTUAL_FPS"] = FRAMES_A_SECOND
+    assume_browser(os.environ, None)  # whose terminal is like most players'
     games = GameHost(listen(options.folder))
     if options.board is not None:
         games.companions.append(_start_ladder(options.board))

@@ -58,6 +58,7 @@ if TYPE_CHECKING:
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
 _LOOK_FOR_IDLENESS = 10.0  # seconds between looks whether the compile process has had no work
+_REHEARSED = ("question_mark", "ctrl+p", "l")  # keys of dialogs that take long for the first time
 _LOOK_FOR_PROGRAM = 0.05  # seconds between looks whether the starter program is compiled
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
@@ -348,16 +349,21 @@ def rehearse() -> None:
     What Python, Textual and the compiler have done once is then done for all of them.
     """
 
-    async def leave_when_compiled(pilot: Pilot[object]) -> None:
+    async def look_around(pilot: Pilot[object]) -> None:
         while app.main.session.state.phase in ("fresh", "compiling"):
             await pilot.pause(_LOOK_FOR_PROGRAM)
+        for key in _REHEARSED:
+            await pilot.press(key)
+            while workers := [worker for worker in app.workers if worker.node is app.screen]:
+                await workers[0].wait()
+            await pilot.press("escape")
         app.exit()
 
     with TemporaryDirectory() as folder:
         recorder = ProgressRecorder(Path(folder) / FILE_NAME)
         opening = open_game(recorder.progress, Path(folder))
         app = LogicalRobotsApp(opening, recorder=recorder)
-        app.run(headless=True, auto_pilot=leave_when_compiled)
+        app.run(headless=True, auto_pilot=look_around)
     stop_compiling()
     if app.mistake is not None:
         raise app.mistake
