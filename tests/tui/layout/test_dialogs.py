@@ -1,14 +1,20 @@
 """Dialogs and lists, whatever comes in when they have just changed or gone."""
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rich.style import Style
 from textual import events
+from textual.css.stylesheet import Stylesheet
+from textual.dom import DOMNode
+from textual.geometry import Size
+from textual.screen import Screen
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import ProgramSource, load_program
-from logical_robots_tui.tui.commands.help import PaletteScreen
+from logical_robots_tui.tui.commands.help import Help, PaletteScreen
 from logical_robots_tui.tui.layout.dialogs import QuestionDialog
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
@@ -81,3 +87,33 @@ async def test_a_long_line_is_seen_at_its_end_and_late_clicks_do_nothing(data_di
             game.app.post_message(kind(None, 1, 1, 0, 0, 1, False, False, False, 1, 1))
         await game.until(lambda: game.app.screen is game.main)
         await game.press("n", tick=1)
+
+
+@pytest.mark.slow
+async def test_a_dialog_is_laid_out_once_and_leaves_the_styles_beneath(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes, styled = list[tuple[Screen[Any], Size]](), set[DOMNode]()
+    take_size, update_nodes = Screen._screen_resized, Stylesheet.update_nodes
+
+    def watched_size(screen: Screen[Any], size: Size) -> None:
+        sizes.append((screen, size))
+        take_size(screen, size)
+
+    def watched_update(sheet: Stylesheet, nodes: Iterable[DOMNode], animate: bool = False) -> None:
+        styled.update(nodes := [*nodes])
+        update_nodes(sheet, nodes, animate)
+
+    async with opened(data_dir, size=(80, 24)) as game:
+        monkeypatch.setattr(Screen, "_screen_resized", watched_size)
+        monkeypatch.setattr(Stylesheet, "update_nodes", watched_update)
+        await game.press("question_mark", on=Help)
+        await game.settled()
+        assert sizes == []  # it has the terminal's
+        styled.clear()
+        await game.press("escape", on=type(game.main))
+        await game.settled()
+        assert game.main not in styled
+        await game.resize(100, 30, until=lambda: sizes)
+        await game.settled()
+        assert sizes == [(game.main, Size(100, 30))]
