@@ -59,7 +59,7 @@ _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` t
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
 _LOOK_FOR_IDLENESS = 10.0  # seconds between looks whether the compile process has had no work
 _REHEARSED = ("question_mark", "ctrl+p", "l")  # keys of dialogs that take long for the first time
-_LOOK_FOR_PROGRAM = 0.05  # seconds between looks whether the starter program is compiled
+_LOOK_FOR_WORK = 0.05  # seconds between looks whether what was started is done
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 _INPUT = (events.InputEvent, events.Paste)
@@ -351,11 +351,11 @@ def rehearse() -> None:
 
     async def look_around(pilot: Pilot[object]) -> None:
         while app.main.session.state.phase in ("fresh", "compiling"):
-            await pilot.pause(_LOOK_FOR_PROGRAM)
+            await pilot.pause(_LOOK_FOR_WORK)
         for key in _REHEARSED:
             await pilot.press(key)
-            while workers := [worker for worker in app.workers if worker.node is app.screen]:
-                await workers[0].wait()
+            while any(worker.node is app.screen for worker in app.workers):
+                await pilot.pause(_LOOK_FOR_WORK)
             await pilot.press("escape")
         app.exit()
 

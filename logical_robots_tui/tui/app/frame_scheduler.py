@@ -31,9 +31,9 @@ class FrameRate:
     """Draws less often on a busy computer, so that keys are answered promptly.
 
     Where computing takes three times as long as alone, about 15 pictures a second. Where it takes
-    longer still, pauses grow until it doesn't, because other games pause in the same way, or to a
-    second. All times are in seconds. If `clock` can't tell how long the thread
-    waited, time not spent computing was spent waiting.
+    longer still, the pause between pictures grows until it doesn't, because other games pause in
+    the same way, or until it is a second. All times are in seconds. If `clock` can't tell how long
+    the thread waited, time not spent computing was spent waiting.
     """
 
     def __init__(self, clock: Clock = CLOCK) -> None:

@@ -239,7 +239,7 @@ class MainScreen(Screen[None], SessionListener):
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Keep the styles on the first call, because they were just computed."""
-        event.refresh_styles &= bool(self.stack_updates)
+        event.refresh_styles = event.refresh_styles and self.stack_updates > 0
         self.offers.resumed.set()
 
     def _start(self) -> None:

@@ -42,10 +42,10 @@ def keys_in_style(text: str) -> Content:
 
 
 def drop_stale_size(event: events.Resize, screen: Screen[Any]) -> bool:
-    """Prevent a screen from taking a size that the terminal no longer has; return whether it did.
+    """Keep a screen from taking a size that the terminal no longer has; return whether it hasn't.
 
-    Textual sends each size that a screen takes to the screen again: two at once would alternate,
-    and one would be laid out and drawn twice.
+    Nor does a screen take its own size: Textual sends it each size that it has taken, so two at
+    once would alternate, and one would be laid out and drawn twice.
     """
     is_stale = event.size != screen.app.size
     if is_stale or event.size == screen.outer_size:
