@@ -205,12 +205,6 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; keys and mouse buttons take priority over all other work."""
         typed = None
-        if isinstance(event, events.Resize):
-            (columns, lines), size, was_cut = LARGEST, event.size, self._was_cut
-            self._was_cut = size.width >= columns or size.height >= lines
-            if self._was_cut and not was_cut:
-                text = f"Only {columns} columns and {lines} lines of this terminal are drawn."
-                self.main.warn(text)
         if isinstance(event, _INPUT) and not self.screen_stack:
             return  # the game is about to end
         if isinstance(event, events.MouseDown | events.MouseMove) and self.mouse_captured is None:
@@ -227,6 +221,13 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         await super().on_event(event)
         if typed is not None:
             self._key_queue.begin(typed)
+
+    def post_display_hook(self) -> None:
+        # Not before so much is drawn, which may take longer than a message stays.
+        (columns, lines), size, was_cut = LARGEST, self.screen.size, self._was_cut
+        self._was_cut = size.width >= columns or size.height >= lines
+        if self._was_cut and not was_cut:
+            self.main.warn(f"Only {columns} columns and {lines} lines of this terminal are drawn.")
 
     @property
     def backlog(self) -> int:

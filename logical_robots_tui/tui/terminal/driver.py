@@ -261,7 +261,7 @@ class ListeningDriver(Driver):
         self._unmarked = UnbracketedPasteDetector()
         self._queries: deque[float] = deque()  # when
         self._slowest = 0.0  # seconds until an answer
-        self._under_way = 0
+        self._received: deque[Message] = deque()  # and not yet processed
         self._all_answered = threading.Condition()
         self._asked_at: float | None = None  # for the first time
         self._heard_at: float | None = None  # since it has answered once
@@ -281,15 +281,7 @@ class ListeningDriver(Driver):
         self.write(text)
 
     def send_message(self, message: Message) -> None:
-        with self._all_answered:
-            self._under_way += 1
-
-        def post() -> None:
-            with self._all_answered:
-                self._under_way -= 1
-            self.app.post_message(message)
-
-        self.loop.call_soon_threadsafe(post)
+        self.app.post_message(message)
 
     def run_input_thread(self) -> None:
         """Forward input until the driver stops; an exception ends the app."""
@@ -319,46 +311,51 @@ class ListeningDriver(Driver):
 
     def _receive(self, chunk: bytes) -> None:
         """Post what a chunk of input contains; an empty one lets time pass."""
+        self._received.extend(self._messages_in(chunk))
+        if self._received:
+            # Once for all: beside a busy event loop each wake-up waits for Python's lock.
+            self.loop.call_soon_threadsafe(self._process_received)
+
+    def _process_received(self) -> None:
+        for _ in range(len(self._received)):
+            self.process_message(self._received.popleft())
+
+    def _messages_in(self, chunk: bytes) -> Iterator[Message]:
         pieces: list[str | Pasted] = []
         if chunk:
             pieces, answers = self._incoming.take(chunk, monotonic())
             if answers or self._heard_at is not None:
                 self._heard_at = monotonic()
-            self._hear(answers)
+            yield from self._answers(answers)
         for piece in pieces:
             if isinstance(piece, Pasted):
-                self.process_message(events.Paste(piece))
+                yield events.Paste(piece)
                 self._parser = TolerantParser()
             elif self._is_flooded():
                 self._parser = TolerantParser()
             elif pasted := self._unmarked.paste_in(piece):
-                self.process_message(events.Paste(pasted))
+                yield events.Paste(pasted)
             else:
-                for message in self._parser.feed(piece):
-                    self.process_message(message)
-        for message in self._parser.tick():
-            self.process_message(message)
+                yield from self._parser.feed(piece)
+        yield from self._parser.tick()
 
     def _is_flooded(self) -> bool:
         """Return whether more input is pending than anybody types; if so, discard it."""
-        with self._all_answered:
-            waiting = self._under_way
         app = self.app if isinstance(self.app, BacklogApp) else None
-        if waiting + (app.backlog if app is not None else 0) < _FLOOD:
+        if len(self._received) + (app.backlog if app is not None else 0) < _FLOOD:
             return False
         if app is not None:
             self.loop.call_soon_threadsafe(app.drop_typed)
         return True
 
-    def _hear(self, answers: int) -> None:
-        """Post answers, at most as many as there were queries."""
+    def _answers(self, number: int) -> list[Message]:
+        """Return messages for answers, at most as many as there were queries."""
         with self._all_answered:
-            count = min(answers, len(self._queries))
+            count = min(number, len(self._queries))
             for _ in range(count):
                 self._slowest = max(self._slowest, monotonic() - self._queries.popleft())
             self._all_answered.notify_all()
-        for _ in range(count):
-            self.process_message(events.CursorPosition(0, 0))
+        return [events.CursorPosition(0, 0) for _ in range(count)]
 
 
 class TerminalDriver(ListeningDriver, LinuxDriver):
