@@ -16,7 +16,7 @@ from typing import Literal, TypeAlias
 from logical_robots_tui.confinement import REFUSAL, check_mine, check_name, check_quota, is_confined
 from logical_robots_tui.errors import InputError
 
-PLAYER_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,31}")
+PLAYER_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,31}")
 """Names of players, who have a folder each; a teacher chooses them, not the player."""
 
 _OF_THE_KERNEL = ("/proc", "/sys", "/dev")

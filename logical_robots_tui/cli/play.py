@@ -170,7 +170,7 @@ def _open_board(options: argparse.Namespace) -> Board | None:
 
 
 def _account() -> str:
-    return re.sub(r"[^A-Za-z0-9_.-]", "_", pwd.getpwuid(os.getuid()).pw_name)[:32]
+    return re.sub(r"^[.-]|[^A-Za-z0-9_.-]", "_", pwd.getpwuid(os.getuid()).pw_name)[:32]
 
 
 def _base_path(text: str) -> str:

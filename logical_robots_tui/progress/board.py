@@ -54,7 +54,7 @@ SCHEMA = Schema(
                 name TEXT UNIQUE COLLATE NOCASE,
                 is_listed INTEGER NOT NULL,
                 shares INTEGER NOT NULL
-            ) WITHOUT ROWID
+            ) WITHOUT ROWID, STRICT
             """,
             # engine and program are digests. confirmed: the engine that played it again.
             # struck: why it does not count. ghost: a replay without programs.
@@ -74,7 +74,7 @@ SCHEMA = Schema(
                 struck TEXT,
                 ghost BLOB,
                 UNIQUE (level_digest, player, program)
-            )
+            ) STRICT
             """,
             # runs: since the last victory or opening. help_since: when help was asked for.
             """
@@ -89,7 +89,7 @@ SCHEMA = Schema(
                 won TEXT,
                 trouble TEXT NOT NULL DEFAULT '',
                 help_since TEXT
-            ) WITHOUT ROWID
+            ) WITHOUT ROWID, STRICT
             """,
             # The ladder of an arena. program: digest of what was handed in last; played: of what
             # the numbers are of, null before the first match. problem: why it does not play.
@@ -106,7 +106,7 @@ SCHEMA = Schema(
                 strength REAL NOT NULL DEFAULT 0,
                 problem TEXT NOT NULL DEFAULT '',
                 PRIMARY KEY (arena, player)
-            ) WITHOUT ROWID
+            ) WITHOUT ROWID, STRICT
             """,
             # programs: digests of both. replay: without programs.
             """
@@ -117,7 +117,7 @@ SCHEMA = Schema(
                 programs TEXT NOT NULL,
                 replay BLOB NOT NULL,
                 PRIMARY KEY (arena, upper, lower)
-            )
+            ) STRICT
             """,
         ),
     ),
@@ -353,7 +353,8 @@ class Board:
 
     def ghost(self, number: int) -> bytes | None:
         """Return the replay of an entry, or None if it is no longer there."""
-        rows = self.rows("SELECT ghost FROM entry WHERE number = :number", number=number)
+        query = "SELECT ghost FROM entry WHERE number = :number AND length(ghost) <= :most"
+        rows = self.rows(query, number=number, most=MOST_GHOST_BYTES)
         return rows[0][0] if rows else None
 
     def entries(self) -> list[BoardEntry]:
@@ -405,8 +406,8 @@ class Board:
         ]
 
         def order(row: Activity) -> tuple[bool, bool, str, str]:
-            help_since = row.help_since if row.asks_for_help else None
-            return help_since is None, not row.is_open, help_since or "", row.player
+            help_since = (row.asks_for_help and row.help_since) or ""
+            return not row.asks_for_help, not row.is_open, help_since, row.player
 
         return sorted(rows, key=order)
 

@@ -106,6 +106,33 @@ def test_a_program_that_was_changed_is_not_played(tmp_path: Path) -> None:
         ada.program(entry.player, entry.program)
 
 
+def test_an_account_may_begin_with_an_underscore(tmp_path: Path) -> None:
+    service = board_of(tmp_path, "_service")
+    win(service, "a", 7)
+    (entry,) = Board(tmp_path).entries()
+    assert Board(tmp_path).program(entry.player, entry.program) == "a"
+
+
+@pytest.mark.parametrize("change", ["ticks = 'many'", "won = x'ff'", "distance = 'far'"])
+def test_no_program_of_a_player_gives_a_column_another_type(change: str, tmp_path: Path) -> None:
+    ada = board_of(tmp_path, "ada")
+    win(ada, "a", 7)
+    with (
+        contextlib.closing(sqlite3.connect(ada.file)) as connection,
+        pytest.raises(sqlite3.IntegrityError, match="cannot store"),
+    ):
+        connection.execute(f"UPDATE entry SET {change}")
+
+
+def test_a_ghost_that_is_larger_than_any_game_writes_is_not_read(tmp_path: Path) -> None:
+    ada = board_of(tmp_path, "ada")
+    ada.add(LEVEL, DIGEST, ENGINE, "a", Measures(7, 9, 5.0), b"replay")
+    (entry,) = ada.entries()
+    with contextlib.closing(sqlite3.connect(ada.file)) as connection, connection:
+        connection.execute("UPDATE entry SET ghost = zeroblob(?)", (board.MOST_GHOST_BYTES + 1,))
+    assert ada.ghost(entry.number) is None
+
+
 def test_activity_keeps_what_was_not_reported_anew(tmp_path: Path) -> None:
     ada = board_of(tmp_path, "ada")
     ada.report(level=LEVEL, since="1", runs=2)
