@@ -392,14 +392,18 @@ class LineGame(SessionListener):
         if not board.is_on:
             raise InputError(NO_BOARD)
         if name:
+            membership = (board.membership or BoardMembership(True))._replace(is_listed=True)
             if name == "leave":
                 await board.join(BoardMembership(is_listed=False))
                 say("You are not on the board. It has no entries of yours.")
                 return
-            shares = board.membership is not None and board.membership.shares
-            membership = BoardMembership(True, board_name(name), shares)
+            if name in ("share", "private"):
+                membership = membership._replace(shares=name == "share")
+            else:
+                membership = membership._replace(name=board_name(name))
             await board.join(membership)
-            say(f"You are on the board as {shown_name(membership.name)}.")
+            shared = " Others may race your runs." if membership.shares else ""
+            say(f"You are on the board as {shown_name(membership.name)}.{shared}")
         elif board.standings:
             say(*columns(standing_rows(board.standings)))
         else:
@@ -498,7 +502,8 @@ COMMANDS = (
     LineCommand("solution", "", LineGame.solution, "the reference programs"),
     LineCommand("results", "", LineGame.results, "your best results beside the reference programs"),
     LineCommand("board", "[NAME]", LineGame.board,
-        "who has won this level and how well; or be there as NAME, anonymous, or leave"),
+        "who has won this level and how well; or be there as NAME, anonymous, or leave; "
+        "share lets others race your runs, private ends that"),
     LineCommand("ladder", "[hand in]", LineGame.ladder,
         "the ranks in this arena; with hand in your program plays there"),
     LineCommand("teacher", "", LineGame.ask_help,

@@ -60,6 +60,17 @@ def test_another_name_keeps_what_is_shared_and_leaving_deletes_all(
     assert [entry.player for entry in board.entries()] == ["ben"]
 
 
+def test_others_may_race_the_runs_of_whoever_shares_them(typed: Ask, board: Board) -> None:
+    assert "as Ada. Others may race your runs." in typed("board Ada", "board share").success
+    assert board.membership() == BoardMembership(is_listed=True, name="Ada", shares=True)
+    typed("ok", "run")
+    rival = Board(board.file.parent, "ben")
+    (entry,) = [entry for entry in board.entries() if entry.player == "ada"]
+    assert [ghost.number for ghost in rival.ghosts(entry.level_digest)] == [entry.number]
+    assert "You are on the board as Ada.\n" in typed("ok", "board private").success
+    assert rival.ghosts(entry.level_digest) == []
+
+
 def test_a_program_is_shown_to_the_teacher_until_the_game_ends(typed: Ask, board: Board) -> None:
     out = typed("ok", "teacher").success
     assert "In this class the teacher sees which level you play" in out

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from datetime import datetime, tzinfo
+from datetime import datetime
 
 from logical_robots_tui.lab.platforms.names import plain
 
@@ -57,6 +57,7 @@ def parse_date(text: str) -> datetime | None:
 def _date_of(fields: dict[str, str]) -> datetime:
     name, hour, half = plain(fields["month"]), int(fields["hour"]), fields.get("half", "").lower()
     month = next((n for n, starts in enumerate(_MONTHS, 1) if name.startswith(starts)), 0)
+    zone = fields.get("zone", "").replace("UTC", "Z")
     return datetime(
         int(fields["year"]),
         month or int(name),
@@ -64,9 +65,5 @@ def _date_of(fields: dict[str, str]) -> datetime:
         hour % 12 + 12 * (half == "p") if half else hour,
         int(fields["minute"]),
         int(fields["second"] or 0),
-        tzinfo=_zone(fields.get("zone", "")),
+        tzinfo=datetime.strptime(zone, "%z").tzinfo if zone else None,
     )
-
-
-def _zone(name: str) -> tzinfo | None:
-    return datetime.strptime(name.replace("UTC", "Z"), "%z").tzinfo if name else None

@@ -174,7 +174,7 @@ class MainScreen(Screen[None], SessionListener):
             recorder,
             ui,
             self.offers,
-            pause=self._typing_pause,
+            pause=lambda: self.scheduler.rate.calm if self.is_typing else math.inf,
             is_test=lambda: self.editing.is_testing,
             look=self._look_of_pictures,
             following=library.next_name,
@@ -183,9 +183,6 @@ class MainScreen(Screen[None], SessionListener):
         )
         session.listeners += [self.editing, recorder, self.announcer]
         session.listeners += [self.timeline_controller, self.ghost, self]
-
-    def _typing_pause(self) -> float:
-        return self.scheduler.rate.calm if self.is_typing else math.inf
 
     def _look_of_pictures(self) -> tuple[Drawing, Palette] | None:
         """How miniatures are drawn, where there is room for one beside a table."""
