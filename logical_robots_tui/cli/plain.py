@@ -382,8 +382,7 @@ class LineGame(SessionListener):
     def results(self, _: str) -> None:
         bests = brief(self._recorder.record.bests)
         say(f"Yours: {bests}" if bests else "You have not won here yet.")
-        references = self._recorder.references.items()
-        say(*(f"{name}: {brief(measures)}" for name, measures in references))
+        say(*(f"{name}: {brief(best)}" for name, best in self._recorder.references.items()))
 
     async def board(self, name: str) -> None:
         from logical_robots_tui.progress.board import BoardMembership, shown_name

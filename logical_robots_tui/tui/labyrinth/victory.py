@@ -159,9 +159,7 @@ class VictoryAnnouncer(SessionListener):
         following = await self.following()
         is_first_arena = following in await asyncio.to_thread(list_arenas)
         picture = await self._picture_of(following)
-        await self.offers.free()
-        while (pause := self.pause()) < _PAUSE:  # noqa: ASYNC110 - each key begins it anew
-            await asyncio.sleep(_PAUSE - pause)
+        pause = await self.offers.at_hand(self._end_of_typing)
         victory, self._waiting = self._waiting, None
         if victory is None:
             return
@@ -193,6 +191,11 @@ class VictoryAnnouncer(SessionListener):
         answer = await self.offers.put(self._results)
         await self.board.join_once()
         self._obey(answer)
+
+    async def _end_of_typing(self) -> float:
+        while (pause := self.pause()) < _PAUSE:  # noqa: ASYNC110 - each key begins it anew
+            await asyncio.sleep(_PAUSE - pause)
+        return pause
 
     async def _picture_of(self, level: str | None) -> Cells | None:
         """Draw what comes next; without it the story is told alone."""

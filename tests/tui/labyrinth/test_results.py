@@ -11,6 +11,7 @@ from logical_robots_tui.game.victory import references_for
 from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.progress import FILE_NAME, Bests, Measures, Progress
 from logical_robots_tui.progress.board import BoardStanding
+from logical_robots_tui.tui.commands.help import PaletteScreen
 from logical_robots_tui.tui.labyrinth.results import (
     ResultsDialog,
     goal_lines,
@@ -101,6 +102,23 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: Size) -> 
         await game.press("escape", sees_no="challenge")
         game.app.push_screen(ResultsDialog(game.main.recorder, "Won", [("results", "Close")]))
         await game.sees(f"☐ {other.words}: a challenge")
+
+
+async def test_a_victory_covers_no_palette_that_was_opened_while_it_waited(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD, ready=True) as game:
+        await game.press("2", until=lambda: game.editor.has_focus)
+        game.session.run()
+        while game.session.won_at is None:
+            await game.press("x")
+            await game.later(0.2)
+        await game.press("x")
+        await game.later(0.2)
+        await game.press("ctrl+p", on=PaletteScreen)
+        await game.later(5)
+        assert isinstance(game.app.screen, PaletteScreen)
+        await game.press("escape", on=ResultsDialog)
 
 
 @pytest.mark.parametrize("size", SIZES)
