@@ -391,11 +391,11 @@ class LineGame(SessionListener):
         if not board.is_on:
             raise InputError(NO_BOARD)
         if name:
-            membership = (board.membership or BoardMembership(True))._replace(is_listed=True)
             if name == "leave":
                 await board.join(BoardMembership(is_listed=False))
                 say("You are not on the board. It has no entries of yours.")
                 return
+            membership = (board.membership or BoardMembership(True))._replace(is_listed=True)
             if name in ("share", "private"):
                 membership = membership._replace(shares=name == "share")
             else:

@@ -4,6 +4,7 @@ from contextvars import copy_context
 from functools import partial
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from textual import events
@@ -147,6 +148,20 @@ async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_
         tops = [pane.region.y for pane in game.main.query(Pane)]
         assert tops == sorted(set(tops)), "in a high terminal one is below the other"
         assert {pane.region.width for pane in game.main.query(Pane)} == {90}
+
+
+async def test_a_terminal_that_is_too_large_is_told_of_once_whatever_covers_the_game(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    warnings: list[str] = []
+    async with opened(data_dir, ready=True) as game:
+        monkeypatch.setattr(game.main, "warn", warnings.append)
+        await game.press("question_mark", sees="Type to filter")
+        await game.resize(1000, 40, until=lambda: warnings)
+        await game.press("escape", until=lambda: game.app.screen is game.main)
+        await game.press("question_mark", sees="Type to filter")
+        await game.later(1)
+        assert warnings == ["Only 1000 columns and 400 lines of this terminal are drawn."]
 
 
 async def test_panes_are_hidden_resized_and_pulled(data_dir: Path) -> None:
