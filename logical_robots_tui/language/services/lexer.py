@@ -92,8 +92,10 @@ class LineStates:
 
     def at(self, line: int, text_of: Callable[[int], str]) -> State:
         """Return the state at the start of a line, counted from 0."""
-        while len(self._states) <= line:
-            text, state = text_of(len(self._states) - 1), self._states[-1]
-            is_plain = not (state or "/*" in text or '"""' in text)
-            self._states.append("" if is_plain else state_after(text, state))
-        return self._states[line]
+        state = self._states[min(line, len(self._states) - 1)]
+        for row in range(len(self._states) - 1, line):
+            text = text_of(row)
+            if state or "/*" in text or '"""' in text:
+                state = state_after(text, state)
+            self._states.append(state)
+        return state

@@ -272,17 +272,14 @@ def _ray_reader(columns: tuple[str, ...]) -> Callable[[Mapping[str, Any]], Seque
     return lambda ray: [ray[column] for column in columns]
 
 
-def _in_sensor(name: str) -> Callable[[SensorRow], Any]:
+def _scalar(name: str) -> Callable[[SensorRow], Any]:
+    if name in SELF.scalars:
+        return lambda row: row["sensor"]["self"].get(name)
     return lambda row: row["sensor"].get(name)
-
-
-def _in_self(name: str) -> Callable[[SensorRow], Any]:
-    return lambda row: row["sensor"]["self"].get(name)
 
 
 _SENSOR_VALUES: dict[str, Callable[[SensorRow], Any]] = {
     "robot_name": itemgetter("robot_name"),
     "sensor": lambda row: to_input(row["sensor"]),
-    **{name: _in_sensor(name) for name in SENSOR.scalars},
-    **{name: _in_self(name) for name in SELF.scalars},
+    **{name: _scalar(name) for name in (*SENSOR.scalars, *SELF.scalars)},
 }

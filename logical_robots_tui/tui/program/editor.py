@@ -392,7 +392,7 @@ class Editor(TextArea):
         """Return a line with its colours, and with visible control characters."""
         line = self.document.get_line(line_index)
         text = Text(visible(line, tabs=True), end="", no_wrap=True)
-        state = self._states.at(line_index, self.document.get_line)
+        state = self._states.at(line_index, self.document.lines.__getitem__)
         for start, end, kind in pieces(line, state):
             text.stylize(self._syntax[kind], start, end)
         for start, end, is_wrong in self._underlines.get(line_index, ()):

@@ -204,9 +204,7 @@ def _beginnings() -> frozenset[str]:
 LARGEST = (1000, 400)
 """Columns and lines of the largest screen that is drawn."""
 
-_FIRST_ANSWER = 3.0  # seconds after the first query in which a terminal shows that it answers
-_LAST_ANSWER = 0.5  # seconds to wait for it before another program gets the terminal
-_MOST_PATIENCE = 5.0  # seconds to wait for it where answers take long
+_LATE_ANSWER = 5.0  # seconds after a query, in which its answer comes or never
 _BEGIN_OF_KEY_PROTOCOL = re.compile(r"\x1b\[>\d+u")
 _END_OF_KEY_PROTOCOL = "\x1b[<u"
 _TAKE_TERMINAL, _LEAVE_TERMINAL = "\x1b[?1049h", "\x1b[?1049l"
@@ -260,10 +258,10 @@ class ListeningDriver(Driver):
         self._parser, self._incoming = TolerantParser(), InputFilter()
         self._unmarked = UnbracketedPasteDetector()
         self._queries: deque[float] = deque()  # when
-        self._slowest = 0.0  # seconds until an answer
         self._received: deque[Message] = deque()  # and not yet processed
         self._all_answered = threading.Condition()
-        self._asked_at: float | None = None  # for the first time
+        self._is_listening = False
+        self._answers_until = 0.0  # after the last query, or the first to a silent terminal
         self._heard_at: float | None = None  # since it has answered once
 
     @property
@@ -274,10 +272,11 @@ class ListeningDriver(Driver):
     def ask(self, text: str) -> None:
         time = monotonic()
         with self._all_answered:
-            while self._queries and time - self._queries[0] > _MOST_PATIENCE:
-                self._queries.popleft()  # its answer is lost
+            while self._queries and time - self._queries[0] > _LATE_ANSWER:
+                self._queries.popleft()
             self._queries.append(time)
-            self._asked_at = self._asked_at or time
+            if self._heard_at is not None or not self._answers_until:
+                self._answers_until = time + _LATE_ANSWER
         self.write(text)
 
     def send_message(self, message: Message) -> None:
@@ -285,10 +284,14 @@ class ListeningDriver(Driver):
 
     def run_input_thread(self) -> None:
         """Forward input until the driver stops; an exception ends the app."""
+        self._is_listening = True
         try:
             self._listen()
         except Exception as error:  # it would end the thread unnoticed
             self.loop.call_soon_threadsafe(handle_exception, self.app, error)
+        with self._all_answered:
+            self._is_listening = False
+            self._all_answered.notify_all()
 
     @abstractmethod
     def _listen(self) -> None:
@@ -351,11 +354,9 @@ class ListeningDriver(Driver):
     def _answers(self, number: int) -> list[Message]:
         """Return messages for answers, at most as many as there were queries."""
         with self._all_answered:
-            count = min(number, len(self._queries))
-            for _ in range(count):
-                self._slowest = max(self._slowest, monotonic() - self._queries.popleft())
+            answered = [self._queries.popleft() for _ in range(min(number, len(self._queries)))]
             self._all_answered.notify_all()
-        return [events.CursorPosition(0, 0) for _ in range(count)]
+        return [events.CursorPosition(0, 0) for _ in answered]
 
 
 class TerminalDriver(ListeningDriver, LinuxDriver):
@@ -386,11 +387,10 @@ class TerminalDriver(ListeningDriver, LinuxDriver):
     def disable_input(self) -> None:
         """Stop reading after any pending answers, so that the next program doesn't get them."""
         with self._all_answered:
-            expected = 2 * self._slowest
-            if self._heard_at is None and self._asked_at is not None:
-                expected = self._asked_at + _FIRST_ANSWER - monotonic()
-            patience = min(max(_LAST_ANSWER, expected), _MOST_PATIENCE)
-            self._all_answered.wait_for(lambda: not self._queries, patience)
+            patience = self._answers_until - monotonic()
+            self._all_answered.wait_for(
+                lambda: not (self._queries and self._is_listening), patience
+            )
             self._queries.clear()
         super().disable_input()
 
