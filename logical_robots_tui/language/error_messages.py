@@ -35,7 +35,7 @@ FUNCTION = "{} is a function of its arguments; it has no rows of its own."
 OPEN = "{} uses {}, which is a parameter for :=; it has no rows of its own."
 
 _NO_CONDITION = "This is not a condition"
-_NOT_IN_HEAD = "This does not belong in the head of a rule"
+NOT_IN_HEAD = "This does not belong in the head of a rule"
 _NO_HEAD = "A rule starts with a predicate such as Robot(...)"
 _TWO_SIGNS = "There are two ':-'"
 _NO_FIELD = "Names of fields are lower case"
@@ -49,13 +49,13 @@ _NO_DISTINCT = "The head of this rule can't be understood"
 _NOT_DISTINCT = "Add `distinct` after the head"
 _NO_IF = "This 'if' can't be read"
 _NO_COPY = "This is not a predicate made from another"
-_UNREAD = (_NO_CONDITION, _NO_EXPRESSION, _NO_CALL, _NO_IF, _NO_HEAD, _NOT_IN_HEAD)
+_UNREAD = (_NO_CONDITION, _NO_EXPRESSION, _NO_CALL, _NO_IF, _NO_HEAD, NOT_IN_HEAD)
 
 _IF = "(if a < b then c else d)"
 _LOOK = "Look for a missing comma, quote or operator."
 _DISTINCT = "The word distinct comes last in a head, before ':-'."
 _ENDS = "Rules end with ';'."
-_BEFORE = "Is a ';' missing before it?"
+IS_END_MISSING = "Is a ';' missing before it?"
 _LOST = "is a ';' missing before"
 _BRACES = "Aggregates use braces: Sum{x :- Item(x)}."
 _HEADS = "Heads aggregate like this: P(x, best? Max= v)."
@@ -112,7 +112,7 @@ def explain(
     diagnostic = diagnostic_at(source.original, offset, length, message, hint)
     if message == _NOT_DISTINCT:
         return replace(diagnostic, fix=distinct_after_head(source, start, end))
-    if hint.startswith((_ENDS, _BEFORE)) and (
+    if hint.startswith((_ENDS, IS_END_MISSING)) and (
         head := _SECOND_HEAD.search(source.skeleton, start, end)
     ):
         stop = head.start() + 1
@@ -133,7 +133,7 @@ def _fitting(
         message = _NO_EXPRESSION
     if message in _UNREAD:
         hint = _neighbour_hint(source.skeleton, place[0], *statement)
-        if message == _NOT_IN_HEAD and _INSTEAD_OF_SIGN.match(value):
+        if message == NOT_IN_HEAD and _INSTEAD_OF_SIGN.match(value):
             return message, "Write ':-' between the head and the body."
         if hint := hint or _foreign_hint(source.skeleton[slice(*place)]):
             return message, hint
@@ -238,7 +238,7 @@ _PLAIN = (
      "A rule with '?' needs it: P(x, best? Max= v) distinct :- ..."),
     (r"^Aggregation of fields is only", "Only the head of a rule can aggregate with '?'", _HEADS),
     (r"^Aggregated fields have to", "An aggregated column needs a name before the '?'", _HEADS),
-    (r"^Unexpected text in the head", _NOT_IN_HEAD, _BEFORE),
+    (r"^Unexpected text in the head", NOT_IN_HEAD, IS_END_MISSING),
     (r"^Too many '=' in predicate", _TOO_MANY_EQUALS[0], "A head has one value: F(x) = y :- ..."),
     (r"^Variables starting with x_", "Names of variables can't start with x_",
      "Choose another name."),

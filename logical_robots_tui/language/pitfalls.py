@@ -22,6 +22,7 @@ from logical_robots_tui.language.diagnostics import (
     Severity,
     distance,
 )
+from logical_robots_tui.language.error_messages import IS_END_MISSING, NOT_IN_HEAD
 from logical_robots_tui.language.source_text import with_whole_brackets
 from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
 from logical_robots_tui.schema import INPUTS, VALUE
@@ -292,14 +293,15 @@ class _Finder:
             return
         sign, offset = node.operator, getattr(node.operator, "start", -1)
         is_own = {sign, f"`{sign}`"} & self._model.definitions.keys()
-        if offset >= 0 and not (sign[0].isalnum() or sign[0] in "`+" or is_own):
+        if offset >= 0 and not (re.fullmatch(r"\w+", sign) or sign[0] in "`+" or is_own):
             message = f"There is no {sign}= in Logica"
             hint = "Write != where values must differ."
-            if sign not in _UNEQUAL:
+            if re.search(r"[\w\s,]", sign):
+                message, hint = NOT_IN_HEAD, IS_END_MISSING
+            elif sign not in _UNEQUAL:
                 hint = f"A variable has one value; give the new one a name: y = x {sign} 1."
-            severity: Severity = (
-                "warning" if sign == "-" else "error"
-            )  # the package compiles no other
+            # The package compiles no other.
+            severity: Severity = "warning" if sign == "-" else "error"
             place = Span(offset, offset + len(sign) + 1)
             yield self._model.diagnostic(place, message, hint, severity)
 

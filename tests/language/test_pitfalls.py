@@ -124,6 +124,8 @@ BRANCHES = "P(y) :- y == (if c then x = 1 else x = 2);"
         ("P(y) :- y == Count(list);", "Count(...) aggregates a single", "Count{x :- x in list}"),
         ("P(y) :- y -= 1;", "There is no -= in Logica", "y = x - 1"),
         ("P(y) :- y /= 1;", "There is no /= in Logica", "Write !="),
+        ("P(x: 1),\n x = 1;", "This does not belong in the head of a rule", "Is a ';' missing"),
+        ("P(x: 1) A(x) = 2;", "This does not belong in the head of a rule", "Is a ';' missing"),
         ("Q(n: 1); P() :- Q(n = 1);", "'=' does not name a column", "Write n: 1."),
         ("P(n = 1);", "'=' does not name a column", "Write n: 1."),
         ("P(n: {m = 1});", "'=' does not name a field of a record", "Write m: 1."),

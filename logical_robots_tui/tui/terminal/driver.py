@@ -387,10 +387,8 @@ class TerminalDriver(ListeningDriver, LinuxDriver):
     def disable_input(self) -> None:
         """Stop reading after any pending answers, so that the next program doesn't get them."""
         with self._all_answered:
-            patience = self._answers_until - monotonic()
-            self._all_answered.wait_for(
-                lambda: not (self._queries and self._is_listening), patience
-            )
+            seconds = self._answers_until - monotonic()
+            self._all_answered.wait_for(lambda: not (self._queries and self._is_listening), seconds)
             self._queries.clear()
         super().disable_input()
 
