@@ -55,7 +55,7 @@ _IF = "(if a < b then c else d)"
 _LOOK = "Look for a missing comma, quote or operator."
 _DISTINCT = "The word distinct comes last in a head, before ':-'."
 _ENDS = "Rules end with ';'."
-IS_END_MISSING = "Is a ';' missing before it?"
+END_MISSING = "Is a ';' missing before it?"
 _LOST = "is a ';' missing before"
 _BRACES = "Aggregates use braces: Sum{x :- Item(x)}."
 _HEADS = "Heads aggregate like this: P(x, best? Max= v)."
@@ -112,7 +112,7 @@ def explain(
     diagnostic = diagnostic_at(source.original, offset, length, message, hint)
     if message == _NOT_DISTINCT:
         return replace(diagnostic, fix=distinct_after_head(source, start, end))
-    if hint.startswith((_ENDS, IS_END_MISSING)) and (
+    if hint.startswith((_ENDS, END_MISSING)) and (
         head := _SECOND_HEAD.search(source.skeleton, start, end)
     ):
         stop = head.start() + 1
@@ -238,7 +238,7 @@ _PLAIN = (
      "A rule with '?' needs it: P(x, best? Max= v) distinct :- ..."),
     (r"^Aggregation of fields is only", "Only the head of a rule can aggregate with '?'", _HEADS),
     (r"^Aggregated fields have to", "An aggregated column needs a name before the '?'", _HEADS),
-    (r"^Unexpected text in the head", NOT_IN_HEAD, IS_END_MISSING),
+    (r"^Unexpected text in the head", NOT_IN_HEAD, END_MISSING),
     (r"^Too many '=' in predicate", _TOO_MANY_EQUALS[0], "A head has one value: F(x) = y :- ..."),
     (r"^Variables starting with x_", "Names of variables can't start with x_",
      "Choose another name."),

@@ -19,10 +19,9 @@ from logical_robots_tui.language.diagnostics import (
     MULTIPLIES,
     Diagnostic,
     Proposal,
-    Severity,
     distance,
 )
-from logical_robots_tui.language.error_messages import IS_END_MISSING, NOT_IN_HEAD
+from logical_robots_tui.language.error_messages import END_MISSING, NOT_IN_HEAD
 from logical_robots_tui.language.source_text import with_whole_brackets
 from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
 from logical_robots_tui.schema import INPUTS, VALUE
@@ -297,13 +296,12 @@ class _Finder:
             message = f"There is no {sign}= in Logica"
             hint = "Write != where values must differ."
             if re.search(r"[\w\s,]", sign):
-                message, hint = NOT_IN_HEAD, IS_END_MISSING
+                message, hint = NOT_IN_HEAD, END_MISSING
             elif sign not in _UNEQUAL:
                 hint = f"A variable has one value; give the new one a name: y = x {sign} 1."
-            # The package compiles no other.
-            severity: Severity = "warning" if sign == "-" else "error"
-            place = Span(offset, offset + len(sign) + 1)
-            yield self._model.diagnostic(place, message, hint, severity)
+            span = Span(offset, offset + len(sign) + 1)
+            # Of these, the package compiles only "-".
+            yield self._model.diagnostic(span, message, hint, "warning" if sign == "-" else "error")
 
     def _called_aggregate(self, node: Node) -> Iterator[Diagnostic]:
         name = node.name if isinstance(node, tree.Call) else ""

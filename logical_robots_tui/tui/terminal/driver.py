@@ -260,7 +260,7 @@ class ListeningDriver(Driver):
         self._queries: deque[float] = deque()  # when
         self._received: deque[Message] = deque()  # and not yet processed
         self._all_answered = threading.Condition()
-        self._is_listening = False
+        self._is_listening = True  # until the terminal is gone
         self._answers_until = 0.0  # after the last query, or the first to a silent terminal
         self._heard_at: float | None = None  # since it has answered once
 
